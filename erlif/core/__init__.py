@@ -1,0 +1,1 @@
+"""The shared language of the stages: errors, flags, units, products and files."""
