@@ -1,0 +1,278 @@
+"""Film formulas against the worked examples, the regime map and the laws of scaling."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import conformal_radius, contact_modulus
+from erlif.models.film import (
+    LUBRICATION_REGIMES,
+    dowson_higginson_film,
+    film_parameter,
+    hamrock_dowson_film,
+    isoviscous_elastic_film,
+    isoviscous_rigid_film,
+    line_contact_film,
+    lubrication_regimes,
+    piezoviscous_rigid_film,
+    thesis_film,
+)
+
+LBF = 4.4482216152605
+LENGTH = 0.237
+RADIUS = conformal_radius(0.03336, bushing_radius=0.03359)
+STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
+ACRYLIC = contact_modulus(2.7e9, poisson_1=0.37, youngs_2=2.7e9, poisson_2=0.37)
+
+
+def thesis_case(load, **changes):
+    case = {"viscosity": 0.12, "pressure_viscosity": 2e-8, "radius": RADIUS, "contact_modulus": STEEL}
+    return {**case, "load_per_length": load / LENGTH, **changes}
+
+
+@pytest.mark.parametrize(("load", "micrometre"), [(222.5e3, 0.7007), (444.8e3, 0.6404)])
+def test_eq_2_8_as_the_thesis_writes_it(load, micrometre):  # Farzaneh (2002), eq. 2.8
+    npt.assert_allclose(thesis_film(0.084, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("load", "micrometre"), [(222.5e3, 0.6863), (444.8e3, 0.6272)])
+def test_eq_2_8_in_the_standard_form(load, micrometre):  # Dowson and Higginson (1966)
+    npt.assert_allclose(dowson_higginson_film(0.042, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("form", "speed", "load", "alpha"),
+    [
+        (thesis_film, 0.084, 222.5e3, 1.2345e-8),
+        (thesis_film, 0.084, 444.8e3, 1.4585e-8),
+        (dowson_higginson_film, 0.042, 222.5e3, 1.2830e-8),
+        (dowson_higginson_film, 0.042, 444.8e3, 1.5158e-8),
+    ],
+)
+def test_the_printed_film_of_the_thesis_needs_these_alphas(form, speed, load, alpha):  # 0.54 um, section 2.2.2
+    npt.assert_allclose(form(speed, **thesis_case(load, pressure_viscosity=alpha)), 0.54e-6, rtol=1e-4)
+
+
+def test_thesis_form_is_two_percent_above_the_standard_one():
+    ratio = thesis_film(0.084, **thesis_case(444.8e3)) / dowson_higginson_film(0.042, **thesis_case(444.8e3))
+    npt.assert_allclose(ratio, 1.0210, atol=5e-5)
+    npt.assert_allclose(ratio, 2 ** (-0.54 + 0.7 - 0.13), rtol=1e-12)  # G halves, V doubles, W doubles
+
+
+MAP = [  # modulus, lbf, gE, gV, four films [um], regime; computed for physics of this joint, half of .0842 m/s
+    (ACRYLIC, 50, 0.107, 0.0017, (128.4, 0.61, 13.6, 1.92), "isoviscous-rigid"),
+    (ACRYLIC, 1333, 2.85, 0.229, (4.82, 0.61, 7.05, 1.25), "isoviscous-elastic"),
+    (STEEL, 8e3, 2.04, 3.36, (0.802, 0.613, 0.899, 0.872), "isoviscous-elastic"),
+    (STEEL, 28e3, 7.15, 22.0, (0.229, 0.613, 0.700, 0.741), "piezoviscous-elastic"),
+    (STEEL, 100e3, 25.5, 149.0, (0.064, 0.613, 0.543, 0.628), "piezoviscous-elastic"),
+]
+
+
+@pytest.mark.parametrize(("modulus", "load", "gE", "gV", "films", "regime"), MAP)
+def test_regime_map_of_the_joint(modulus, load, gE, gV, films, regime):
+    found = line_contact_film(0.0421, **thesis_case(load * LBF, contact_modulus=modulus))
+    asymptotes = (
+        found.isoviscous_rigid,
+        found.piezoviscous_rigid,
+        found.isoviscous_elastic,
+        found.piezoviscous_elastic,
+    )
+    npt.assert_allclose(np.array(asymptotes) * 1e6, films, rtol=8e-3)  # half of the last printed digit
+    npt.assert_allclose(found.gE, gE, rtol=5e-3)
+    npt.assert_allclose(found.gV, gV, rtol=0.03 if gV == 0.0017 else 5e-3)  # two digits printed there
+    assert found.regime == regime
+    assert found.film == max(asymptotes)
+
+
+def test_dowson_higginson_is_67_times_too_small_for_the_optical_joint():
+    found = line_contact_film(0.0421, **thesis_case(50 * LBF, contact_modulus=ACRYLIC))
+    npt.assert_allclose(found.film / found.piezoviscous_elastic, 67, atol=0.5)
+    assert any("Dowson and Higginson" in note and "does not hold" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [(8e3, None), (11.7e3, None), (12.1e3, "never crosses"), (47.4e3, "never crosses"), (48.0e3, "never reaches")],
+)
+def test_notes_say_when_the_stroke_does_not_sweep_the_contact(load, words):  # limits at 11.9 and 47.7 klbf
+    notes = line_contact_film(0.0421, **thesis_case(load * LBF), stroke=7.11e-3).notes
+    swept = [note for note in notes if "stroke of" in note]
+    assert swept == [] if words is None else words in swept[0]
+
+
+def test_notes_say_when_the_motion_reverses():
+    speed = np.linspace(-0.04, 0.04, 5)
+    found = line_contact_film(speed, **thesis_case(444.8e3))
+    assert any("reverses" in note for note in found.notes)
+    assert found.film[2] == 0
+    assert not any("reverses" in note for note in line_contact_film(0.04, **thesis_case(444.8e3)).notes)
+    assert any("No stroke given" in note for note in found.notes)
+
+
+def test_regimes_broadcast_and_keep_coordinates():
+    load = xr.DataArray([50 * LBF / LENGTH, 1333 * LBF / LENGTH], dims="load", coords={"load": [50, 1333]})
+    found = line_contact_film(0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC))
+    assert isinstance(found.film, xr.DataArray)
+    assert list(found.regime.sel(load=[1333, 50]).values) == ["isoviscous-elastic", "isoviscous-rigid"]
+    speed = np.full((3, 1), 0.0421)
+    found = line_contact_film(speed, **thesis_case(1.0, load_per_length=load.values, contact_modulus=ACRYLIC))
+    assert found.regime.shape == (3, 2)
+
+
+scale = st.floats(0.1, 10.0)
+
+
+@given(scale, scale, scale, st.floats(0.001, 1.0), st.floats(1e2, 1e7))
+def test_films_obey_dimensional_analysis(length, mass, time, speed, load):
+    """In other units of length, mass and time every film changes as a length."""
+    case = thesis_case(1.0, load_per_length=load)
+    pressure = mass / (length * time**2)
+    scaled = {
+        "load_per_length": load * mass / time**2,
+        "viscosity": case["viscosity"] * pressure * time,
+        "pressure_viscosity": case["pressure_viscosity"] / pressure,
+        "radius": case["radius"] * length,
+        "contact_modulus": case["contact_modulus"] * pressure,
+    }
+    before = line_contact_film(speed, **case)
+    after = line_contact_film(speed * length / time, **scaled)
+    npt.assert_allclose(after.film, before.film * length, rtol=1e-9)
+    npt.assert_allclose([after.gE, after.gV], [before.gE, before.gV], rtol=1e-9)
+
+
+@given(scale, st.floats(0.001, 1.0))
+def test_films_grow_with_speed_and_thin_under_load(factor, speed):
+    more = 1 + factor
+    slow, fast = (line_contact_film(u, **thesis_case(444.8e3)) for u in (speed, more * speed))
+    heavy = line_contact_film(speed, **thesis_case(more * 444.8e3))
+    assert fast.film > slow.film >= heavy.film  # equal where the load does not enter (Blok)
+    npt.assert_allclose(fast.isoviscous_rigid / slow.isoviscous_rigid, more)
+    npt.assert_allclose(fast.piezoviscous_rigid / slow.piezoviscous_rigid, more ** (2 / 3))
+    npt.assert_allclose(heavy.isoviscous_elastic / slow.isoviscous_elastic, more**-0.2)
+    npt.assert_allclose(heavy.piezoviscous_elastic / slow.piezoviscous_elastic, more**-0.13)
+
+
+def test_direction_of_motion_does_not_matter():
+    npt.assert_allclose(
+        dowson_higginson_film(-0.042, **thesis_case(1e5)), dowson_higginson_film(0.042, **thesis_case(1e5))
+    )
+
+
+def martin_constant():
+    """h/R over U/W from the Reynolds equation of a rigid parabola with Reynolds' exit, integrated here."""
+    from scipy.integrate import quad
+    from scipy.optimize import brentq
+
+    def gradient(x, exit_):  # of p sqrt(...) in units in which h = 1 + x^2
+        return (x**2 - exit_**2) / (1 + x**2) ** 3
+
+    def pressure(exit_):
+        return quad(gradient, -np.inf, exit_, args=(exit_,), epsabs=1e-13)[0]
+
+    exit_ = brentq(pressure, 0.3, 0.7)
+    # integration by parts: the load is minus the moment of the gradient
+    load = -quad(lambda x: x * gradient(x, exit_), -np.inf, exit_, epsabs=1e-13)[0]
+    # p' = 12 eta u (h - h_exit) / h^3 in x = sqrt(2 R h0) X gives q = 24 eta u (R / h0) * load
+    return 24 * load, exit_
+
+
+def test_the_constant_of_martin():
+    constant, exit_ = martin_constant()
+    npt.assert_allclose(exit_, 0.475129920, atol=1e-7)
+    film = isoviscous_rigid_film(1.0, load_per_length=1.0, viscosity=1.0, radius=1.0)
+    npt.assert_allclose(film, constant, rtol=1e-6)
+
+
+def test_handbook_constants_that_use_the_sum_of_speeds():  # 2.45 and 1.05
+    npt.assert_allclose(isoviscous_rigid_film(0.5, load_per_length=1.0, viscosity=1.0, radius=1.0), 2.45, rtol=2e-3)
+    npt.assert_allclose(
+        piezoviscous_rigid_film(0.5, viscosity=1.0, pressure_viscosity=1.0, radius=1.0), 1.05, rtol=2e-3
+    )
+
+
+def test_isoviscous_elastic_film_knows_no_pressure_viscosity():
+    film = isoviscous_elastic_film(
+        0.0421, load_per_length=1333 * LBF / LENGTH, viscosity=0.12, radius=RADIUS, contact_modulus=ACRYLIC
+    )
+    npt.assert_allclose(film, 7.05e-6, rtol=1e-3)
+
+
+def test_hamrock_dowson_tends_to_its_line_contact_form():
+    def films(across):
+        return hamrock_dowson_film(
+            1.0,
+            load=100.0,
+            viscosity=0.05,
+            pressure_viscosity=2e-8,
+            radius_along=0.01,
+            radius_across=across,
+            contact_modulus=STEEL,
+        )
+
+    least, central = films(0.01)
+    far_least, far_central = films(1e4)
+    G, U, W = 2e-8 * 2 * STEEL, 0.05 / (2 * STEEL * 0.01), 100 / (2 * STEEL * 1e-4)
+    npt.assert_allclose(far_least, 0.01 * 3.63 * U**0.68 * G**0.49 * W**-0.073)
+    npt.assert_allclose(far_central, 0.01 * 2.69 * U**0.67 * G**0.53 * W**-0.067)
+    assert least < central
+    assert least < far_least
+
+
+def test_film_parameter_of_the_thesis():  # Farzaneh (2002), eq. 2.7: 0.54 um, prints 1.52e-6
+    roughness = 0.2512e-6
+    npt.assert_allclose(film_parameter(0.54e-6, roughness_a=roughness, roughness_b=roughness), 1.52, atol=5e-4)
+    npt.assert_allclose(film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 1.527, atol=5e-4)
+    assert lubrication_regimes(1.52) == ("partial",)
+
+
+@pytest.mark.parametrize(
+    ("value", "names"),
+    [
+        (0.5, ("boundary",)),
+        (1.0, ("partial",)),
+        (4.0, ("elastohydrodynamic", "partial")),
+        (7.0, ("hydrodynamic", "elastohydrodynamic")),
+        (50.0, ("hydrodynamic",)),
+        (100.0, ()),
+    ],
+)
+def test_overlapping_regimes_of_the_thesis(value, names):  # Farzaneh (2002), section 2.2.2
+    assert lubrication_regimes(value) == names
+    assert set(names) <= set(LUBRICATION_REGIMES)
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"contact_modulus": -1.0}, "contact_modulus"),
+        ({"radius": 0.0}, "radius"),
+        ({"viscosity": -0.1}, "viscosity"),
+        ({"pressure_viscosity": -1e-8}, "pressure_viscosity"),
+        ({"load_per_length": np.array([1.0, -5.0])}, "load_per_length must be positive, got -5"),
+    ],
+)
+def test_bad_values_are_named(changes, named):
+    with pytest.raises(ModelError, match=named):
+        line_contact_film(0.04, **thesis_case(1e5, **changes))
+    with pytest.raises(ModelError, match=named):
+        thesis_film(0.04, **thesis_case(1e5, **changes))
+
+
+def test_bushing_not_larger_than_pin_is_refused():
+    with pytest.raises(ModelError, match="bushing_radius must exceed pin_radius"):
+        conformal_radius(0.0336, bushing_radius=0.0336)
+    with pytest.raises(ModelError, match="poisson_2"):
+        contact_modulus(2e11, poisson_1=0.3, youngs_2=2e11, poisson_2=0.6)
+    with pytest.raises(ModelError, match="youngs_1"):
+        contact_modulus(-2e11, poisson_1=0.3, youngs_2=2e11, poisson_2=0.3)
+    with pytest.raises(ModelError, match="roughness"):
+        film_parameter(1e-6, roughness_a=0.0, roughness_b=0.0)
+
+
+def test_reduced_radius_and_modulus_of_the_joint():  # Farzaneh (2002), eqs. 2.8 and B.1
+    npt.assert_allclose(RADIUS, 4.872010, rtol=1e-6)
+    npt.assert_allclose(STEEL, 109.8901e9, rtol=1e-6)
