@@ -1,0 +1,243 @@
+"""The true film: what the linkage asks of the joint, and the gap that answers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from erlif.core.errors import ModelError
+from erlif.rig.settings import RigSettings
+
+Array = NDArray[np.float64]
+Field = Callable[[Array, Array], Array]
+"""Thickness [um] at object points (x, y) [pixel of camera 1]."""
+
+BARE_FILM = 0.05
+"""Film that roughness keeps where the smooth gap closes. [um]"""
+RESIDUAL_FILM = 0.02
+"""Film left on the wall inside a bubble. [um]"""
+
+
+# linkage
+
+
+def rocker_angle(crank_angle: Array, rig: RigSettings) -> Array:
+    """Rocker angle at its pivot from the ground link [rad], rocker on the side of positive crank angles [rad].
+
+    The diagonal from the crank pin to the rocker pivot splits the four-bar into two triangles (law of cosines).
+    """
+    r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
+    diagonal = np.sqrt(r1**2 + r4**2 - 2 * r1 * r4 * np.cos(crank_angle))
+    to_crank_pin = np.arctan2(r1 * np.sin(crank_angle), r4 - r1 * np.cos(crank_angle))
+    return np.asarray(to_crank_pin + np.arccos((r3**2 + diagonal**2 - r2**2) / (2 * r3 * diagonal)))
+
+
+def rocker_speed(crank_angle: Array, rig: RigSettings) -> Array:
+    """Angular speed of the rocker [rad/s]: the derivative of `rocker_angle` times the crank speed."""
+    r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
+    sin, cos = np.sin(crank_angle), np.cos(crank_angle)
+    diagonal = np.sqrt(r1**2 + r4**2 - 2 * r1 * r4 * cos)
+    cosine = (r3**2 + diagonal**2 - r2**2) / (2 * r3 * diagonal)
+    cosine_rate = r1 * r4 * sin * (diagonal**2 - r3**2 + r2**2) / (2 * r3 * diagonal**3)
+    per_crank_angle = (r1 * r4 * cos - r1**2) / diagonal**2 - cosine_rate / np.sqrt(1 - cosine**2)
+    return np.asarray(per_crank_angle * rig.crank_speed * 2 * np.pi / 60)
+
+
+def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
+    """Crank angle [rad, 0 to 2 pi] at which the rocker passes `angle` [rad] on its rising or falling stroke."""
+    r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
+    pin_x, pin_y = r4 - r3 * np.cos(angle), r3 * np.sin(angle)
+    reach = np.hypot(pin_x, pin_y)
+    opening = np.arccos((r1**2 + reach**2 - r2**2) / (2 * r1 * reach))
+    return (np.arctan2(pin_y, pin_x) + np.where(rising, -opening, opening)) % (2 * np.pi)
+
+
+def rocker_range(rig: RigSettings) -> tuple[float, float]:
+    """Least and greatest rocker angle [rad]: crank and coupler folded, and in line."""
+    r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
+    folded, in_line = (np.arccos((r3**2 + r4**2 - side**2) / (2 * r3 * r4)) for side in (r2 - r1, r2 + r1))
+    return float(folded), float(in_line)
+
+
+class Triggers(NamedTuple):
+    """One crank cycle, from the least rocker angle up and down again; every array is (trigger,)."""
+
+    reading: Array
+    """Encoder reading. [degree]"""
+    zero: float
+    """Rocker angle at reading 0. [degree]"""
+    crank_angle: Array
+    """[degree, 0 to 360]"""
+    speed: Array
+    """Rocker speed, positive on the rising stroke. [rad/s]"""
+    time: Array
+    """Since the rocker stood at its least angle. [s]"""
+    load: Array
+    """[N]"""
+    film_min: Array
+    """Least film of the smooth gap in the region of interest. [um]"""
+
+
+def list_triggers(rig: RigSettings) -> Triggers:
+    """Lay the encoder marks symmetrically over the stroke and let the film law answer at each.
+
+    The film law is ``film_reference * (|speed|/top speed * mean load/load) ** exponent``, never below ``film_floor``.
+    """
+    low, high = np.degrees(rocker_range(rig))
+    marks = int((high - low) // rig.spacing)
+    zero = float(low + (high - low - (marks - 1) * rig.spacing) / 2)
+    up = np.arange(marks) * rig.spacing
+    reading = np.concatenate([up, up[::-1]])
+    rising = np.repeat([True, False], marks)
+    crank = crank_angle(np.radians(zero + reading), rising, rig)
+    start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
+    speed = rocker_speed(crank, rig)
+    load = rig.load * (1 + rig.load_swing * np.sin(crank))
+    if rig.film_table is None:
+        top = np.abs(rocker_speed(np.linspace(0, 2 * np.pi, 3601), rig)).max()
+        law = rig.film_reference * (np.abs(speed) / top * rig.load / load) ** rig.exponent
+        film_min = np.maximum(law, rig.film_floor)
+    elif len(rig.film_table) == reading.size:
+        film_min = np.array(rig.film_table, dtype=np.float64)
+    else:
+        raise ModelError(f"film_table needs one film for each of {reading.size} triggers, got {len(rig.film_table)}.")
+    return Triggers(
+        reading=reading,
+        zero=zero,
+        crank_angle=np.degrees(crank),
+        speed=speed,
+        time=(crank - start) % (2 * np.pi) / (rig.crank_speed * 2 * np.pi / 60),
+        load=load,
+        film_min=film_min,
+    )
+
+
+# gap
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Turning marks along the sliding direction, and a few scratches; fixed in the object."""
+
+    waves: Array
+    """(wave, 4): wave vector (x, y) [rad/pixel], phase [rad], amplitude [um]."""
+    scratches: Array
+    """(scratch, 5): a point (x, y) [pixel], direction [rad], half length [pixel], depth [um]."""
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        """Height added to the film [um] at object points [pixel]."""
+        return np.asarray(_sum_marks(x, y, self.waves, self.scratches), dtype=np.float64)
+
+
+def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
+    """Draw the surface that the lathe left: 20 waves of 5 to 50 pixels, within some degrees of the axial direction."""
+    count = 20
+    wave_number = 2 * np.pi / np.exp(rng.uniform(np.log(5), np.log(50), count))
+    direction = np.pi / 2 + rng.normal(0, np.radians(3), count)
+    phase = rng.uniform(0, 2 * np.pi, count)
+    amplitude = np.full(count, rig.marks * np.sqrt(2 / count))
+    waves = np.stack([wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1)
+    count = 6
+    scratches = np.stack(
+        [
+            rng.uniform(0, rig.width, count),
+            rng.uniform(0, rig.height, count),
+            rng.normal(0, 0.4, count),
+            rng.uniform(0.05, 0.3, count) * rig.width,
+            np.full(count, 4 * rig.marks),
+        ],
+        axis=1,
+    )
+    return Marks(waves, scratches)
+
+
+@njit(cache=True, nogil=True)
+def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
+    total = np.empty(x.shape)
+    for j in range(x.shape[0]):
+        for i in range(x.shape[1]):
+            px, py = x[j, i], y[j, i]
+            height = 0.0
+            for k in range(waves.shape[0]):
+                height += waves[k, 3] * np.sin(waves[k, 0] * px + waves[k, 1] * py + waves[k, 2])
+            for k in range(scratches.shape[0]):
+                cos, sin = np.cos(scratches[k, 2]), np.sin(scratches[k, 2])
+                along = cos * (px - scratches[k, 0]) + sin * (py - scratches[k, 1])
+                across = cos * (py - scratches[k, 1]) - sin * (px - scratches[k, 0])
+                beyond = max(0.0, abs(along) - scratches[k, 3])
+                exponent = 0.5 * (across / 1.3) ** 2 + 0.5 * (beyond / 3.0) ** 2
+                if exponent < 20.0:
+                    height += scratches[k, 4] * np.exp(-exponent)
+            total[j, i] = height
+    return total
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Film between pin and bushing at one trigger: rigid circles, tilt and marks."""
+
+    rig: RigSettings
+    film_min: float
+    marks: Marks
+
+    def smooth(self, x: Array, y: Array) -> Array:
+        """Film without marks: h_min + (x - x0)^2/(2 R) and a tilt that starts at the edge of the region. [um]"""
+        rig = self.rig
+        from_line = (x - rig.centre[0]) * rig.pitch - rig.thin_line  # mm
+        from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
+        rise = rig.tilt / (rig.height * rig.pitch)
+        return np.asarray(self.film_min + 1e3 * from_line**2 / (2 * rig.relative_radius) + rise * from_edge)
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        return np.maximum(self.smooth(x, y) + self.marks(x, y), BARE_FILM)
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """Film of the calibration fixture: rises along x, with a smooth error of form."""
+
+    rig: RigSettings
+
+    def profile(self, x: Array) -> Array:
+        """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
+        share = x / (self.rig.width - 1)
+        low, high = self.rig.wedge
+        return np.asarray(low + (high - low) * share + self.rig.wedge_form * np.sin(3 * np.pi * share))
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        return np.maximum(self.profile(x), RESIDUAL_FILM)
+
+
+@dataclass(frozen=True)
+class Bubbles:
+    """Discs without oil under a soft meniscus."""
+
+    x: Array
+    y: Array
+    radius: Array
+    """Everything (bubble,). [pixel]"""
+    meniscus: float = 1.5
+    """Width of the edge over which the full film returns. [pixel]"""
+
+    def lack(self, x: Array, y: Array) -> Array:
+        """Share of the film that is missing: 1 inside, 0 beyond the meniscus."""
+        missing = np.zeros(np.shape(x))
+        for centre_x, centre_y, radius in zip(self.x, self.y, self.radius, strict=True):
+            rise = np.clip((np.hypot(x - centre_x, y - centre_y) - radius) / self.meniscus, 0, 1)
+            missing = np.maximum(missing, 1 - rise**2 * (3 - 2 * rise))
+        return missing
+
+    def empty(self, film: Array, x: Array, y: Array) -> Array:
+        """The film [um] with the bubbles in it."""
+        return film - self.lack(x, y) * (film - np.minimum(film, RESIDUAL_FILM))
+
+
+def draw_bubbles(rig: RigSettings, rng: np.random.Generator) -> Bubbles:
+    """Draw the bubbles of one frame: mostly small, radius 3 to 10 pixels."""
+    most = min(rig.bubbles, int(np.ceil(rig.bubbles * rig.width * rig.height / (320 * 256))))
+    count = int(rng.integers(0, most + 1))
+    radius = 3 + 7 * rng.uniform(size=count) ** 3
+    return Bubbles(rng.uniform(0, rig.width, count), rng.uniform(0, rig.height, count), radius)

@@ -1,0 +1,85 @@
+"""The light on the object: beam and laser speckle, as functions of continuous object coordinates.
+
+Nothing here is ever resampled from a rendered picture, so a camera may look at any point, exactly.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from erlif.rig.settings import RigSettings
+
+Array = NDArray[np.float64]
+
+
+def beam(x: Array, y: Array, rig: RigSettings) -> Array:
+    """Gaussian beam, 1 on its axis a little beside the middle and `beam_corner` about half a diagonal away."""
+    from_axis_x = x - rig.centre[0] - 0.04 * rig.width
+    from_axis_y = y - rig.centre[1] + 0.03 * rig.height
+    return np.asarray(rig.beam_corner ** ((from_axis_x**2 + from_axis_y**2) / rig.half_diagonal**2))
+
+
+@dataclass(frozen=True)
+class Grains:
+    """Where the speckle grains sit, and how bright each is in every pulse.
+
+    One grain lies at random in each cell of a unit lattice, so the field has no preferred place or direction.
+    """
+
+    x: Array
+    y: Array
+    brightness: Array
+    """Everything (row, column) of the lattice. [pixel, pixel, 1]"""
+    margin: int
+    """Cells of the lattice beyond the picture. [pixel]"""
+
+
+def draw_grains(rig: RigSettings, margin: int, rng: np.random.Generator) -> Grains:
+    """Draw the grains of the speckle that all pulses share; brightness has variance 1."""
+    shape = (rig.height + 2 * margin, rig.width + 2 * margin)
+    rows, columns = np.indices(shape) - margin
+    x = columns + rng.uniform(-0.5, 0.5, shape)
+    y = rows + rng.uniform(-0.5, 0.5, shape)
+    return Grains(x, y, rng.standard_normal(shape), margin)
+
+
+def mix_grains(fixed: Grains, rig: RigSettings, rng: np.random.Generator) -> Grains:
+    """Return the grains of one pulse: the shared brightness and a new one, each with its own contrast."""
+    new = rng.standard_normal(fixed.brightness.shape)
+    brightness = rig.speckle_fixed * fixed.brightness + rig.speckle_new * new
+    return Grains(fixed.x, fixed.y, brightness, fixed.margin)
+
+
+def speckle(x: Array, y: Array, grains: Grains, *, size: float, blur: float) -> Array:
+    """Relative brightness of the laser light at object points, seen with a Gaussian point spread.
+
+    A sum of Gaussian grains of standard deviation `size`; a camera of point spread `blur` sees each of them wider and
+    lower, exactly: ``size^2/s^2 exp(-r^2/(2 s^2))`` with ``s^2 = size^2 + blur^2``. Dividing by ``sqrt(pi) size`` makes
+    the contrast in the object plane that of the grains' brightness.
+    """
+    seen = np.hypot(size, blur)
+    scale = size**2 / seen**2 / (np.sqrt(np.pi) * size)
+    return np.asarray(1 + scale * _sum_grains(x, y, grains.x, grains.y, grains.brightness, grains.margin, seen))
+
+
+@njit(cache=True, nogil=True)
+def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Array, margin: int, seen: float) -> Array:
+    reach = 4.5 * seen  # beyond it a grain adds less than 1e-4 of its brightness
+    total = np.empty(x.shape)
+    for j in range(x.shape[0]):
+        for i in range(x.shape[1]):
+            px, py = x[j, i], y[j, i]
+            top = max(0, int(np.ceil(py - reach - 0.5)) + margin)
+            bottom = min(bright.shape[0] - 1, int(np.floor(py + reach + 0.5)) + margin)
+            left = max(0, int(np.ceil(px - reach - 0.5)) + margin)
+            right = min(bright.shape[1] - 1, int(np.floor(px + reach + 0.5)) + margin)
+            light = 0.0
+            for row in range(top, bottom + 1):
+                for column in range(left, right + 1):
+                    distance = (px - grain_x[row, column]) ** 2 + (py - grain_y[row, column]) ** 2
+                    if distance < reach * reach:
+                        light += bright[row, column] * np.exp(-distance / (2 * seen * seen))
+            total[j, i] = light
+    return total
