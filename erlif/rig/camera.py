@@ -1,8 +1,10 @@
 """The cameras: where each pixel looks, what its sensor adds, and how photons become 12-bit counts."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from erlif.rig.settings import RigSettings
@@ -17,16 +19,23 @@ FULL_SCALE = 4095
 # where camera 2 looks
 
 
-def displacement(x: Array, y: Array, rig: RigSettings) -> tuple[Array, Array]:
-    """Camera-2 pixel minus camera-1 pixel (x, y) of the same object point at zero drift: affine and quadratic. [pixel]"""
-    from_x, from_y = x - rig.centre[0], y - rig.centre[1]
+def map_coefficients(rig: RigSettings) -> Array:
+    """Displacement (axis x y, term) as a polynomial of the terms 1, u, v, u^2, u v, v^2. [pixel]
+
+    u and v run from -1 to 1 over the columns and rows of camera 1; the affine part scales and turns about the middle.
+    """
     cos, sin = np.cos(np.radians(rig.rotation)), np.sin(np.radians(rig.rotation))
-    turned_x = rig.scale[0] * (cos * from_x - sin * from_y)
-    turned_y = rig.scale[1] * (sin * from_x + cos * from_y)
-    u, v = from_x / rig.centre[0], from_y / rig.centre[1]
-    bent_x = rig.distortion * (0.6 * u**2 + 0.4 * u * v - 0.2 * v**2)
-    bent_y = rig.distortion * (-0.3 * u**2 + 0.5 * u * v + 0.5 * v**2)
-    return turned_x - from_x + rig.shift[0] + bent_x, turned_y - from_y + rig.shift[1] + bent_y
+    half_width, half_height = rig.centre
+    along_x = [rig.shift[0], (rig.scale[0] * cos - 1) * half_width, -rig.scale[0] * sin * half_height]
+    along_y = [rig.shift[1], rig.scale[1] * sin * half_width, (rig.scale[1] * cos - 1) * half_height]
+    bend = rig.distortion * np.array([[0.6, 0.4, -0.2], [-0.3, 0.5, 0.5]])
+    return np.hstack([[along_x, along_y], bend])
+
+
+def displacement(x: Array, y: Array, rig: RigSettings) -> tuple[Array, Array]:
+    """Camera-2 pixel minus camera-1 pixel (x, y) of the same object point at zero drift. [pixel]"""
+    dx, dy = _displace(x, y, *rig.centre, map_coefficients(rig))
+    return dx, dy
 
 
 def seen_from_camera_2(x: Array, y: Array, drift: tuple[float, float], rig: RigSettings) -> tuple[Array, Array]:
@@ -35,14 +44,42 @@ def seen_from_camera_2(x: Array, y: Array, drift: tuple[float, float], rig: RigS
     Fixed point of ``X = P - drift - d(X)``; a displacement that changes by about 0.01 per pixel converges two digits
     a turn.
     """
-    goal_x, goal_y = x - drift[0], y - drift[1]
-    object_x, object_y = goal_x, goal_y
-    step = np.inf
-    while step > 1e-11:
-        dx, dy = displacement(object_x, object_y, rig)
-        next_x, next_y = goal_x - dx, goal_y - dy
-        step = max(float(np.abs(next_x - object_x).max()), float(np.abs(next_y - object_y).max()))
-        object_x, object_y = next_x, next_y
+    object_x, object_y = _look_back(x - drift[0], y - drift[1], *rig.centre, map_coefficients(rig))
+    return object_x, object_y
+
+
+@njit(cache=True, nogil=True)
+def _displace(x: Any, y: Any, centre_x: float, centre_y: float, terms: Array) -> tuple[Any, Any]:
+    u, v = x / centre_x - 1, y / centre_y - 1
+    dx = (
+        terms[0, 0]
+        + terms[0, 1] * u
+        + terms[0, 2] * v
+        + terms[0, 3] * u * u
+        + terms[0, 4] * u * v
+        + terms[0, 5] * v * v
+    )
+    dy = (
+        terms[1, 0]
+        + terms[1, 1] * u
+        + terms[1, 2] * v
+        + terms[1, 3] * u * u
+        + terms[1, 4] * u * v
+        + terms[1, 5] * v * v
+    )
+    return dx, dy
+
+
+@njit(cache=True, nogil=True)
+def _look_back(x: Array, y: Array, centre_x: float, centre_y: float, terms: Array) -> tuple[Array, Array]:
+    object_x, object_y = x.copy(), y.copy()
+    for j in range(x.shape[0]):
+        for i in range(x.shape[1]):
+            step = 1.0
+            while step > 1e-11:
+                dx, dy = _displace(object_x[j, i], object_y[j, i], centre_x, centre_y, terms)
+                step = abs(x[j, i] - dx - object_x[j, i]) + abs(y[j, i] - dy - object_y[j, i])
+                object_x[j, i], object_y[j, i] = x[j, i] - dx, y[j, i] - dy
     return object_x, object_y
 
 

@@ -36,8 +36,9 @@ def absorption(wavelength: Array) -> Array:
 
 def emission(wavelength: Array) -> Array:
     """Light made per depth and wavelength by unit laser light, both dyes together. [arbitrary unit]"""
-    dye_1 = 0.157 * np.exp(-((np.log((wavelength - 520) / 48) / 0.38) ** 2) / 2)
-    dye_2 = 0.041 * np.exp(-((np.log((wavelength - 560) / 52) / 0.36) ** 2) / 2)
+    above_1, above_2 = (np.maximum(wavelength - onset, 1e-9) for onset in (520, 560))
+    dye_1 = 0.157 * np.exp(-((np.log(above_1 / 48) / 0.38) ** 2) / 2)
+    dye_2 = 0.041 * np.exp(-((np.log(above_2 / 52) / 0.36) ** 2) / 2)
     return np.asarray(dye_1 + dye_2)
 
 

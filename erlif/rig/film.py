@@ -125,7 +125,7 @@ class Marks:
     waves: Array
     """(wave, 4): wave vector (x, y) [rad/pixel], phase [rad], amplitude [um]."""
     scratches: Array
-    """(scratch, 5): a point (x, y) [pixel], direction [rad], half length [pixel], depth [um]."""
+    """(scratch, 6): middle (x, y) [pixel], unit vector along it (x, y), half length [pixel], depth [um]."""
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Height added to the film [um] at object points [pixel]."""
@@ -133,19 +133,21 @@ class Marks:
 
 
 def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
-    """Draw the surface that the lathe left: 20 waves of 5 to 50 pixels, within some degrees of the axial direction."""
-    count = 20
+    """Draw the surface that the lathe left: 12 waves of 5 to 50 pixels, within some degrees of the axial direction."""
+    count = 12
     wave_number = 2 * np.pi / np.exp(rng.uniform(np.log(5), np.log(50), count))
     direction = np.pi / 2 + rng.normal(0, np.radians(3), count)
     phase = rng.uniform(0, 2 * np.pi, count)
     amplitude = np.full(count, rig.marks * np.sqrt(2 / count))
     waves = np.stack([wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1)
     count = 6
+    direction = rng.normal(0, 0.4, count)
     scratches = np.stack(
         [
             rng.uniform(0, rig.width, count),
             rng.uniform(0, rig.height, count),
-            rng.normal(0, 0.4, count),
+            np.cos(direction),
+            np.sin(direction),
             rng.uniform(0.05, 0.3, count) * rig.width,
             np.full(count, 4 * rig.marks),
         ],
@@ -164,13 +166,13 @@ def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
             for k in range(waves.shape[0]):
                 height += waves[k, 3] * np.sin(waves[k, 0] * px + waves[k, 1] * py + waves[k, 2])
             for k in range(scratches.shape[0]):
-                cos, sin = np.cos(scratches[k, 2]), np.sin(scratches[k, 2])
-                along = cos * (px - scratches[k, 0]) + sin * (py - scratches[k, 1])
-                across = cos * (py - scratches[k, 1]) - sin * (px - scratches[k, 0])
-                beyond = max(0.0, abs(along) - scratches[k, 3])
+                off_x, off_y = px - scratches[k, 0], py - scratches[k, 1]
+                along = scratches[k, 2] * off_x + scratches[k, 3] * off_y
+                across = scratches[k, 2] * off_y - scratches[k, 3] * off_x
+                beyond = max(0.0, abs(along) - scratches[k, 4])
                 exponent = 0.5 * (across / 1.3) ** 2 + 0.5 * (beyond / 3.0) ** 2
                 if exponent < 20.0:
-                    height += scratches[k, 4] * np.exp(-exponent)
+                    height += scratches[k, 5] * np.exp(-exponent)
             total[j, i] = height
     return total
 
@@ -192,7 +194,12 @@ class Gap:
         return np.asarray(self.film_min + 1e3 * from_line**2 / (2 * rig.relative_radius) + rise * from_edge)
 
     def __call__(self, x: Array, y: Array) -> Array:
-        return np.maximum(self.smooth(x, y) + self.marks(x, y), BARE_FILM)
+        return self.close(self.smooth(x, y), self.marks(x, y))
+
+    @staticmethod
+    def close(smooth: Array, height: Array) -> Array:
+        """Film [um] between a smooth gap and the height that the marks add; roughness keeps it open."""
+        return np.maximum(smooth + height, BARE_FILM)
 
 
 @dataclass(frozen=True)

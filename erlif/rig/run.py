@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -108,16 +109,19 @@ class Shot:
 def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Counts, Counts]:
     """Return the frames of both cameras: the same pulse, the same object, two filters and two viewpoints."""
     rig = setup.rig
-    frames = []
-    for number in (1, 2):
+
+    def expose_camera(number: int, rng: np.random.Generator) -> Counts:
         x, y = setup.x, setup.y
         if number == 2:
             x, y = seen_from_camera_2(x, y, shot.drift, rig)
         film = shot.bubbles.empty(shot.film(x, y), x, y)
         pattern = speckle(x, y, shot.grains, size=rig.speckle_size, blur=rig.blur[number - 1])
         light = shot.energy * np.maximum(pattern, 0) * setup.light(number, film, x, y)
-        frames.append(expose(light, setup.cameras[number - 1], rng))
-    return frames[0], frames[1]
+        return expose(light, setup.cameras[number - 1], rng)
+
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.map(expose_camera, (1, 2), rng.spawn(2))
+    return first, second
 
 
 # the directories
@@ -190,7 +194,7 @@ def write_pages(path: Path, pages: Iterable[Counts]) -> None:
                 page,
                 photometric="minisblack",
                 compression="zlib",
-                compressionargs={"level": 9},
+                compressionargs={"level": 3},  # noise packs no better at higher levels, only later
                 metadata=None,
                 software=False,
                 contiguous=False,
@@ -407,8 +411,10 @@ def write_true_film(file: h5netcdf.File, setup: Setup, triggers: Triggers, marks
     rig, x, y = setup.rig, setup.x, setup.y
     dx, dy = displacement(x, y, rig)
     lens = vignetting(x, y, 1, rig), vignetting(x + dx, y + dy, 2, rig)
+    height = marks(x, y)
     for k, film_min in enumerate(triggers.film_min):
-        film = Gap(rig, float(film_min), marks)(x, y)
+        gap = Gap(rig, float(film_min), marks)
+        film = gap.close(gap.smooth(x, y), height)
         file["film"][k] = np.rint(film * 4096) / 4096  # to 0.12 nm
         for number in (1, 2):
             electrons = lens[number - 1] * setup.light(number, film, x, y)

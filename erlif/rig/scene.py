@@ -66,7 +66,10 @@ def speckle(x: Array, y: Array, grains: Grains, *, size: float, blur: float) -> 
 
 @njit(cache=True, nogil=True)
 def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Array, margin: int, seen: float) -> Array:
-    reach = 4.5 * seen  # beyond it a grain adds less than 1e-4 of its brightness
+    reach = 4 * seen  # beyond it a grain adds less than 4e-4 of its brightness
+    steps = 4096  # of the squared distance in a table of the Gaussian, linear between: good to 1e-6
+    per_square = steps / reach**2
+    table = np.exp(-np.arange(steps + 1) / (2 * seen**2 * per_square))
     total = np.empty(x.shape)
     for j in range(x.shape[0]):
         for i in range(x.shape[1]):
@@ -78,8 +81,10 @@ def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Arra
             light = 0.0
             for row in range(top, bottom + 1):
                 for column in range(left, right + 1):
-                    distance = (px - grain_x[row, column]) ** 2 + (py - grain_y[row, column]) ** 2
-                    if distance < reach * reach:
-                        light += bright[row, column] * np.exp(-distance / (2 * seen * seen))
+                    off_x, off_y = px - grain_x[row, column], py - grain_y[row, column]
+                    place = per_square * (off_x * off_x + off_y * off_y)
+                    if place < steps:
+                        k = int(place)
+                        light += bright[row, column] * (table[k] + (place - k) * (table[k + 1] - table[k]))
             total[j, i] = light
     return total
