@@ -1,0 +1,216 @@
+"""Images without illumination: local mean and local rms taken out, so that two bands can be compared."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from erlif.registration.bands import in_bands
+from erlif.registration.warp import FAST
+
+Array = NDArray[Any]
+NO_WEIGHT = np.zeros((0, 0), np.float32)
+CELL = 16
+"""Side of the cells in which the local mean and rms are taken. [px]"""
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def bin_image(image: Array, weight: Array, factor: int, out: Array, out_weight: Array) -> None:
+    """Weighted mean over blocks of ``factor`` by ``factor`` pixels, and the sound part of each block.
+
+    ``weight`` may be of size 0 for all ones. A block with less than half its weight gets weight 0.
+    """
+    h, w = out.shape
+    weighted = weight.size > 0
+    full = factor * factor
+    for y in range(h):
+        for x in range(w):
+            total = np.float32(0)
+            if weighted:
+                sound = np.float32(0)
+                for j in range(y * factor, (y + 1) * factor):
+                    for i in range(x * factor, (x + 1) * factor):
+                        if weight[j, i] > 0 and abs(np.float32(image[j, i])) < 1e30:
+                            total += weight[j, i] * np.float32(image[j, i])
+                            sound += weight[j, i]
+            else:
+                for j in range(y * factor, (y + 1) * factor):
+                    for i in range(x * factor, (x + 1) * factor):
+                        total += np.float32(image[j, i])
+                sound = np.float32(full)
+            ok = 2 * sound > full and abs(total) < 1e30
+            out[y, x] = total / sound if ok else np.float32(0)
+            out_weight[y, x] = np.float32(1) if ok else np.float32(0)
+
+
+def binned(image: Array, weight: Array | None, factor: int) -> tuple[Array, Array]:
+    """Weighted means over blocks of ``factor`` pixels with their 0/1 weight; float32."""
+    h, w = image.shape
+    out = np.empty((h // factor, w // factor), np.float32)
+    out_weight = np.empty_like(out)
+    bin_image(image, NO_WEIGHT if weight is None else weight, factor, out, out_weight)
+    return out, out_weight
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _cell_statistics(image: Array, weight: Array, size: int, sums: Array, start: int, stop: int) -> None:
+    """Per cell of ``size`` pixels: weight, mean and variance, for the cell rows ``start`` to ``stop``."""
+    h, w = image.shape
+    weighted = weight.size > 0
+    for r in range(start, stop):
+        for c in range(sums.shape[1]):
+            s0 = np.float32(0)
+            s1 = np.float32(0)
+            s2 = np.float32(0)
+            x0, x1 = c * size, min((c + 1) * size, w)
+            y0, y1 = r * size, min((r + 1) * size, h)
+            pivot = np.float32(image[(y0 + y1) // 2, (x0 + x1) // 2])
+            if not abs(pivot) < 1e30:
+                pivot = np.float32(0)
+            for y in range(y0, y1):
+                for x in range(x0, x1):
+                    value = np.float32(image[y, x]) - pivot
+                    g = np.float32(1)
+                    if weighted:
+                        g = np.float32(weight[y, x])
+                    if not (g > 0 and abs(value) < 1e30):
+                        g = np.float32(0)
+                        value = np.float32(0)
+                    s0 += g
+                    s1 += g * value
+                    s2 += g * value * value
+            sums[r, c, 0] = s0
+            if s0 > 0:
+                mean = s1 / s0
+                sums[r, c, 1] = pivot + mean
+                sums[r, c, 2] = max(s2 / s0 - mean * mean, 0.0)
+            else:
+                sums[r, c, 1] = 0.0
+                sums[r, c, 2] = 0.0
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _flatten(
+    image: Array,
+    weight: Array,
+    size: int,
+    mean: Array,
+    scale: Array,
+    floor: float,
+    out: Array,
+    out_weight: Array,
+    start: int,
+    stop: int,
+) -> None:
+    """(I / mean - 1) / rms with mean and 1/rms bilinear between the cell centres; 0 where the weight is 0."""
+    w = image.shape[1]
+    rows, cols = mean.shape
+    weighted = weight.size > 0
+    left = np.empty(w, np.int64)
+    part = np.empty(w, np.float32)
+    for x in range(w):
+        t = (x + 0.5) / size - 0.5
+        t = min(max(t, 0.0), cols - 1.0)
+        left[x] = min(int(t), max(cols - 2, 0))
+        part[x] = t - left[x]
+    row_mean = np.empty(cols + 1, np.float32)
+    row_scale = np.empty(cols + 1, np.float32)
+    low = np.float32(floor)
+    for y in range(start, stop):
+        t = (y + 0.5) / size - 0.5
+        t = min(max(t, 0.0), rows - 1.0)
+        j = min(int(t), max(rows - 2, 0))
+        v = np.float32(t - j)
+        k = min(j + 1, rows - 1)
+        for c in range(cols):
+            row_mean[c] = (1 - v) * mean[j, c] + v * mean[k, c]
+            row_scale[c] = (1 - v) * scale[j, c] + v * scale[k, c]
+        row_mean[cols] = row_mean[cols - 1]
+        row_scale[cols] = row_scale[cols - 1]
+        for x in range(w):
+            i = left[x]
+            u = part[x]
+            m = row_mean[i] + u * (row_mean[i + 1] - row_mean[i])
+            s = row_scale[i] + u * (row_scale[i + 1] - row_scale[i])
+            value = (np.float32(image[y, x]) / m - np.float32(1)) * s
+            g = np.float32(1)
+            if weighted:
+                g = np.float32(weight[y, x])
+            ok = m > low and g > 0 and abs(value) < np.float32(1e6)
+            out[y, x] = value if ok else np.float32(0)
+            out_weight[y, x] = g if ok else np.float32(0)
+
+
+def normalise(image: Array, weight: Array | None = None, *, cell: int = CELL, threads: int = 1) -> tuple[Array, Array]:
+    """Divide out the local mean and the local rms, which leaves the texture alone.
+
+    Parameters
+    ----------
+    image : array, (y, x)
+        Counts above the dark level, any real type.
+    weight : array, (y, x), optional
+        0 for a pixel that must not count (bad, saturated, dust).
+    cell : int
+        Side of the cells of the local statistics. [px]
+    threads : int
+        Threads to use.
+
+    Returns
+    -------
+    texture, weight : array, (y, x), float32
+        The texture has mean 0 and rms near 1; 0 with weight 0 where the pixel must not count or the light is below a
+        fiftieth of the brighter parts of the frame.
+    """
+    h, w = image.shape
+    weight = NO_WEIGHT if weight is None else weight
+    rows, cols = -(-h // cell), -(-w // cell)
+    if h % cell and h % cell < cell // 2:
+        rows = max(rows - 1, 1)
+    if w % cell and w % cell < cell // 2:
+        cols = max(cols - 1, 1)
+    sums = np.empty((rows, cols, 3), np.float32)
+    in_bands(lambda a, b: _cell_statistics(image, weight, cell, sums, a, b), rows, threads)
+    filled = np.minimum(sums[..., 0] / cell**2, 1.0)
+    filled[filled < 0.1] = 0
+    level = sums[..., 1]
+    bright = float(np.percentile(level[filled > 0], 98)) if (filled > 0).any() else 0.0
+    floor = 0.02 * bright
+    filled[level <= floor] = 0
+    mean = _fill(level, filled)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(filled > 0, sums[..., 2] / level**2, 0)
+    for _ in range(2):
+        relative = _fill(relative, filled)
+        relative = _binomial(relative)
+    rms = np.sqrt(np.maximum(relative, 0))
+    scale = 1 / np.maximum(rms, max(0.02 * float(rms.max(initial=0.0)), 1e-6))
+    out = np.empty((h, w), np.float32)
+    out_weight = np.empty((h, w), np.float32)
+    mean, scale = mean.astype(np.float32), scale.astype(np.float32)
+    if bright <= 0:
+        return np.zeros((h, w), np.float32), np.zeros((h, w), np.float32)
+    in_bands(lambda a, b: _flatten(image, weight, cell, mean, scale, floor, out, out_weight, a, b), h, threads)
+    return out, out_weight
+
+
+def _binomial(cells: Array) -> Array:
+    """Smooth with 1-2-1 along both axes, edges repeated."""
+    p = np.pad(cells, 1, mode="edge")
+    p = p[:-2] + 2 * p[1:-1] + p[2:]
+    return np.asarray((p[:, :-2] + 2 * p[:, 1:-1] + p[:, 2:]) / 16)
+
+
+def _fill(cells: Array, weight: Array) -> Array:
+    """Fill cells without weight from their neighbours, step by step outward."""
+    if (weight > 0).all() or not (weight > 0).any():
+        return cells
+    value = np.where(weight > 0, cells, 0.0)
+    known = (weight > 0).astype(float)
+    while not known.all():
+        near = _binomial(known)
+        guess = _binomial(value * known) / np.where(near > 0, near, 1)
+        new = (known == 0) & (near > 0)
+        value = np.where(new, guess, value)
+        known = np.where(new, 1.0, known)
+    return value

@@ -1,0 +1,115 @@
+"""What a user may choose about registration, and how camera 2 may be turned against camera 1."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from erlif.core.errors import RegistrationError
+
+Array = NDArray[Any]
+Orientation = Literal[
+    "normal",
+    "mirrored_x",
+    "mirrored_y",
+    "rotated_90",
+    "rotated_180",
+    "rotated_270",
+    "transposed",
+    "antitransposed",
+]
+
+_TURNS: Final[dict[str, Callable[[Array], Array]]] = {
+    "normal": lambda image: image,
+    "mirrored_x": lambda image: image[:, ::-1],
+    "mirrored_y": lambda image: image[::-1, :],
+    "rotated_90": lambda image: np.rot90(image, 1),
+    "rotated_180": lambda image: image[::-1, ::-1],
+    "rotated_270": lambda image: np.rot90(image, -1),
+    "transposed": lambda image: image.T,
+    "antitransposed": lambda image: image[::-1, ::-1].T,
+}
+
+ORIENTATIONS: Final[tuple[str, ...]] = tuple(_TURNS)
+"""The eight ways in which a camera 2 behind mirrors or turned in its mount can see the scene."""
+
+
+@dataclass(frozen=True)
+class RegistrationSettings:
+    """How camera 2 is laid over camera 1. Every default suits an ordinary run.
+
+    Parameters
+    ----------
+    window : int
+        Side of the square window that has the same noise as the Gaussian one used for local displacements. [px]
+    step : int
+        Distance of the nodes of the local field, and side of the cells whose sums every estimate starts from. [px]
+    passes : int
+        Gauss-Newton passes of the local field at full resolution.
+    model : {"auto", "surface", "local"}
+        ``"surface"``: a smooth surface whose fineness is chosen by cross-validation; ``"local"``: one displacement
+        for each window; ``"auto"``: the surface unless the distortion is finer than any surface resolves.
+    orientation : str
+        How the image of camera 2 must be turned before it looks like that of camera 1, one of ``ORIENTATIONS``.
+        ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as `numpy.rot90` does.
+    whiten : bool
+        Weight the spatial frequencies by the coherence of the two cameras.
+    search : float
+        Largest offset of camera 2 that is looked for, as a part of the frame.
+    frames_for_map : int
+        Largest number of frames, evenly spaced over the run, from which the fixed map is made. The drift is
+        measured for all frames.
+    threads : int
+        Threads for one pair of frames. The result does not depend on it.
+    """
+
+    window: int = 32
+    step: int = 8
+    passes: int = 3
+    model: Literal["auto", "surface", "local"] = "auto"
+    orientation: Orientation = "normal"
+    whiten: bool = True
+    search: float = 0.27
+    frames_for_map: int = 32
+    threads: int = 2
+
+    def __post_init__(self) -> None:
+        if self.orientation not in _TURNS:
+            raise RegistrationError(
+                f"orientation must be one of {', '.join(ORIENTATIONS)}; got {self.orientation!r}. "
+                "Correct it in the settings of the registration."
+            )
+        if self.model not in ("auto", "surface", "local"):
+            raise RegistrationError(f"model must be auto, surface or local; got {self.model!r}. Correct the settings.")
+        if not 4 <= self.step <= self.window / 2 or self.window > 256 or self.step % 2:
+            raise RegistrationError(
+                "window must lie between twice the step and 256 px, and step must be even and at least 4 px; "
+                f"got window {self.window} and step {self.step}. Keep 32 and 8 if in doubt."
+            )
+        if not 0 < self.search <= 0.4:
+            raise RegistrationError(f"search must lie above 0 and at most at 0.4 of the frame; got {self.search}.")
+        if self.passes < 1 or self.frames_for_map < 1 or self.threads < 1:
+            raise RegistrationError(
+                f"passes, frames_for_map and threads must be at least 1; "
+                f"got {self.passes}, {self.frames_for_map} and {self.threads}."
+            )
+
+
+def orient(image: Array, orientation: str) -> Array:
+    """Turn the image of camera 2 so that it can be laid over that of camera 1.
+
+    Parameters
+    ----------
+    image : array, (y, x)
+        Anything on the pixels of camera 2: counts, weights, flags.
+    orientation : str
+        One of ``ORIENTATIONS``.
+
+    Returns
+    -------
+    array, (y, x)
+        A view where possible; (x, y) of the original for the orientations that exchange the axes.
+    """
+    return _TURNS[orientation](image)

@@ -1,0 +1,293 @@
+"""Smooth displacement surfaces: tensor products of uniform cubic B-splines fitted to the cell sums.
+
+A camera-to-camera map is smooth, so the whole frame may support a few coefficients instead of each window its own
+vector. How many is decided by data that the fit has not seen.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from erlif.registration.matching import EE, WEIGHT
+
+Array = NDArray[Any]
+Box = tuple[float, float, float, float]
+
+
+def spline_weights(positions: Array, start: float, stop: float, elements: int) -> tuple[Array, Array]:
+    """Cubic B-spline weights of positions on an interval cut into equal elements.
+
+    Parameters
+    ----------
+    positions : array, (n,)
+        Coordinates; outside the interval the outer element is continued. [px]
+    start, stop : float
+        Ends of the interval. [px]
+    elements : int
+        Number of elements; there are three more coefficients.
+
+    Returns
+    -------
+    first : array, (n,), int
+        Index of the first of the four coefficients.
+    weights : array, (n, 4)
+        Their weights, which add up to 1.
+    """
+    t = (np.asarray(positions, float) - start) * (elements / (stop - start))
+    first = np.clip(np.floor(t), 0, elements - 1).astype(np.int64)
+    u = t - first
+    weights = np.stack([(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3], axis=-1) / 6
+    return first, weights
+
+
+def design(positions: Array, start: float, stop: float, elements: int) -> Array:
+    """The same weights as a full matrix (position, coefficient)."""
+    first, weights = spline_weights(positions, start, stop, elements)
+    matrix = np.zeros((len(first), elements + 3))
+    for k in range(4):
+        matrix[np.arange(len(first)), first + k] = weights[:, k]
+    return matrix
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A displacement surface on a box of camera-1 pixels."""
+
+    box: Box
+    """x0, x1, y0, y1. [px]"""
+    coefficients: Array
+    """(component, y, x); component 0 is x. [px]"""
+
+    @property
+    def elements(self) -> tuple[int, int]:
+        """Elements along x and along y."""
+        return self.coefficients.shape[2] - 3, self.coefficients.shape[1] - 3
+
+    def evaluate(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Displacement (dx, dy) at the grid of coordinates x and y; each (len(y), len(x)). [px]"""
+        x0, x1, y0, y1 = self.box
+        nx, ny = self.elements
+        across = design(x, x0, x1, nx)
+        down = design(y, y0, y1, ny)
+        return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
+
+    def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[Array, Array]:
+        """Displacement on every pixel of a frame of that shape, in pixels of that binning; float32."""
+        x0, x1, y0, y1 = self.box
+        nx, ny = self.elements
+        centre = (binning - 1) / 2
+        across = design(np.arange(shape[1]) * binning + centre, x0, x1, nx).T.astype(np.float32)
+        down = design(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+        dx, dy = ((down @ c / binning).astype(np.float32) @ across for c in self.coefficients)
+        return dx, dy
+
+    def moved(self, dx: float, dy: float) -> "Surface":
+        """The surface with a translation added. [px]"""
+        shift = np.array([dx, dy]).reshape(2, 1, 1)
+        return Surface(self.box, self.coefficients + shift)
+
+
+def affine_surface(box: Box, matrix: Array, offset: Array) -> Surface:
+    """The affine displacement ``matrix @ (x, y) + offset`` as a surface of one element."""
+    x0, x1, y0, y1 = box
+    gx = x0 + (x1 - x0) * np.arange(-1, 3)  # a cubic B-spline reproduces a line from its values at these abscissae
+    gy = y0 + (y1 - y0) * np.arange(-1, 3)
+    x, y = np.meshgrid(gx, gy)
+    return Surface(box, np.stack([m[0] * x + m[1] * y + o for m, o in zip(matrix, offset, strict=True)]))
+
+
+def degree_basis(degree: int) -> Array:
+    """Coefficients of a one-element surface (16,) that make the polynomials of at most this total degree; (16, p)."""
+    t = np.linspace(0, 1, 4)
+    power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
+    one = np.linalg.solve(design(t, 0.0, 1.0, 1), power)  # spline coefficients (4,) of each power
+    columns = [np.outer(one[:, j], one[:, i]).ravel() for i in range(4) for j in range(4) if i + j <= degree]
+    return np.linalg.qr(np.stack(columns, axis=1))[0]
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
+def _assemble(
+    sums: Array,
+    weight: Array,
+    fold: Array,
+    first_x: Array,
+    weight_x: Array,
+    first_y: Array,
+    weight_y: Array,
+    here_x: Array,
+    here_y: Array,
+    matrix: Array,
+    right: Array,
+) -> None:
+    """Add each cell to the normal equations of its fold."""
+    rows, cols = weight.shape
+    nx = right.shape[3]
+    phi = np.empty(16)
+    index = np.empty(16, np.int64)
+    for r in range(rows):
+        for c in range(cols):
+            w = weight[r, c]
+            if w <= 0:
+                continue
+            f = fold[r, c]
+            gxx = w * sums[r, c, 0]
+            gxy = w * sums[r, c, 1]
+            gyy = w * sums[r, c, 2]
+            bx = w * sums[r, c, 3] + gxx * here_x[r, c] + gxy * here_y[r, c]
+            by = w * sums[r, c, 4] + gxy * here_x[r, c] + gyy * here_y[r, c]
+            k = 0
+            for j in range(4):
+                for i in range(4):
+                    phi[k] = weight_y[r, j] * weight_x[c, i]
+                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
+                    right[f, 0, first_y[r] + j, first_x[c] + i] += phi[k] * bx
+                    right[f, 1, first_y[r] + j, first_x[c] + i] += phi[k] * by
+                    k += 1
+            for p in range(16):
+                fxx = phi[p] * gxx
+                fxy = phi[p] * gxy
+                fyy = phi[p] * gyy
+                for q in range(16):
+                    matrix[f, 0, index[p], index[q]] += fxx * phi[q]
+                    matrix[f, 1, index[p], index[q]] += fxy * phi[q]
+                    matrix[f, 2, index[p], index[q]] += fyy * phi[q]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Normal equations of one spline grid, kept apart for each fold of the data."""
+
+    box: Box
+    elements: tuple[int, int]
+    matrix: Array
+    """(fold, 2p, 2p)"""
+    right: Array
+    """(fold, 2p)"""
+    start: Array
+    """(2p,), the plane to which coefficients without data fall back."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cell sums with where they were taken and how much they count."""
+
+    sums: Array
+    """(row, column, 10)"""
+    x: Array
+    """Cell centres. [px]"""
+    y: Array
+    here_x: Array
+    """Displacement at which the sums were taken, (row, column). [px]"""
+    here_y: Array
+    weight: Array
+    """Reciprocal of the residual variance, (row, column)."""
+
+    @property
+    def box(self) -> Box:
+        """The smallest box that holds every cell with weight. [px]"""
+        across = np.nonzero((self.weight > 0).any(0))[0]
+        down = np.nonzero((self.weight > 0).any(1))[0]
+        hx = (self.x[1] - self.x[0]) / 2
+        hy = (self.y[1] - self.y[0]) / 2
+        return (
+            float(self.x[across[0]] - hx),
+            float(self.x[across[-1]] + hx),
+            float(self.y[down[0]] - hy),
+            float(self.y[down[-1]] + hy),
+        )
+
+
+def cell_weights(sums: Array) -> Array:
+    """Reciprocal residual variance of each cell, the larger of its own and that of its surroundings; 0 if empty."""
+    n, ee = sums[..., WEIGHT], sums[..., EE]
+    near_n, near_e = _box3(n), _box3(ee)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(n > 0, ee / n, 0)
+        near = np.where(near_n > 0, near_e / near_n, 0)
+        variance = np.maximum(own, near)
+        weight: Array = np.where((n > 0.25 * n.max()) & (variance > 0), 1 / variance, 0)
+    return weight
+
+
+def _box3(cells: Array) -> Array:
+    p = np.pad(cells, 1)
+    p = p[:-2] + p[1:-1] + p[2:]
+    return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
+
+
+def equations(
+    cells: Cells, elements: tuple[int, int], *, fold: Array | None = None, box: Box | None = None
+) -> Equations:
+    """Assemble the normal equations of a spline grid.
+
+    Parameters
+    ----------
+    cells : Cells
+        The data.
+    elements : (int, int)
+        Elements along x and y.
+    fold : array, (row, column), int, optional
+        Fold of each cell; all in one if missing.
+    box : Box, optional
+        Region of the spline; that of the cells if missing.
+    """
+    box = cells.box if box is None else box
+    nx, ny = elements
+    if fold is None:
+        fold = np.zeros(cells.weight.shape, np.int64)
+    folds = int(fold.max()) + 1
+    first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
+    first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
+    p = (nx + 3) * (ny + 3)
+    blocks = np.zeros((folds, 3, p, p))
+    right = np.zeros((folds, 2, ny + 3, nx + 3))
+    _assemble(
+        cells.sums, cells.weight, fold, first_x, weight_x, first_y, weight_y, cells.here_x, cells.here_y, blocks, right
+    )
+    matrix = np.empty((folds, 2 * p, 2 * p))
+    matrix[:, :p, :p] = blocks[:, 0]
+    matrix[:, :p, p:] = blocks[:, 1]
+    matrix[:, p:, :p] = blocks[:, 1]
+    matrix[:, p:, p:] = blocks[:, 2]
+    return Equations(box, elements, matrix, right.reshape(folds, 2 * p), _plane(cells, box, elements))
+
+
+def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
+    """Spline coefficients (2p,) of the plane nearest to the displacement at which the sums were taken."""
+    x, y = np.meshgrid((cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2]))
+    on = cells.weight > 0
+    terms = np.stack([np.ones(on.sum()), x[on], y[on]], axis=1)
+    here = np.stack([cells.here_x[on], cells.here_y[on]], axis=1)
+    fit = np.linalg.lstsq(terms, here, rcond=None)[0]
+    gx, gy = np.meshgrid(*(np.arange(-1, n + 2) / n for n in elements))
+    return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
+
+
+def solve_surface(system: Equations, *, basis: Array | None = None, use: tuple[int, ...] | None = None) -> Surface:
+    """Solve for the surface, from all folds or from those in ``use``; ``basis`` restricts it (see `degree_basis`)."""
+    folds = range(len(system.matrix)) if use is None else use
+    matrix = sum(system.matrix[f] for f in folds)
+    right = sum(system.right[f] for f in folds)
+    nx, ny = system.elements
+    right = right - matrix @ system.start
+    if basis is not None:
+        both = np.kron(np.eye(2), basis)
+        solution = both @ _solve(both.T @ matrix @ both, both.T @ right)
+    else:
+        solution = _solve(matrix, right)
+    solution = solution + system.start
+    return Surface(system.box, solution.reshape(2, ny + 3, nx + 3))
+
+
+def _solve(matrix: Array, right: Array) -> Array:
+    """Solve a symmetric system with a ridge far below every coefficient that data support."""
+    n = len(matrix)
+    ridge = 1e-9 * np.trace(matrix) / n
+    if not ridge > 0:
+        return np.zeros(n)
+    solution: Array = cho_solve(cho_factor(matrix + ridge * np.eye(n)), right)
+    return solution

@@ -1,0 +1,117 @@
+"""How far the surface may be off, from the scatter of the scores themselves.
+
+The sandwich M^-1 (sum of s s') M^-1 takes the scores s of independent blocks as they are, so texture that one camera
+alone sees, correlated noise and unequal light all count (P. J. Huber, Proc. 5th Berkeley Symp. 1 (1967) 221).
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from erlif.registration.matching import BX, BY
+from erlif.registration.selection import Model
+from erlif.registration.surface import Box, Cells, equations, spline_weights
+
+Array = NDArray[Any]
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _block_scores(
+    bx: Array,
+    by: Array,
+    first_x: Array,
+    weight_x: Array,
+    first_y: Array,
+    weight_y: Array,
+    block: Array,
+    nx: int,
+    scores: Array,
+) -> None:
+    p = scores.shape[1] // 2
+    for r in range(bx.shape[0]):
+        for c in range(bx.shape[1]):
+            for j in range(4):
+                for i in range(4):
+                    phi = weight_y[r, j] * weight_x[c, i]
+                    k = (first_y[r] + j) * nx + first_x[c] + i
+                    scores[block[r, c], k] += phi * bx[r, c]
+                    scores[block[r, c], p + k] += phi * by[r, c]
+
+
+def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
+    """Covariance of the spline coefficients of a fitted surface.
+
+    Parameters
+    ----------
+    cells : Cells
+        Sums moved to the fitted surface, so that their scores are residuals.
+    model : Model
+        The fitted model.
+    box : Box
+        Region of its spline.
+
+    Returns
+    -------
+    array, (2p, 2p)
+        x coefficients first. [px^2]
+    """
+    nx, ny = model.elements
+    system = equations(cells, model.elements, box=box)
+    side = 32.0 if model.coefficients <= 49 else 16.0
+    side = max(min(side, (box[1] - box[0]) / 8, (box[3] - box[2]) / 8), float(cells.x[1] - cells.x[0]))
+    column = ((cells.x - cells.x[0] + 0.5) // side).astype(np.int64)
+    row = ((cells.y - cells.y[0] + 0.5) // side).astype(np.int64)
+    block = row[:, None] * (column[-1] + 1) + column[None, :]
+    first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
+    first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
+    p = (nx + 3) * (ny + 3)
+    scores = np.zeros((int(block.max()) + 1, 2 * p))
+    bx, by = cells.weight * cells.sums[..., BX], cells.weight * cells.sums[..., BY]
+    _block_scores(bx, by, first_x, weight_x, first_y, weight_y, block, nx + 3, scores)
+    basis = np.eye(2 * p) if model.basis is None else np.kron(np.eye(2), model.basis)
+    used = int(np.count_nonzero(np.any(scores != 0, axis=1)))
+    scores = scores @ basis
+    matrix = basis.T @ system.matrix[0] @ basis
+    ridge = 1e-9 * np.trace(matrix) / len(matrix)
+    factor = cho_factor(matrix + ridge * np.eye(len(matrix)))
+    spread = cho_solve(factor, scores.T)
+    # each block gives two scores; the fit has used up as many of them as it has coefficients
+    free = max(1 - matrix.shape[0] / max(2 * used, 1), 0.1)
+    covariance = basis @ (spread @ spread.T / free) @ basis.T
+    return np.asarray(covariance)
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _variance_at(
+    first_x: Array, weight_x: Array, first_y: Array, weight_y: Array, covariance: Array, nx: int, out: Array
+) -> None:
+    p = covariance.shape[0] // 2
+    index = np.empty(16, np.int64)
+    phi = np.empty(16)
+    for r in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            k = 0
+            for j in range(4):
+                for i in range(4):
+                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
+                    phi[k] = weight_y[r, j] * weight_x[c, i]
+                    k += 1
+            total = 0.0
+            for a in range(16):
+                for b in range(16):
+                    ia, ib = index[a], index[b]
+                    total += phi[a] * phi[b] * (covariance[ia, ib] + covariance[p + ia, p + ib])
+            out[r, c] = 0.5 * total
+
+
+def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -> Array:
+    """Standard deviation of one component of the displacement (rms of the two) at the grid of x and y. [px]"""
+    nx, ny = model.elements
+    first_x, weight_x = spline_weights(x, box[0], box[1], nx)
+    first_y, weight_y = spline_weights(y, box[2], box[3], ny)
+    out = np.empty((len(y), len(x)))
+    _variance_at(first_x, weight_x, first_y, weight_y, covariance, nx + 3, out)
+    return np.sqrt(np.maximum(out, 0))
