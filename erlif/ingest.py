@@ -156,7 +156,7 @@ def read_frames(recording: Recording, frames: Sequence[int]) -> Frames:
     )
 
 
-def read_stack(directory: Path, pattern: str, settings: CameraSettings, *, what: str) -> list[Page]:
+def find_reference_pages(directory: Path, pattern: str, *, what: str) -> list[Page]:
     """Find the pages of a dark or flat recording and check their headers; raises FrameError."""
     pages, faults = _find_pages(directory, pattern, what)
     if faults:
@@ -309,6 +309,8 @@ def _pair_cameras(
         for camera, (pages, bad) in enumerate(found, 1)
         for k, reason in bad.items()
     }
+    if skip_bad_frames:
+        faults |= _undecodable(directory, (one, two), faults)
     if faults and not skip_bad_frames:
         raise FrameError(_fault_message(faults, "frame"))
     kinds = [[kind for _, kind in pages] for pages, _ in found]
@@ -336,6 +338,19 @@ def _pair_cameras(
     for camera_settings, pages in zip(cameras, (one, two), strict=True):
         _check_full_scale(_read_page(pages[good[0]], directory), camera_settings, pages[good[0]])
     return (tuple(one), tuple(two)), (rows, columns), faults
+
+
+def _undecodable(directory: Path, cameras: tuple[list[Page], list[Page]], known: dict[int, str]) -> dict[int, str]:
+    """Frame pairs whose headers are sound and whose pixels are not."""
+    faults = {}
+    for camera, pages in enumerate(cameras, 1):
+        for k, page in enumerate(pages):
+            if k not in known and k not in faults:
+                try:
+                    _read_page(page, directory)
+                except FrameError:
+                    faults[k] = f"camera{camera}/{page.name}: it cannot be decoded"
+    return faults
 
 
 def _first_unmatched(one: list[Page], two: list[Page]) -> str | None:

@@ -1,0 +1,98 @@
+"""Camera 2 onto the pixel grid of camera 1, with its noise and its flags."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.products import AlignedFrames, CorrectedFrames, require
+from erlif.registration import CameraMap, interpolation_variance_factor, orient, warp
+
+Array = npt.NDArray[np.float64]
+
+_OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
+
+
+def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array | None = None) -> AlignedFrames:
+    """Sample camera 2 where camera 1 has its pixels.
+
+    The signal is interpolated by a cubic B-spline; its variance is that of the neighbourhood times the factor by which the
+    spline averages noise at this sub-pixel position. A pixel inherits the flags of the sixteen it is made from.
+
+    Parameters
+    ----------
+    frames : CorrectedFrames
+        signal, signal_var and flags (camera, frame, y, x).
+    camera_map : CameraMap
+        The fixed map from camera 1 to camera 2.
+    drift : array, (frame, 2), optional
+        Translation (x, y) of camera 2 in each frame, on top of the map. [px]
+
+    Returns
+    -------
+    AlignedFrames
+        As `frames`, with displacement_std (y, x), the standard deviation of one component of the map. [px]
+    """
+    require(frames, "signal", "signal_var", "flags")
+    signal, variance, flags = (frames[name].values.copy() for name in ("signal", "signal_var", "flags"))
+    turn = camera_map.settings.orientation
+    offsets = np.zeros((signal.shape[1], 2)) if drift is None else np.asarray(drift, float)
+    dx, dy = camera_map.displacement_x, camera_map.displacement_y
+    for n, (x, y) in enumerate(offsets.tolist()):
+        own = (
+            np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in ("signal", "signal_var", "flags")
+        )
+        moving, moving_var, moving_flags = own
+        signal[1, n] = warp(moving, dx, dy, (x, y))
+        _gather(
+            moving_var,
+            moving_flags,
+            dx,
+            dy,
+            x,
+            y,
+            interpolation_variance_factor(dx, dy, (x, y)),
+            variance[1, n],
+            flags[1, n],
+        )
+        flags[1, n][~camera_map.overlap] |= _OUTSIDE
+        flags[1, n][camera_map.poor] |= _POOR
+    dims = ("camera", "frame", "y", "x")
+    return AlignedFrames(
+        xr.Dataset(
+            {
+                "signal": (dims, signal, frames.signal.attrs),
+                "signal_var": (dims, variance, frames.signal_var.attrs),
+                "flags": (dims, flags, FLAG_ATTRS),
+                "displacement_std": (("y", "x"), camera_map.displacement_std, {"units": "px"}),
+            },
+            frames.coords,
+        )
+    )
+
+
+@numba.njit(nogil=True, cache=True)
+def _gather(variance, flags, displacement_x, displacement_y, drift_x, drift_y, factor, out_variance, out_flags):  # type: ignore[no-untyped-def]
+    """Variance by bilinear interpolation times `factor`, and all flags of the 4 x 4 pixels about each point."""
+    height, width = variance.shape
+    for i in range(out_variance.shape[0]):
+        for j in range(out_variance.shape[1]):
+            x = j + displacement_x[i, j] + drift_x
+            y = i + displacement_y[i, j] + drift_y
+            if not (x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1):
+                out_variance[i, j] = np.nan
+                out_flags[i, j] = _OUTSIDE
+                continue
+            k, m = min(int(y), height - 2), min(int(x), width - 2)
+            v, u = y - k, x - m
+            top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
+            bottom = variance[k + 1, m] + u * (variance[k + 1, m + 1] - variance[k + 1, m])
+            out_variance[i, j] = (top + v * (bottom - top)) * factor[i, j]
+            flag = 0
+            for a in range(max(k - 1, 0), min(k + 3, height)):
+                for b in range(max(m - 1, 0), min(m + 3, width)):
+                    flag |= flags[a, b]
+            out_flags[i, j] = flag

@@ -1,0 +1,276 @@
+"""Products to files: netCDF or zarr, whole or not at all, and resumable while they grow.
+
+Maps are rounded to the bits that their noise leaves meaningful, so that they compress; a NaN stays a NaN. Each trigger is
+compressed by the thread that made it and kept in a file of its own next to the output. The output is put together from these
+files at the end and takes its name in one step: it is complete or it is the previous one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.errors import OutputError
+
+_LEVEL = 1  # of zlib: higher ones cost much and gain little on noise
+
+
+@dataclass(frozen=True)
+class MapVariable:
+    """A variable (trigger, y, x) that is written trigger by trigger."""
+
+    name: str
+    dtype: str
+    attrs: Mapping[str, Any]
+    bits: int = 23
+    """Bits of the mantissa that are kept."""
+
+
+def round_bits(values: npt.NDArray[np.float32], bits: int) -> npt.NDArray[np.float32]:
+    """Round float32 values to `bits` bits of mantissa; the largest relative error is 2**-(bits + 1)."""
+    drop = 23 - bits
+    if drop <= 0:
+        return values
+    whole = np.ascontiguousarray(values, np.float32).view(np.uint32)
+    rounded = (whole + ((1 << (drop - 1)) - 1) + ((whole >> drop) & 1)) & np.uint32(~((1 << drop) - 1) & 0xFFFFFFFF)
+    return np.where(np.isfinite(values), rounded.view(np.float32), np.float32(np.nan))
+
+
+def compress(values: npt.NDArray[Any]) -> bytes:
+    """Bytes of an array as HDF5's shuffle and deflate filters write a chunk."""
+    data = np.ascontiguousarray(values)
+    shuffled = data.view(np.uint8).reshape(-1, data.itemsize).T
+    return zlib.compress(np.ascontiguousarray(shuffled).tobytes(), _LEVEL)
+
+
+def decompress(chunk: bytes, dtype: str, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    """Reverse of `compress`."""
+    item = np.dtype(dtype).itemsize
+    planes = np.frombuffer(zlib.decompress(chunk), np.uint8).reshape(item, -1)
+    return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
+
+
+class PartialFilm:
+    """The triggers of a film that is being made, each in a file beside the output.
+
+    Parameters
+    ----------
+    output : Path
+        File or directory to be.
+    key : str
+        Identifies inputs and settings; a partial film of another key is thrown away, one of the same key is resumed.
+    """
+
+    def __init__(self, output: Path, key: str) -> None:
+        self.directory = output.with_name(output.name + ".partial")
+        marker = self.directory / "key"
+        if self.directory.exists() and not (marker.is_file() and marker.read_text() == key):
+            shutil.rmtree(self.directory)
+        self.directory.mkdir(parents=True, exist_ok=True)
+        marker.write_text(key)
+
+    def has(self, trigger: int) -> bool:
+        """Whether this trigger is finished."""
+        return self._path(trigger).is_file()
+
+    def put(
+        self,
+        trigger: int,
+        maps: Mapping[str, npt.NDArray[Any]],
+        variables: list[MapVariable],
+        numbers: Mapping[str, npt.ArrayLike],
+    ) -> None:
+        """Keep the maps (y, x) and small numbers of one trigger."""
+        record: dict[str, npt.ArrayLike] = {f"number_{name}": np.asarray(value) for name, value in numbers.items()}
+        for variable in variables:
+            values = maps[variable.name]
+            if variable.dtype == "float32":
+                values = round_bits(values, variable.bits)
+            record[f"map_{variable.name}"] = np.frombuffer(compress(values.astype(variable.dtype)), np.uint8)
+        scratch = self._path(trigger).with_suffix(f".{os.getpid()}")
+        with scratch.open("wb") as file:
+            np.savez(file, **record)  # type: ignore[arg-type]
+        scratch.replace(self._path(trigger))
+
+    def chunk(self, trigger: int, variable: MapVariable) -> bytes:
+        """Compressed map of one trigger."""
+        with np.load(self._path(trigger)) as record:
+            return bytes(record[f"map_{variable.name}"])
+
+    def numbers(self, trigger: int) -> dict[str, npt.NDArray[Any]]:
+        """Small numbers of one trigger."""
+        with np.load(self._path(trigger)) as record:
+            return {name.removeprefix("number_"): record[name] for name in record if name.startswith("number_")}
+
+    def discard(self) -> None:
+        """Remove what was kept, once the output stands."""
+        shutil.rmtree(self.directory, ignore_errors=True)
+
+    def _path(self, trigger: int) -> Path:
+        return self.directory / f"trigger_{trigger:05d}.npz"
+
+
+def refuse_existing(output: Path, *, overwrite: bool) -> None:
+    """Raise OutputError if `output` exists and may not be replaced."""
+    if output.exists() and not overwrite:
+        raise OutputError(f"{output} exists already; use --overwrite to replace it, or -o for another name.")
+
+
+@contextmanager
+def replacing(output: Path) -> Iterator[Path]:
+    """Give a name to write to; it takes the place of `output` in one step when the block ends without error."""
+    scratch = output.with_name(f".{output.name}.{os.getpid()}")
+    _remove(scratch)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        yield scratch
+        if scratch.is_dir() and output.exists():
+            old = output.with_name(f".{output.name}.old")
+            _remove(old)
+            output.rename(old)
+            scratch.rename(output)
+            _remove(old)
+        else:
+            scratch.replace(output)
+    except OSError as error:
+        raise OutputError(
+            f"{output} could not be written: {error.strerror or error}. The previous one is as it was."
+        ) from error
+    finally:
+        _remove(scratch)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def write_dataset(dataset: xr.Dataset, output: Path) -> None:
+    """Write a small dataset as netCDF-4, whole or not at all; raises OutputError."""
+    with replacing(output) as scratch:
+        dataset.to_netcdf(scratch, engine="h5netcdf")
+
+
+def write_film(
+    output: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+) -> None:
+    """Put a film together: `film` holds what is small, `partial` the maps; zarr by the suffix of `output`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written; the previous output is then as it was.
+    """
+    with replacing(output) as scratch:
+        if output.suffix == ".zarr":
+            _write_zarr(scratch, film, groups, partial, variables)
+        else:
+            _write_netcdf(scratch, film, groups, partial, variables)
+
+
+def _write_netcdf(
+    path: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+) -> None:
+    import h5netcdf
+    import h5py
+
+    film.to_netcdf(path, engine="h5netcdf")
+    for name, group in groups.items():
+        group.to_netcdf(path, engine="h5netcdf", mode="a", group=name)
+    shape = tuple(film.sizes[dim] for dim in ("trigger", "y", "x"))
+    with h5netcdf.File(path, "a") as file:
+        for variable in variables:
+            created = file.create_variable(
+                variable.name,
+                ("trigger", "y", "x"),
+                np.dtype(variable.dtype),
+                fillvalue=np.float32(np.nan) if variable.dtype == "float32" else None,
+                chunks=(1, *shape[1:]),
+                compression="gzip",
+                compression_opts=_LEVEL,
+                shuffle=True,
+            )
+            created.attrs.update(variable.attrs)
+    with h5py.File(path, "r+") as file:
+        for variable in variables:
+            target = file[variable.name].id
+            for trigger in range(shape[0]):
+                target.write_direct_chunk((trigger, 0, 0), partial.chunk(trigger, variable))
+
+
+def _write_zarr(
+    path: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+) -> None:
+    import zarr
+
+    film.to_zarr(path, consolidated=False, zarr_format=3)
+    for name, group in groups.items():
+        group.to_zarr(path, group=name, mode="a", consolidated=False, zarr_format=3)
+    shape = tuple(film.sizes[dim] for dim in ("trigger", "y", "x"))
+    root = zarr.open_group(path, mode="r+")
+    for variable in variables:
+        array = root.create_array(
+            variable.name,
+            shape=shape,
+            chunks=(1, *shape[1:]),
+            dtype=variable.dtype,
+            fill_value=np.nan if variable.dtype == "float32" else 0,
+            dimension_names=("trigger", "y", "x"),
+            attributes={
+                key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in variable.attrs.items()
+            },
+        )
+        for trigger in range(shape[0]):
+            array[trigger] = decompress(partial.chunk(trigger, variable), variable.dtype, shape[1:])
+
+
+def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
+    """Open a film that `erlif process` wrote; maps are read when they are used.
+
+    Parameters
+    ----------
+    path : path
+        ``film.nc`` or ``film.zarr``.
+    group : str, optional
+        ``"frames"`` or ``"registration"`` in place of the film itself.
+
+    Raises
+    ------
+    OutputError
+        If there is no such file, or it is no film.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise OutputError(f"Expected a film file; {path} does not exist. Make one with: erlif process RUN_DIR")
+    try:
+        if path.suffix == ".zarr":
+            dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+        else:
+            dataset = xr.open_dataset(path, engine="h5netcdf", group=group)
+    except (OSError, ValueError, KeyError) as error:
+        raise OutputError(
+            f"Expected a film as erlif process writes it; {path} cannot be read as one ({error})."
+        ) from error
+    if group is None and "thickness" not in dataset:
+        raise OutputError(
+            f"Expected a film with a variable thickness; {path} holds {', '.join(map(str, dataset.variables))}."
+        )
+    return dataset
+
+
+def describe_hashes(hashes: Mapping[str, str]) -> str:
+    """Input hashes as one attribute, JSON with sorted keys."""
+    return json.dumps(dict(hashes), sort_keys=True)

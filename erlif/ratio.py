@@ -1,0 +1,216 @@
+"""Camera 2 over camera 1: the quantity that depends on the film and not on the laser.
+
+The ratio travels as its natural logarithm. Its noise is nearly Gaussian there, its standard deviation is the relative error of
+the ratio, and swapping the cameras only changes its sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numba
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy import ndimage
+
+from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.products import AlignedFrames, RatioImages, require
+
+Image = npt.NDArray[np.float32]
+Mask = npt.NDArray[np.uint8]
+
+_DIM, _NO_FILM = int(Flag.DIM), int(Flag.NO_FILM)
+
+
+def compute_ratio(frames: AlignedFrames, *, no_film_below: float = 0.25) -> RatioImages:
+    """Logarithm of camera 2 / camera 1 with its variance and flags.
+
+    The logarithm of a noisy signal is too small by half its relative variance; each camera's share is put back, so that the
+    answer is unbiased to second order.
+
+    Parameters
+    ----------
+    frames : AlignedFrames
+        signal and signal_var (camera, frame, y, x), flags, displacement_std (y, x).
+    no_film_below : float
+        Where the light of both cameras is below this share of its surroundings, the pixel and its neighbours are flagged
+        no_film: a bubble, or a bare wall.
+
+    Returns
+    -------
+    RatioImages
+        log_ratio (frame, y, x) [1], log_ratio_var (random part), log_ratio_var_shared (registration), flags, and
+        signal_camera1 [DN], from which the pulse energy is judged.
+    """
+    require(frames, "signal", "signal_var", "flags", "displacement_std")
+    signal, variance, flags = frames.signal.values, frames.signal_var.values, frames.flags.values
+    shape = signal.shape[1:]
+    log_ratio, random, shared = (np.empty(shape, np.float32) for _ in range(3))
+    flag = flags[0] | flags[1]
+    displacement_std = frames.displacement_std.values
+    for n in range(shape[0]):
+        _log_ratio(signal[0, n], signal[1, n], variance[0, n], variance[1, n], log_ratio[n], random[n], flag[n])
+        flag[n][find_bubbles(signal[0, n], signal[1, n], share=no_film_below)] |= _NO_FILM
+        shared[n] = (displacement_std * log_gradient(signal[1, n])) ** 2
+    dims = ("frame", "y", "x")
+    return RatioImages(
+        xr.Dataset(
+            {
+                "log_ratio": (dims, log_ratio, {"units": "1", "ancillary_variables": "log_ratio_var flags"}),
+                "log_ratio_var": (dims, random, {"units": "1"}),
+                "log_ratio_var_shared": (dims, shared, {"units": "1"}),
+                "flags": (dims, flag, FLAG_ATTRS),
+                "signal_camera1": (dims, signal[0], {"units": "DN"}),
+            },
+            {name: value for name, value in frames.coords.items() if "camera" not in value.dims},
+        )
+    )
+
+
+@numba.njit(nogil=True, cache=True)
+def _log_ratio(one, two, one_var, two_var, log_ratio, variance, flag):  # type: ignore[no-untyped-def]
+    for i in range(one.shape[0]):
+        for j in range(one.shape[1]):
+            a, b = one[i, j], two[i, j]
+            if a > 0.0 and b > 0.0:
+                relative_one = one_var[i, j] / (a * a)
+                relative_two = two_var[i, j] / (b * b)
+                log_ratio[i, j] = np.log(b / a) + 0.5 * (relative_two - relative_one)
+                variance[i, j] = relative_one + relative_two
+            else:
+                log_ratio[i, j] = np.nan
+                variance[i, j] = np.nan
+                if flag[i, j] == 0:
+                    flag[i, j] |= _DIM
+
+
+def log_gradient(signal: Image) -> Image:
+    """Size of the gradient of the logarithm of an image, by Sobel's operator. [1/px]
+
+    Parameters
+    ----------
+    signal : array, (y, x)
+        Light; what is not positive or not finite counts as level.
+    """
+    lit = np.where(np.isfinite(signal) & (signal > 0), signal, 1.0).astype(np.float32)
+    logarithm = cv2.log(lit)
+    along_x = cv2.Sobel(logarithm, cv2.CV_32F, 1, 0, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
+    along_y = cv2.Sobel(logarithm, cv2.CV_32F, 0, 1, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(cv2.magnitude(along_x, along_y), np.float32)
+
+
+def find_bubbles(
+    one: Image, two: Image, *, share: float, block: int = 8, reach: int = 9, margin: int = 3
+) -> npt.NDArray[np.bool_]:
+    """Find where fluorescence is missing from both cameras.
+
+    Parameters
+    ----------
+    one, two : array, (y, x)
+        Light of the two cameras on one grid; NaN counts as lit.
+    share : float
+        A pixel counts as dark below this share of the median light about it.
+    block, reach : int
+        The surroundings are the median of `reach` x `reach` blocks of `block` px.
+    margin : int
+        Pixels about a dark patch that are taken for its meniscus.
+
+    Returns
+    -------
+    array of bool, (y, x)
+    """
+    light = np.where(np.isfinite(two), one + two, np.nan)
+    light = np.where(np.isfinite(light), light, np.nanmedian(light) if np.isfinite(light).any() else 1.0)
+    height, width = light.shape
+    small = cv2.resize(
+        light.astype(np.float32), (max(width // block, 1), max(height // block, 1)), interpolation=cv2.INTER_AREA
+    )
+    surroundings = ndimage.median_filter(small, size=reach, mode="nearest")
+    expected = cv2.resize(surroundings, (width, height), interpolation=cv2.INTER_LINEAR)
+    dark = (light < share * expected).astype(np.uint8)
+    dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)), np.uint8)
+    if not dark.any():
+        return dark.astype(bool)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
+    return cv2.dilate(dark, disc).astype(bool)
+
+
+@dataclass
+class RatioSum:
+    """Frames of one trigger, added up with inverse-variance weights without keeping them.
+
+    Every cycle sees the trigger anew; its random errors average out, the registration error does not. A pixel is answered
+    if any of its frames is; one that none answers keeps the flags of all.
+    """
+
+    shape: tuple[int, int]
+    frames: int = 0
+    weight: npt.NDArray[np.float64] = field(init=False)
+    total: npt.NDArray[np.float64] = field(init=False)
+    shared: npt.NDArray[np.float64] = field(init=False)
+    flags: Mask = field(init=False)
+    answered: npt.NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Start from nothing."""
+        self.weight, self.total, self.shared = (np.zeros(self.shape) for _ in range(3))
+        self.flags = np.zeros(self.shape, np.uint8)
+        self.answered = np.zeros(self.shape, bool)
+
+    def add(self, ratios: RatioImages) -> None:
+        """Add ratio images (frame, y, x) of the same trigger."""
+        require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
+        for n in range(ratios.sizes["frame"]):
+            _add_frame(
+                ratios.log_ratio.values[n],
+                ratios.log_ratio_var.values[n],
+                ratios.log_ratio_var_shared.values[n],
+                ratios.flags.values[n],
+                self.weight,
+                self.total,
+                self.shared,
+                self.flags,
+                self.answered,
+            )
+            self.frames += 1
+
+    def mean(self) -> RatioImages:
+        """Weighted mean of what was added, as RatioImages without a frame dimension."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_ratio = (self.total / self.weight).astype(np.float32)
+            variance = (1 / self.weight).astype(np.float32)
+            shared = (self.shared / self.weight).astype(np.float32)
+        dims = ("y", "x")
+        return RatioImages(
+            xr.Dataset(
+                {
+                    "log_ratio": (dims, log_ratio, {"units": "1"}),
+                    "log_ratio_var": (dims, np.where(self.weight > 0, variance, np.nan), {"units": "1"}),
+                    "log_ratio_var_shared": (dims, shared, {"units": "1"}),
+                    "flags": (dims, np.where(self.answered, 0, self.flags).astype(np.uint8), FLAG_ATTRS),
+                }
+            )
+        )
+
+
+@numba.njit(nogil=True, cache=True)
+def _add_frame(log_ratio, variance, variance_shared, flag, weight, total, shared, flags, answered):  # type: ignore[no-untyped-def]
+    for i in range(log_ratio.shape[0]):
+        for j in range(log_ratio.shape[1]):
+            flags[i, j] |= flag[i, j]
+            if flag[i, j] == 0:
+                w = 1.0 / variance[i, j]
+                weight[i, j] += w
+                total[i, j] += w * log_ratio[i, j]
+                shared[i, j] += w * variance_shared[i, j]
+                answered[i, j] = True
+
+
+def combine_frames(ratios: RatioImages) -> RatioImages:
+    """Inverse-variance mean over the frame dimension; see `RatioSum` for frames that do not fit into memory together."""
+    height, width = ratios.sizes["y"], ratios.sizes["x"]
+    total = RatioSum((height, width))
+    total.add(ratios)
+    return total.mean()

@@ -1,0 +1,393 @@
+"""The measured film against kinematics and theory. Here the laboratory's units meet the models' SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.config import RunSettings
+from erlif.core.errors import ConfigError
+from erlif.core.products import RatioImages, ThicknessMaps, require
+from erlif.kinematics import entrained_stroke
+from erlif.models.contact import conformal_radius, contact_modulus
+from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
+from erlif.models.fluorescence import log_band_ratio_slope
+from erlif.models.oil import vogel_viscosity
+
+Array = npt.NDArray[np.float64]
+
+SLOWEST = 0.1
+"""Triggers below this share of the top speed are left out of the speed exponent."""
+
+_BLOCK = 8  # pixels averaged before the gap is fitted
+_CLIP = 5.0  # blocks this many standard deviations off the gap are dust or an unseen bubble
+
+
+@dataclass(frozen=True)
+class FilmStatistics:
+    """Film of one trigger, summed up over the region of interest.
+
+    Attributes
+    ----------
+    mean, mean_std, minimum, minimum_std : float
+        [um]; the standard deviations hold random and shared errors.
+    mean_gradient, minimum_gradient : array, (3,)
+        Change of mean and minimum with the calibration's K, p and q.
+    minimum_random_std : float
+        Part of minimum_std that is not the calibration's. [um]
+    mean_random_std : float
+        Likewise of the mean. [um]
+    """
+
+    mean: float
+    mean_std: float
+    mean_random_std: float
+    mean_gradient: Array
+    minimum: float
+    minimum_std: float
+    minimum_random_std: float
+    minimum_gradient: Array
+
+
+def region_mask(settings: RunSettings, x: Array, y: Array) -> tuple[slice, slice]:
+    """Rows and columns of the region of interest.
+
+    Raises
+    ------
+    ConfigError
+        If fewer than 32 x 32 pixels of the image lie in it.
+    """
+    roi = settings.thickness.roi
+    if roi is None:
+        return slice(0, y.size), slice(0, x.size)
+    columns = slice(int(np.searchsorted(x, roi.x[0])), int(np.searchsorted(x, roi.x[1], side="right")))
+    rows = slice(int(np.searchsorted(y, roi.y[0])), int(np.searchsorted(y, roi.y[1], side="right")))
+    if columns.stop - columns.start < 32 or rows.stop - rows.start < 32:
+        raise ConfigError(
+            f"Expected a region of interest of at least 32 x 32 pixels within the image, x 0 to {x[-1]:.2f} mm and y 0 to "
+            f"{y[-1]:.2f} mm; [thickness] roi is x = [{roi.x[0]:g}, {roi.x[1]:g}], y = [{roi.y[0]:g}, {roi.y[1]:g}]."
+        )
+    return rows, columns
+
+
+def summarise_film(
+    ratios: RatioImages,
+    maps: ThicknessMaps,
+    calibration: Calibration,
+    *,
+    x: Array,
+    y: Array,
+    rows: slice,
+    columns: slice,
+    sliding_along_x: bool = True,
+) -> FilmStatistics:
+    """Mean and least film of one trigger over a region.
+
+    The mean is that of the valid pixels, each freed of the bias that noise leaves where the inverse of the ratio is curved. The
+    minimum is that of a smooth gap, a parabola along the sliding direction plus a tilt across it, whose ratio is fitted to
+    the measured ratio with weights: no pixel is lost to the limits of the range, and none is trusted alone.
+
+    Parameters
+    ----------
+    ratios : RatioImages
+        log_ratio (y, x) of the trigger.
+    maps : ThicknessMaps
+        What `measure_thickness` made of it.
+    calibration : Calibration
+    x, y : array
+        Pixel positions. [mm]
+    rows, columns : slice
+        The region of interest.
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+
+    Returns
+    -------
+    FilmStatistics
+        NaN where the region holds too few valid pixels.
+    """
+    require(ratios, "log_ratio", "log_ratio_var", "flags")
+    mean, mean_random, mean_gradient = _mean_film(ratios, maps, calibration, rows, columns)
+    minimum, minimum_random, minimum_gradient = _least_film(
+        ratios, calibration, x, y, rows, columns, sliding_along_x=sliding_along_x
+    )
+    covariance = calibration.covariance
+    return FilmStatistics(
+        mean,
+        math.sqrt(mean_random**2 + float(mean_gradient @ covariance @ mean_gradient)),
+        mean_random,
+        mean_gradient,
+        minimum,
+        math.sqrt(minimum_random**2 + float(minimum_gradient @ covariance @ minimum_gradient)),
+        minimum_random,
+        minimum_gradient,
+    )
+
+
+_NOTHING = (math.nan, math.nan, np.full(3, math.nan))
+
+
+def _mean_film(
+    ratios: RatioImages, maps: ThicknessMaps, calibration: Calibration, rows: slice, columns: slice
+) -> tuple[float, float, Array]:
+    good = maps.flags.values[rows, columns] == 0
+    if good.sum() < 64:
+        return _NOTHING
+    thickness = maps.thickness.values[rows, columns][good].astype(float)
+    log_ratio = ratios.log_ratio.values[rows, columns][good].astype(float)
+    variance = ratios.log_ratio_var.values[rows, columns][good].astype(float)
+    table = calibration.inverse
+    place = table.start + table.step * np.arange(table.thickness.size)
+    curvature = np.interp(log_ratio, place, np.gradient(table.per_log_ratio, table.step))
+    mean = float(np.mean(thickness - 0.5 * curvature * variance))
+    rate = 1 / calibration.slope(thickness)
+    gradient = -(calibration.parameter_gradient(thickness) * rate).mean(axis=1)
+    random = math.sqrt(float((rate**2 * variance).sum())) / thickness.size
+    registration = (
+        math.sqrt(float((rate**2 * ratios.log_ratio_var_shared.values[rows, columns][good]).sum())) / thickness.size
+    )
+    # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
+    return mean, math.hypot(random, _BLOCK * registration), gradient
+
+
+def _least_film(
+    ratios: RatioImages,
+    calibration: Calibration,
+    x: Array,
+    y: Array,
+    rows: slice,
+    columns: slice,
+    *,
+    sliding_along_x: bool,
+) -> tuple[float, float, Array]:
+    """Fit h = a + b s + c z + d s^2 (s along sliding, z across, both -1 to 1 over the region) to the ratio."""
+    value, weight, across, along, group = _block_means(ratios, x, y, rows, columns, sliding_along_x=sliding_along_x)
+    if value.size < 16:
+        return _NOTHING
+    low, high = calibration.thickness_range
+    design = np.column_stack([np.ones_like(along), along, across, along**2])
+    _, p, q = calibration.parameters
+    limits = calibration.predict_log([low, high])
+    start = np.interp(value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500))
+    inside = (value > limits[0]) & (value < limits[1])
+    if inside.sum() < 16:
+        return _NOTHING
+    gap = np.linalg.lstsq(design[inside], start[inside], rcond=None)[0]
+    use = inside
+    for step in range(12):
+        film = np.clip(design @ gap, low - 0.5, 1.5 * high)
+        slope = log_band_ratio_slope(film, attenuation_camera1=p, attenuation_camera2=q)
+        residual = value - calibration.predict_log(film)
+        if step >= 2:
+            # choose by the fitted gap, never by the noisy value, so that the choice leaves no bias
+            scale = 1.4826 * float(np.median(np.abs(residual[use]) * np.sqrt(weight[use])))
+            use = (film < high) & (np.abs(residual) * np.sqrt(weight) < _CLIP * max(scale, 1.0))
+        if use.sum() < 16:
+            return _NOTHING
+        jacobian = design[use] * slope[use, None]
+        normal = jacobian.T @ (jacobian * weight[use, None])
+        change = np.linalg.solve(normal, jacobian.T @ (weight[use] * residual[use]))
+        gap = gap + change
+        if np.abs(change).max() < 1e-6:
+            break
+    score = jacobian * (weight * residual)[use, None]
+    by_group = np.zeros((int(group.max()) + 1, 4))
+    np.add.at(by_group, group[use], score)
+    inverse = np.linalg.inv(normal)
+    covariance = inverse @ (by_group.T @ by_group) @ inverse
+    by_parameter = -inverse @ (jacobian.T @ (weight[use] * calibration.parameter_gradient(film[use])).T)
+    _, b, c, d = gap
+    place = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
+    at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
+    return float(at @ gap), math.sqrt(float(at @ covariance @ at)), np.asarray(at @ by_parameter)
+
+
+def _block_means(
+    ratios: RatioImages, x: Array, y: Array, rows: slice, columns: slice, *, sliding_along_x: bool
+) -> tuple[Array, Array, Array, Array, npt.NDArray[np.intp]]:
+    """Log ratio averaged over blocks: value, weight, place across and along sliding (-1 to 1), and the block's strip.
+
+    Machining marks run across the sliding direction, so blocks of one strip share their error.
+    """
+    total = _sum_blocks(
+        ratios.log_ratio.values[rows, columns],
+        ratios.log_ratio_var.values[rows, columns],
+        ratios.flags.values[rows, columns],
+        _BLOCK,
+    )
+    full = total[0] > 0
+    down, right = np.nonzero(full)
+    weight = total[0][full]
+    value = total[1][full] / weight
+    xs, ys = x[columns], y[rows]
+    u = np.interp(total[2][full] / weight, np.arange(xs.size), np.linspace(-1, 1, xs.size))
+    v = np.interp(total[3][full] / weight, np.arange(ys.size), np.linspace(-1, 1, ys.size))
+    return (value, weight, v, u, right) if sliding_along_x else (value, weight, u, v, down)
+
+
+@numba.njit(nogil=True, cache=True)
+def _sum_blocks(log_ratio, variance, flags, block):  # type: ignore[no-untyped-def]
+    height, width = log_ratio.shape
+    total = np.zeros((4, (height + block - 1) // block, (width + block - 1) // block))
+    for i in range(height):
+        for j in range(width):
+            if flags[i, j] == 0:
+                w = 1.0 / variance[i, j]
+                total[0, i // block, j // block] += w
+                total[1, i // block, j // block] += w * log_ratio[i, j]
+                total[2, i // block, j // block] += w * j
+                total[3, i // block, j // block] += w * i
+    return total
+
+
+def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
+    """Film that theory expects at the speed and load of each trigger.
+
+    Parameters
+    ----------
+    triggers : xarray.Dataset
+        sliding_speed [m s-1], load [N], and temperature [degree_Celsius] where the oil follows Vogel's law; dim trigger.
+    settings : RunSettings
+
+    Returns
+    -------
+    xarray.Dataset
+        film_hamrock_dowson, the 2.65 line-contact formula [um]; film_theory, what the regime map selects [um], with its regimes and
+        limits as attributes; film_parameter [1] where roughness is given.
+    """
+    require(triggers, "sliding_speed", "load")
+    joint, oil = settings.joint, settings.oil
+    radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
+    modulus = contact_modulus(
+        joint.pin.youngs_modulus,
+        poisson_1=joint.pin.poissons_ratio,
+        youngs_2=joint.bushing.youngs_modulus,
+        poisson_2=joint.bushing.poissons_ratio,
+    )
+    if oil.vogel is not None:
+        if "temperature" not in triggers:
+            raise ConfigError(
+                "Expected a column temperature_C in the encoder log, because [oil] gives the viscosity by Vogel's law; there is none. Log the "
+                'temperature, or give viscosity = "0.12 Pa s".'
+            )
+        viscosity = np.asarray(
+            vogel_viscosity(triggers.temperature.values + 273.15, a=oil.vogel.a, b=oil.vogel.b, c=oil.vogel.c + 273.15)
+        )
+    else:
+        viscosity = np.full(triggers.sizes["trigger"], oil.viscosity)
+    contact = {
+        "load_per_length": triggers["load"].values / joint.length,
+        "viscosity": viscosity,
+        "pressure_viscosity": oil.pressure_viscosity,
+        "radius": radius,
+        "contact_modulus": modulus,
+    }
+    speed = triggers.sliding_speed.values / 2  # the bushing surface rests: entrainment is half the sliding speed
+    theory = line_contact_film(speed, stroke=entrained_stroke(settings), **contact)
+    regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
+    chosen = str(regimes[np.argmax(count)])
+    predicted = xr.Dataset(
+        {
+            "film_hamrock_dowson": (
+                "trigger",
+                1e6 * np.asarray(dowson_higginson_film(speed, **contact)),
+                {"units": "um", "long_name": "line-contact formula, 2.65 G^0.54 U^0.7 W^-0.13"},
+            ),
+            "film_theory": (
+                "trigger",
+                1e6 * np.asarray(theory.film),
+                {
+                    "units": "um",
+                    "long_name": f"steady line-contact film, {chosen} regime",
+                    "regime": chosen,
+                    "regimes_by_trigger": " ".join(str(name) for name in np.asarray(theory.regime)),
+                    "reason": "the largest of the four line-contact asymptotes governs; "
+                    f"gV = {float(np.median(theory.gV)):.3g}, gE = {float(np.median(theory.gE)):.3g} (medians)",
+                    "notes": "\n".join(theory.notes),
+                },
+            ),
+        }
+    )
+    if joint.pin.roughness is not None and joint.bushing.roughness is not None and "film_min" in triggers:
+        film = np.maximum(triggers.film_min.values, 0.0) * 1e-6
+        ratio = film_parameter(film, roughness_a=joint.pin.roughness, roughness_b=joint.bushing.roughness)
+        predicted["film_parameter"] = (
+            "trigger",
+            ratio,
+            {"units": "1", "long_name": "least film over roughness, Lambda"},
+        )
+    return predicted
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """Power of |speed|/load that the film follows, with its standard deviation and the film at the mean."""
+
+    value: float
+    std: float
+    log_scale: float
+    triggers: int
+
+
+def fit_exponent(
+    film: Array,
+    random_std: Array,
+    *,
+    speed: Array,
+    load: Array,
+    parameter_gradient: Array | None = None,
+    covariance: Array | None = None,
+) -> Exponent:
+    """Fit film = c (|speed|/load)^n through its logarithms.
+
+    Triggers slower than a tenth of the fastest are left out: there the film lives on squeeze. The scatter about the line
+    decides the weights together with the error bars, and the calibration, which bends all films alike, adds its share
+    to the standard deviation.
+
+    Parameters
+    ----------
+    film, random_std : array, (trigger,)
+        Film and the part of its standard deviation that each trigger has for itself. [um]
+    speed, load : array, (trigger,)
+        [rad s-1], [N]
+    parameter_gradient : array, (trigger, 3), optional
+        Change of the film with K, p and q of the calibration.
+    covariance : array, (3, 3), optional
+        Of K, p and q.
+
+    Returns
+    -------
+    Exponent
+        NaN where fewer than five triggers can be used.
+    """
+    fast = np.abs(speed) >= SLOWEST * np.abs(speed).max()
+    use = fast & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
+    if use.sum() < 5:
+        return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
+    x = np.log(np.abs(speed[use]) / load[use])
+    y = np.log(film[use])
+    own = random_std[use] / film[use]
+    design = np.column_stack([np.ones_like(x), x])
+    excess = 0.0
+    for _ in range(20):
+        weight = 1 / (own**2 + excess)
+        normal = design.T @ (design * weight[:, None])
+        line = np.linalg.solve(normal, design.T @ (weight * y))
+        residual = y - design @ line
+        chi_square = float((weight * residual**2).sum()) / (x.size - 2)
+        if abs(chi_square - 1) < 1e-3 or (chi_square < 1 and excess == 0.0):
+            break
+        # scatter that the error bars do not explain is taken as the same share of each film
+        excess = max(excess + (chi_square - 1) / float(weight.mean()), 0.0)
+    inverse = np.linalg.inv(normal)
+    variance = float(inverse[1, 1])
+    if parameter_gradient is not None and covariance is not None:
+        change = inverse @ design.T @ (weight[:, None] * (parameter_gradient[use] / film[use, None]))
+        variance += float(change[1] @ covariance @ change[1])
+    return Exponent(float(line[1]), math.sqrt(variance), float(line[0]), int(use.sum()))
