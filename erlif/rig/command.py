@@ -98,6 +98,8 @@ def simulate(
                 bar.reset(total)
                 bar.set_description(what)
             bar.update()
+            if bar.disable and number == total:  # no terminal
+                click.echo(f"{what}s written: {total}")
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
     click.echo(f"{out / 'fixture'}\n{out / 'run'}\n{out / 'truth.nc'}")

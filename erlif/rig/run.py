@@ -107,7 +107,10 @@ class Shot:
 
 
 def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Counts, Counts]:
-    """Return the frames of both cameras: the same pulse, the same object, two filters and two viewpoints."""
+    """Return the frames of both cameras: the same pulse, the same object, two filters and two viewpoints.
+
+    Speckle is seen through each camera's point spread; the film is smooth on that scale and taken as it is.
+    """
     rig = setup.rig
 
     def expose_camera(number: int, rng: np.random.Generator) -> Counts:
@@ -348,7 +351,7 @@ def describe_truth(
     }
     columns, rows = np.arange(rig.width), np.arange(rig.height)
     dx, dy = displacement(setup.x, setup.y, rig)
-    wedge = np.maximum(Wedge(rig).profile(columns.astype(float)), 0)
+    wedge = Wedge(rig)(setup.x, setup.y)[0]
     small: list[tuple[str, tuple[str, ...], NDArray[np.generic], str, str]] = [
         ("x", ("x",), columns * rig.pitch, "mm", "object position along sliding"),
         ("y", ("y",), rows * rig.pitch, "mm", "object position across sliding"),

@@ -66,7 +66,7 @@ def speckle(x: Array, y: Array, grains: Grains, *, size: float, blur: float) -> 
 
 @njit(cache=True, nogil=True)
 def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Array, margin: int, seen: float) -> Array:
-    reach = 4 * seen  # beyond it a grain adds less than 4e-4 of its brightness
+    reach = 4.5 * seen  # beyond it a grain adds less than 1e-4 of its brightness
     steps = 4096  # of the squared distance in a table of the Gaussian, linear between: good to 1e-6
     per_square = steps / reach**2
     table = np.exp(-np.arange(steps + 1) / (2 * seen**2 * per_square))

@@ -148,6 +148,10 @@ class RigSettings:
             raise ModelError("The crank of the virtual rig cannot turn (Grashof): make it the shortest of four links.")
         if not 0 < self.pin_radius < self.bushing_radius:
             raise ModelError("The pin radius must be smaller than the bushing radius.")
+        if max(abs(scale - 1) for scale in self.scale) > 0.2 or abs(self.rotation) > 10 or abs(self.distortion) > 10:
+            raise ModelError(
+                "Camera 2 may differ by at most 0.2 in scale, 10 degrees in rotation and 10 px in distortion."
+            )
         if not 0 <= self.wedge[0] < self.wedge[1]:
             raise ModelError(f"The wedge must rise from a film of 0 um or more, got {self.wedge}.")
 
