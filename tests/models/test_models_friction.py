@@ -1,0 +1,236 @@
+"""Torque ratios against their integrals, friction from reversing torque, galling in simulated endurance tests."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import persson_pressure, winkler_contact
+from erlif.models.friction import (
+    STEADY_WEAR_TORQUE_RATIO,
+    analyse_endurance,
+    average_reversals,
+    cosine_torque_ratio,
+    elliptic_torque_ratio,
+    friction_coefficient,
+    friction_torque,
+    thin_winkler_load,
+    thin_winkler_torque_ratio,
+    torque_ratio,
+    truncated_cosine_torque_ratio,
+    uniform_torque_ratio,
+)
+
+LBF = 4.4482216152605
+
+DISTRIBUTIONS = {
+    uniform_torque_ratio: lambda t, a: 1.0,
+    cosine_torque_ratio: lambda t, a: np.cos(np.pi * t / (2 * a)),
+    elliptic_torque_ratio: lambda t, a: np.sqrt(max(1 - (t / a) ** 2, 0.0)),
+    truncated_cosine_torque_ratio: lambda t, a: np.cos(t),
+    thin_winkler_torque_ratio: lambda t, a: np.cos(t) - np.cos(a),
+}
+
+
+@pytest.mark.parametrize("ratio", DISTRIBUTIONS, ids=lambda ratio: ratio.__name__)
+@pytest.mark.parametrize("half_angle", [0.02, 0.3, 1.0, 1.5, np.pi / 2])
+def test_closed_forms_are_the_integrals_of_eq_4(ratio, half_angle):  # Colbert et al. (2009), eq. 4
+    pressure = DISTRIBUTIONS[ratio]
+    rubbed = quad(pressure, 0, half_angle, args=(half_angle,), epsrel=1e-11)[0]
+    carried = quad(lambda t: pressure(t, half_angle) * np.cos(t), 0, half_angle, epsrel=1e-11)[0]
+    npt.assert_allclose(ratio(half_angle), rubbed / carried, rtol=1e-7)
+
+
+@pytest.mark.parametrize("ratio", DISTRIBUTIONS, ids=lambda ratio: ratio.__name__)
+def test_torque_ratio_is_one_for_a_line_and_grows_with_the_arc(ratio):
+    half_angle = np.linspace(0, np.pi / 2, 400)
+    found = ratio(half_angle)
+    npt.assert_allclose(found[0], 1, atol=1e-12)
+    assert np.all(np.diff(found) > 0)
+    assert isinstance(ratio(xr.DataArray(half_angle, dims="case")), xr.DataArray)
+    with pytest.raises(ModelError, match="half_angle must lie in 0 to 1"):
+        ratio(2.0)
+
+
+def test_limits_of_the_torque_ratio_at_90_degrees():
+    npt.assert_allclose(uniform_torque_ratio(np.pi / 2), np.pi / 2)  # printed 1.57
+    npt.assert_allclose(cosine_torque_ratio(np.pi / 2), 4 / np.pi)  # printed 1.25
+    npt.assert_allclose(elliptic_torque_ratio(np.pi / 2), 1.385612, atol=5e-7)
+    npt.assert_allclose(STEADY_WEAR_TORQUE_RATIO, truncated_cosine_torque_ratio(np.pi / 2))
+
+
+def test_values_of_a6():  # Colbert et al. (2009), eq. A6
+    npt.assert_allclose(cosine_torque_ratio(np.radians(86.61)), 1.25, atol=5e-5)
+    npt.assert_allclose(cosine_torque_ratio(np.radians(60)), 10 / 9)
+    npt.assert_allclose(truncated_cosine_torque_ratio(np.radians(60)), 1.170138, atol=5e-7)
+
+
+def test_worn_ptfe_bushing():  # Colbert et al. (2009), section 5.2: 0.105 flat, 0.131 +- 0.004 in the bushing
+    npt.assert_allclose(0.105 * 1.25, 0.13125)
+    apparent = 0.105 * STEADY_WEAR_TORQUE_RATIO
+    npt.assert_allclose(apparent, 0.13369, atol=5e-6)
+    torque = friction_torque(0.105, load=400.0, radius=0.005, torque_ratio=STEADY_WEAR_TORQUE_RATIO)
+    npt.assert_allclose(friction_coefficient(torque, load=400.0, radius=0.005), apparent)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "degrees", "load"),
+    [
+        (1.01, 18.078, 0.021593),
+        (1.05, 40.074, 0.270249),
+        (1.10, 56.099, 0.925464),
+        (1.20, 77.902, 5.50959),
+        (1.25, 86.393, 22.9724),
+    ],
+)
+def test_contours_of_fig_b1_for_a_thin_clearance(ratio, degrees, load):  # Colbert et al. (2009), Fig. B1
+    half_angle = np.radians(degrees)
+    npt.assert_allclose(thin_winkler_torque_ratio(half_angle), ratio, rtol=1e-5)
+    npt.assert_allclose(thin_winkler_load(half_angle), load, rtol=3e-4)  # five digits of the angle
+
+
+def test_winkler_chart_collapses_for_a_thin_clearance():
+    fit = 1e5
+    load = thin_winkler_load(0.7) / fit
+    found = winkler_contact(load, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1.0)
+    npt.assert_allclose(found.half_angle, 0.7, rtol=1e-3)
+    npt.assert_allclose(found.torque_ratio, thin_winkler_torque_ratio(0.7), rtol=1e-4)
+
+
+def test_torque_of_the_thesis_machine():  # Farzaneh (2002), appendix A.3 and A.4.2
+    npt.assert_allclose(friction_torque(0.15, load=1e5 * LBF, radius=1.25 * 0.0254), 2118.5, rtol=5e-5)
+    npt.assert_allclose(friction_torque(0.15, load=1e5 * LBF, radius=33.36e-3), 2225.9, rtol=5e-5)
+    power = 2118.5 * 24 * 2 * np.pi / 60
+    npt.assert_allclose(power / 745.7, 7.14, atol=5e-3)
+
+
+@given(st.floats(0.01, 1.5))
+def test_sampled_pressure_gives_the_torque_ratio(half_angle):
+    angle = np.linspace(-half_angle, half_angle, 4001)
+    npt.assert_allclose(
+        torque_ratio(angle, pressure=np.cos(angle)), truncated_cosine_torque_ratio(half_angle), rtol=1e-5
+    )
+    persson = persson_pressure(angle, half_angle=half_angle, load_per_length=1.0, pin_diameter=1.0)
+    assert 1 < torque_ratio(angle, pressure=persson) < uniform_torque_ratio(half_angle)
+    npt.assert_allclose(torque_ratio(angle, pressure=7 * persson), torque_ratio(angle, pressure=persson))
+
+
+@given(st.floats(0.02, 0.5), st.floats(-0.1, 0.1), st.floats(1.0, 1e5))
+def test_reversal_removes_the_offset(friction, offset, load):
+    direction = np.tile([1, 1, 1, 0, -1, -1, -1], 20)
+    torque = (friction * direction + offset) * load * 0.01
+    found = average_reversals(torque, load=load, radius=0.01, direction=direction)
+    npt.assert_allclose(found.friction, friction, rtol=1e-9)
+    npt.assert_allclose(found.offset, offset, atol=1e-9)
+    assert found.standard_error < 1e-9
+
+
+def test_reversal_average_is_as_uncertain_as_it_says():
+    rng = np.random.default_rng(5)
+    direction = np.repeat([1, -1], 50)
+    pulls = []
+    for _ in range(400):
+        torque = 0.1 * direction + 0.02 + rng.normal(0, 0.01, direction.size)
+        found = average_reversals(torque, load=1.0, radius=1.0, direction=direction)
+        pulls.append((found.friction - 0.1) / found.standard_error)
+    npt.assert_allclose(np.std(pulls), 1, atol=0.12)
+    assert abs(np.mean(pulls)) < 0.2
+    with pytest.raises(ModelError, match="0 backward"):
+        average_reversals(np.ones(5), load=1.0, radius=1.0, direction=np.ones(5))
+
+
+def endurance_log(rng, *, end, galls_at=None, friction=0.15, galled=0.27, noise=0.01, step=2.0):
+    """A log as of Farzaneh (2002), chapter 4: stages of ten minutes from 8 klbf up by 4, half a minute unloaded between."""
+    time = np.arange(0.0, end, step)
+    stage, within = np.divmod(time, 630.0)
+    load = np.where(within < 600, (8e3 + 4e3 * stage) * LBF, 0.0) * (1 + rng.normal(0, 0.01, time.size))
+    coefficient = np.full(time.size, friction)
+    temperature = 298.15 + 5e-3 * time
+    if galls_at is not None:
+        coefficient[time >= galls_at] = galled
+        temperature[time >= galls_at] += 5.0
+    torque = (coefficient + rng.normal(0, noise, time.size)) * load * 0.03336
+    return {"time": time, "load": load, "torque": torque, "temperature": temperature}
+
+
+OPTIONS = {"radius": 0.03336, "load_step": 4e3 * LBF, "least_load": 1e3 * LBF}
+
+
+def test_stages_of_the_thesis_are_found():  # Farzaneh (2002), section 4: 8 + 4 (n - 1) klbf
+    log = endurance_log(np.random.default_rng(1), end=6 * 630.0)
+    found = analyse_endurance(**log, **OPTIONS)
+    assert [stage.number for stage in found.stages] == [1, 2, 3, 4, 5, 6]
+    npt.assert_allclose([stage.load / LBF for stage in found.stages], [8e3, 12e3, 16e3, 20e3, 24e3, 28e3], rtol=2e-3)
+    npt.assert_allclose([stage.friction for stage in found.stages], 0.15, atol=2e-3)
+    npt.assert_allclose([stage.friction_spread for stage in found.stages], 0.01, rtol=0.25)
+    npt.assert_allclose([stage.start for stage in found.stages], 630.0 * np.arange(6), atol=2.1)
+    npt.assert_allclose([stage.end - stage.start for stage in found.stages], 598, atol=4)
+    assert np.all(np.diff([stage.temperature for stage in found.stages]) > 0)
+    assert found.galling is None
+
+
+@pytest.mark.parametrize(
+    ("galls_at", "end", "stage", "galled"),
+    [
+        (5 * 630 + 540.0, 5 * 630 + 570.0, 6, 0.27),  # run 1: nine minutes into the sixth stage
+        (5 * 630 + 60.0, 5 * 630 + 90.0, 6, 0.28),  # run 2: one minute into it
+        (4 * 630 + 300.0, 4 * 630 + 330.0, 5, 0.28),  # run 3: in the fifth
+    ],
+)
+def test_galling_is_found_where_it_began(galls_at, end, stage, galled):  # Farzaneh (2002), section 4.1
+    log = endurance_log(np.random.default_rng(2), end=end, galls_at=galls_at, galled=galled)
+    found = analyse_endurance(**log, **OPTIONS).galling
+    assert found is not None
+    assert found.time == galls_at
+    assert found.earliest <= galls_at <= found.latest
+    assert found.latest - found.earliest < 10
+    assert found.stage == stage
+    assert found.p_value < 1e-4
+    npt.assert_allclose([found.friction_before, found.friction_after], [0.15, galled], atol=6e-3)
+    assert found.temperature_after > found.temperature_before
+
+
+def test_interval_of_the_onset_holds_the_truth_as_often_as_it_says():
+    rng = np.random.default_rng(3)
+    inside = []
+    for _ in range(200):
+        galls_at = float(rng.integers(200, 400)) * 2.0
+        log = endurance_log(rng, end=1200.0, galls_at=galls_at, friction=0.10, galled=0.13, noise=0.02)
+        found = analyse_endurance(**log, **OPTIONS).galling
+        inside.append(found is not None and found.earliest <= galls_at <= found.latest)
+    assert 0.90 <= np.mean(inside) <= 1.0  # 0.95 with a binomial scatter of 0.015
+
+
+def test_steady_friction_seldom_raises_the_alarm():
+    rng = np.random.default_rng(4)
+    alarms = [
+        analyse_endurance(
+            **endurance_log(rng, end=630.0, noise=0.05), **OPTIONS, least_rise=0.0, significance=0.05
+        ).galling
+        for _ in range(200)
+    ]
+    assert np.mean([alarm is not None for alarm in alarms]) <= 0.05
+
+
+def test_falling_friction_is_no_galling():
+    log = endurance_log(np.random.default_rng(6), end=1200.0, galls_at=700.0, galled=0.08)
+    assert analyse_endurance(**log, **OPTIONS).galling is None
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"time": np.zeros(600)}, "time must rise"),
+        ({"torque": np.full(600, np.nan)}, "torque must hold no missing"),
+        ({"load": np.zeros(600)}, "load must hold at least one stage"),
+        ({"temperature": np.zeros(5)}, "columns of one length"),
+    ],
+)
+def test_unusable_logs_are_refused(change, named):
+    log = {**endurance_log(np.random.default_rng(7), end=1200.0), **change}
+    with pytest.raises(ModelError, match=named):
+        analyse_endurance(**log, **OPTIONS)

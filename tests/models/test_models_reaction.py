@@ -1,0 +1,119 @@
+"""Joint forces: balance of energy and of every body, the worked numbers of the sources."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from erlif.core.errors import ModelError
+from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.models.reaction import (
+    SliderCrankBodies,
+    coupler_force,
+    joint_reaction,
+    rod_stress,
+    rolling_bearing_life,
+)
+
+MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)
+BODIES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487, "spring_stiffness": 525.4}
+TURN = np.linspace(0, 2 * np.pi, 721)
+
+
+@given(st.floats(0.2, 20.0), st.floats(0, 100.0), st.floats(0, 0.4), st.floats(0, 2e-3), st.floats(0, 2 * np.pi))
+def test_the_crank_supplies_what_bodies_spring_and_friction_take(speed, preload, friction, clearance, angle):
+    linkage = SliderCrank(0.0762, 0.2032, clearance)
+    bodies = SliderCrankBodies(**BODIES, spring_preload=preload, friction=friction, pin_radius=9.525e-3)
+
+    def energy(t):
+        phi = linkage.coupler_angle(t)
+        phi_rate = linkage.coupler_speed(t, crank_speed=speed)
+        slider = linkage.slider_speed(t, crank_speed=speed)
+        rod_x, rod_y = slider + 0.1016 * phi_rate * np.sin(phi), -0.1016 * phi_rate * np.cos(phi)
+        kinetic = (bodies.rod_mass * (rod_x**2 + rod_y**2) + bodies.rod_inertia * phi_rate**2) / 2
+        kinetic += bodies.slider_mass * slider**2 / 2
+        stretch = 0.0762 + 0.2032 - linkage.slider_position(t)
+        return kinetic + preload * stretch + bodies.spring_stiffness * stretch**2 / 2
+
+    step = 1e-5
+    stored = speed * (energy(angle + step) - energy(angle - step)) / (2 * step)
+    reaction = joint_reaction(linkage, crank_angle=angle, crank_speed=speed, bodies=bodies)
+    lost = friction * reaction.normal * 9.525e-3 * abs(linkage.joint_speed(angle, crank_speed=speed))
+    scale = speed * (abs(reaction.crank_torque) + reaction.force * 0.0762) + 1e-9
+    npt.assert_allclose(speed * reaction.crank_torque, stored + lost, atol=1e-6 * scale)
+
+
+def test_force_along_the_line_accelerates_rod_and_slider():
+    """Newton's law for rod and slider together, with the accelerations taken from positions."""
+    bodies = SliderCrankBodies(**BODIES, spring_preload=68.354)
+    step, speed = 1e-4, np.pi
+
+    def momentum(t):
+        slider = MUKRAS.slider_position(t)
+        return bodies.slider_mass * slider + bodies.rod_mass * (slider - 0.1016 * np.cos(MUKRAS.coupler_angle(t)))
+
+    second = (momentum(TURN + step) - 2 * momentum(TURN) + momentum(TURN - step)) / step**2 * speed**2
+    spring = 68.354 + 525.4 * (0.2794 - MUKRAS.slider_position(TURN))
+    reaction = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=speed, bodies=bodies)
+    npt.assert_allclose(reaction.force_x + spring, second, atol=1e-3)
+
+
+def test_joint_force_of_mukras():  # Mukras et al. (2008), Tables 1 to 3 with a preload of 68.354 N
+    bodies = SliderCrankBodies(**BODIES, spring_preload=68.354)
+    reaction = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=np.pi, bodies=bodies)
+    npt.assert_allclose([reaction.force.min(), reaction.force.max()], [74.8, 145.3], atol=0.05)
+    npt.assert_allclose(reaction.force, reaction.normal)  # no friction
+    # the load stays on one point of the bushing: its direction in the rod swings by 0.296 degrees
+    direction = np.arctan2(reaction.force_y, reaction.force_x) - MUKRAS.coupler_angle(TURN)
+    swing = np.degrees(np.ptp(np.unwrap(direction)))
+    npt.assert_allclose(swing, 0.296, atol=5e-4)
+
+
+def test_the_slow_linkage_carries_the_spring_alone():
+    bodies = SliderCrankBodies(**BODIES, spring_preload=10.0)
+    reaction = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=1e-6, bodies=bodies)
+    spring = 10.0 + 525.4 * (0.2794 - MUKRAS.slider_position(TURN))
+    npt.assert_allclose(reaction.force * np.cos(MUKRAS.coupler_angle(TURN)), spring)
+
+
+def test_perfect_joint_is_the_limit_of_the_worn_one():
+    bodies = SliderCrankBodies(**BODIES, spring_preload=68.354)
+    perfect = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=np.pi, bodies=bodies)
+    worn = joint_reaction(SliderCrank(0.0762, 0.2032, 1e-9), crank_angle=TURN, crank_speed=np.pi, bodies=bodies)
+    npt.assert_allclose(worn.force, perfect.force, rtol=1e-6)
+
+
+def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
+    rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    force = coupler_force(rig, crank_angle=TURN, rocker_torque=2118.5)
+    npt.assert_allclose(2118.5 / 0.26, 8.15e3, atol=5)
+    # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is the worse one
+    npt.assert_allclose(force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6)
+    npt.assert_allclose(force.max(), force[360])
+    # virtual work: coupler force times the pull-in of the crank pin is torque times rocker speed
+    torque = force * 0.055 * np.sin(rig.coupler_angle(TURN) - TURN)
+    npt.assert_allclose(torque * 3.0, 2118.5 * rig.rocker_speed(TURN, crank_speed=3.0), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("exponent", "load", "hours"),
+    [(10 / 3, 4.1e3, 52119), (10 / 3, 8.2e3, 5171), (3, 4.1e3, 28960), (3, 8.2e3, 3620)],
+)
+def test_bearing_life_of_the_thesis(exponent, load, hours):  # Farzaneh (2002), appendix A.4.1: 23.9 kN, 114 rpm
+    speed = 114 * 2 * np.pi / 60
+    npt.assert_allclose(rolling_bearing_life(load, rating=23.9e3, speed=speed, exponent=exponent), hours, rtol=5e-5)
+
+
+def test_threaded_rod_of_the_thesis():  # Farzaneh (2002), appendix A.4.1: printed 16 MPa, factor 3.1
+    stress = rod_stress(8.2e3, diameter=0.0127)
+    npt.assert_allclose(stress / 1e6, 64.7, atol=0.05)
+    npt.assert_allclose(50e6 / stress, 0.77, atol=5e-3)
+    npt.assert_allclose(rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05)  # the print, d for r
+
+
+def test_negative_mass_is_refused():
+    with pytest.raises(ModelError, match="slider_mass"):
+        SliderCrankBodies(rod_mass=1.0, rod_inertia=1e-3, slider_mass=-1.0)
+    with pytest.raises(ModelError, match="rating"):
+        rolling_bearing_life(1.0, rating=0.0, speed=1.0)
