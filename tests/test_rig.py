@@ -34,7 +34,7 @@ from erlif.rig.film import (
 from erlif.rig.run import Shot, build_setup, photograph
 from erlif.rig.scene import Grains, draw_grains, mix_grains, speckle
 
-SMALL = RigSettings(width=96, height=80, fixture_frames=3, dead_pixels=1)
+SMALL = RigSettings(width=96, height=80, fixture_frames=3, dead_pixels=1, dark_pages=16, flat_pages=8)
 
 
 @pytest.fixture(scope="module")

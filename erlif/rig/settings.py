@@ -129,8 +129,8 @@ class RigSettings:
     """Shift (x, y) of camera 2 between the fixture's session and the run. [pixel]"""
 
     # reference pages
-    dark_pages: int = 16
-    flat_pages: int = 8
+    dark_pages: int = 8
+    flat_pages: int = 4
     """Pages of the flat file at each level of the lamp."""
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
     """Brightest flat signal at each level of the lamp, of full scale."""
