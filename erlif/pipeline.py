@@ -289,6 +289,7 @@ def _register(recording: Recording, references: References, progress: Progress) 
         model=options.model,
         orientation=options.orientation,
         frames_for_map=options.frames,
+        threads=2 if recording.shape[0] * recording.shape[1] > 500_000 else 1,
     )
     frames = _LazyPairs(recording, references, progress)
     camera_map, drift = register_frames(frames, settings=settings)
@@ -493,7 +494,9 @@ def _assemble(
         settings=to_toml(settings),
         input_hashes=describe_hashes(hashes),
         calibration=_describe_calibration(calibration),
-        notes="\n".join([*_notes(references), *calibration.notes, *_skipped_notes(recording)]),
+        notes="\n".join(
+            [*_notes(references), *(f"calibration: {note}" for note in calibration.notes), *_skipped_notes(recording)]
+        ),
     )
 
 

@@ -1,0 +1,227 @@
+"""The commands. Each parses, calls, and says where the result went; whatever it does, a notebook can do."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import traceback
+from collections.abc import Callable
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from erlif import __version__
+from erlif.core.errors import ErlifError
+from erlif.rig.command import simulate
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_DIRECTORY = click.Path(path_type=Path)
+_OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
+_SKIP = click.option(
+    "--skip-bad-frames", is_flag=True, help="Leave out unreadable frame pairs and say so in the output."
+)
+
+
+class _Commands(click.Group):
+    """Answer bad input with one message and status 2, a defect of ours with a traceback and status 1."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ErlifError as error:
+            click.echo(f"erlif: {error}", err=True)
+            ctx.exit(2)
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except KeyboardInterrupt:
+            click.echo(
+                "erlif: interrupted; what was written before is as it was, and the next start resumes.", err=True
+            )
+            ctx.exit(130)
+        except BrokenPipeError:
+            ctx.exit(1)
+        except OSError as error:
+            click.echo(
+                f"erlif: {error.strerror or error}: {error.filename or ''}. What was written before is as it was.",
+                err=True,
+            )
+            ctx.exit(2)
+        except Exception:
+            traceback.print_exc()
+            click.echo("erlif: this is a defect of erlif; please report it with the lines above.", err=True)
+            ctx.exit(1)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="erlif")
+@click.option("-v", "--verbose", is_flag=True, help="Say more about what is done.")
+def main(verbose: bool) -> None:
+    """Oil-film thickness maps with honest error bars from two-camera fluorescence.
+
+    \b
+    Example:
+      erlif simulate rehearsal
+      erlif calibrate rehearsal/fixture
+      erlif process rehearsal/run
+      erlif figures rehearsal/run/film.nc
+    """
+    logging.basicConfig(level=logging.INFO if verbose else logging.WARNING, format="%(name)s: %(message)s")
+
+
+main.add_command(simulate)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, int, int], None]]:
+    """A bar on a terminal, a plain line per piece of work elsewhere."""
+    from tqdm import tqdm
+
+    plain = not sys.stderr.isatty()
+    bars: dict[str, Any] = {}
+
+    def show(what: str, done: int, total: int) -> None:
+        if plain:
+            if done == total and what not in bars:
+                bars[what] = None
+                click.echo(f"{what}: {total} done", err=True)
+            return
+        if what not in bars:
+            for bar in bars.values():
+                bar.close()
+            bars[what] = tqdm(total=total, desc=what, unit="pair", leave=False)
+        bar = bars[what]
+        bar.n = min(done, total)
+        bar.refresh()
+
+    try:
+        yield show
+    finally:
+        for bar in bars.values():
+            if bar is not None:
+                bar.close()
+
+
+@main.command()
+@click.argument("directory", type=_DIRECTORY)
+def check(directory: Path) -> None:
+    """Audit a run or fixture directory before anything is computed.
+
+    \b
+    Example:
+      erlif check data_samples/straight_bushing
+    """
+    from erlif.audit import audit
+
+    findings = audit(directory)
+    for finding in findings:
+        click.echo(str(finding))
+    if any(finding.level == "error" for finding in findings):
+        raise click.exceptions.Exit(2)
+
+
+@main.command()
+@click.argument("fixture_dir", type=_DIRECTORY)
+@click.option("-o", "--output", type=_DIRECTORY, help="Default: FIXTURE_DIR/calibration.nc.")
+@_SKIP
+@_OVERWRITE
+def calibrate(fixture_dir: Path, output: Path | None, skip_bad_frames: bool, overwrite: bool) -> None:
+    """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
+
+    \b
+    Example:
+      erlif calibrate calibration/wedge
+    """
+    from erlif import pipeline
+    from erlif.core.store import refuse_existing
+    from erlif.summary import describe_calibration
+
+    output = output or fixture_dir / "calibration.nc"
+    refuse_existing(output, overwrite=overwrite)
+    with _progress() as progress:
+        calibration = pipeline.calibrate(fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress)
+    pipeline.save_calibration(calibration, output, overwrite=overwrite)
+    from erlif.plots import write_calibration_figure
+
+    figure = write_calibration_figure(calibration, output.with_suffix(".png"))
+    click.echo(describe_calibration(calibration))
+    click.echo(f"written: {output}, {figure}")
+
+
+@main.command()
+@click.argument("run_dir", type=_DIRECTORY)
+@click.option("--calibration", type=_DIRECTORY, help="Default: the one run.toml names.")
+@click.option("-o", "--output", type=_DIRECTORY, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr.")
+@click.option("--workers", type=click.IntRange(min=1), help="Threads; default: one per processor.")
+@_SKIP
+@_OVERWRITE
+def process(
+    run_dir: Path,
+    calibration: Path | None,
+    output: Path | None,
+    workers: int | None,
+    skip_bad_frames: bool,
+    overwrite: bool,
+) -> None:
+    """Turn a run directory into film-thickness maps.
+
+    A calibration that run.toml names and that was not made yet is fitted from the fixture beside it. An interrupted
+    run is resumed by the same command.
+
+    \b
+    Example:
+      erlif process data_samples/straight_bushing
+    """
+    from erlif import pipeline
+    from erlif.summary import summarise
+
+    output = output or run_dir / "film.nc"
+    with _progress() as progress:
+        film = pipeline.process(
+            run_dir,
+            calibration=calibration,
+            output=output,
+            overwrite=overwrite,
+            skip_bad_frames=skip_bad_frames,
+            workers=workers,
+            progress=progress,
+        )
+    with film:
+        click.echo(summarise(film))
+    click.echo(f"written: {output}")
+
+
+@main.command()
+@click.argument("film", type=_DIRECTORY)
+@click.option("-o", "--output", type=_DIRECTORY, help="Default: figures/ beside FILM.")
+@_OVERWRITE
+def figures(film: Path, output: Path | None, overwrite: bool) -> None:
+    """Write the figures of a film as PNG and PDF.
+
+    \b
+    Example:
+      erlif figures data_samples/straight_bushing/film.nc
+    """
+    from erlif.plots import write_figures
+
+    for path in write_figures(film, output or film.parent / "figures", overwrite=overwrite):
+        click.echo(str(path))
+
+
+@main.command()
+@click.argument("film", type=_DIRECTORY)
+@click.option("-o", "--output", type=_DIRECTORY, help="Default: report.html beside FILM.")
+@_OVERWRITE
+def report(film: Path, output: Path | None, overwrite: bool) -> None:
+    """Write one self-contained HTML page about a film.
+
+    \b
+    Example:
+      erlif report data_samples/straight_bushing/film.nc
+    """
+    from erlif.report import write_report
+
+    click.echo(str(write_report(film, output or film.parent / "report.html", overwrite=overwrite)))
