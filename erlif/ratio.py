@@ -130,7 +130,6 @@ def find_bubbles(
     surroundings = ndimage.median_filter(small, size=reach, mode="nearest")
     expected = cv2.resize(surroundings, (width, height), interpolation=cv2.INTER_LINEAR)
     dark = (light < share * expected).astype(np.uint8)
-    dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)), np.uint8)
     if not dark.any():
         return dark.astype(bool)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))

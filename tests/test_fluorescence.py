@@ -1,0 +1,72 @@
+"""Two-band emission against integrals, limits and a published slope."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from erlif.models.fluorescence import (
+    band_signal,
+    log_band_ratio,
+    log_band_ratio_gradient,
+    log_band_ratio_slope,
+    mean_transmission,
+    mean_transmission_log_slope,
+)
+
+DYES = {"ratio_at_zero": 0.65, "attenuation_camera1": 0.40, "attenuation_camera2": 0.25}
+
+
+@pytest.mark.parametrize("thickness", [0.01, 1.0, 7.0, 60.0])
+def test_band_signal_is_the_integral_over_depth(thickness):
+    depth_integral, _ = quad(lambda x: np.exp(-0.3 * x), 0, thickness, epsabs=1e-14)
+    npt.assert_allclose(band_signal(thickness, attenuation=0.3), depth_integral, rtol=1e-10)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 1.0, 7.0, 30.0])
+def test_log_ratio_is_that_of_two_integrals(thickness):
+    one, _ = quad(lambda x: np.exp(-0.40 * x), 0, thickness, epsabs=1e-14)
+    two, _ = quad(lambda x: np.exp(-0.25 * x), 0, thickness, epsabs=1e-14)
+    npt.assert_allclose(log_band_ratio(thickness, **DYES), np.log(0.65 * two / one), atol=1e-10)
+
+
+def test_slope_has_the_value_of_eq_5_7():
+    # A = 0.03, B = 0.06 1/um at 10 um: d ln R/dt = -0.02408828 1/um for camera 1 / camera 2, recomputed from eq. 5.7
+    slope = log_band_ratio_slope(10.0, attenuation_camera1=0.09, attenuation_camera2=0.03)
+    npt.assert_allclose(slope, 0.02408828, rtol=3e-7)
+
+
+def test_thin_and_thick_limits():
+    npt.assert_allclose(np.exp(log_band_ratio(0.0, **DYES)), 0.65)
+    npt.assert_allclose(log_band_ratio_slope(0.0, attenuation_camera1=0.4, attenuation_camera2=0.25), 0.075)
+    npt.assert_allclose(np.exp(log_band_ratio(1e4, **DYES)), 0.65 * 0.40 / 0.25, rtol=1e-12)
+
+
+@given(st.floats(0.01, 40), st.floats(0.02, 1.0), st.floats(0.01, 0.5), st.floats(0.2, 3.0))
+def test_ratio_rises_and_slope_is_its_derivative(thickness, q, difference, ratio_at_zero):
+    model = {"ratio_at_zero": ratio_at_zero, "attenuation_camera1": q + difference, "attenuation_camera2": q}
+    slope = log_band_ratio_slope(thickness, attenuation_camera1=q + difference, attenuation_camera2=q)
+    assert slope > 0
+    step = 1e-4 * thickness
+    rise = log_band_ratio(thickness + step, **model) - log_band_ratio(thickness - step, **model)
+    npt.assert_allclose(slope, rise / (2 * step), rtol=1e-4, atol=1e-9)
+
+
+def test_gradient_is_the_derivative_by_each_parameter():
+    thickness = np.array([0.0, 1e-4, 0.5, 4.0, 20.0])
+    names = list(DYES)
+    gradient = log_band_ratio_gradient(thickness, **DYES)
+    for n, name in enumerate(names):
+        step = 1e-5 * DYES[name]
+        up, down = ({**DYES, name: DYES[name] + sign * step} for sign in (1, -1))
+        npt.assert_allclose(
+            gradient[n], (log_band_ratio(thickness, **up) - log_band_ratio(thickness, **down)) / (2 * step), atol=1e-7
+        )
+
+
+def test_series_joins_the_closed_form_smoothly():
+    around = np.array([0.9e-5, 1.1e-5, 0.9e-3, 1.1e-3])
+    npt.assert_allclose(mean_transmission(around), 1 - around / 2 + around**2 / 6, rtol=1e-9)
+    npt.assert_allclose(mean_transmission_log_slope(around), -0.5 + around / 12, atol=2e-11)
