@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from odrpack import odr_fit
+from scipy.interpolate import UnivariateSpline
 from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
@@ -381,11 +382,14 @@ def fit_calibration(
         ratios, profile, pixel_pitch=pixel_pitch, origin=origin, direction=direction
     )
     _refuse_swapped_cameras(points)
+    if align:
+        points, align, note = _find_origin(
+            ratios, profile, points, pixel_pitch=pixel_pitch, origin=origin, direction=direction
+        )
+        notes.append(note)
     fit, kept = _fit_robustly(points, align=align)
     if not kept.all():
         notes.append(f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out")
-    if align:
-        notes.append(f"the origin was moved by {fit.shift * 1e3:+.1f} ± {fit.shift_std * 1e3:.1f} um along the profile")
     low, high, limited = _answering_range(fit, points, kept, frames)
     if limited:
         notes.append(
@@ -393,7 +397,7 @@ def fit_calibration(
             f"{high:.1f} um: the calibration answers up to there"
         )
     notes += _identifiability(fit)
-    residual = np.exp(points.log_ratio) - np.exp(fit.predict(points.thickness, points.gradient))
+    residual = np.exp(points.log_ratio) - np.exp(fit.predict(points.thickness, points.steepness))
     ratio = np.exp(points.log_ratio)
     curve = xr.Dataset(
         {
@@ -424,7 +428,7 @@ class _Points:
     log_ratio: Array
     log_ratio_std: Array
     pixel_var: Array  # variance of a single pixel of the mean image
-    gradient: Array  # of log_ratio along the profile [1/mm]
+    steepness: Array  # of the thickness along the profile [um/mm]
 
 
 @dataclass(frozen=True)
@@ -436,10 +440,10 @@ class _Fit:
     shift: float = 0.0
     shift_std: float = 0.0
 
-    def predict(self, thickness: Array, gradient: Array) -> Array:
+    def predict(self, thickness: Array, steepness: Array) -> Array:
         K, p, q = self.parameters
-        model = log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
-        return np.asarray(model + self.shift * gradient)
+        shifted = thickness + self.shift * steepness
+        return np.asarray(log_band_ratio(shifted, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
 
     def slope(self, thickness: Array) -> Array:
         _, p, q = self.parameters
@@ -488,7 +492,9 @@ def _pair_profile_with_image(
     if uncertainty is None:
         notes.append("the profile has no uncertainty_um; it was estimated from the scatter about the curve")
         uncertainty = np.full(len(position), math.nan)
-    return _Points(thickness[used], uncertainty[used], mean[used], std[used], pixel_var[used], gradient[used, 0]), notes
+    steepness = _steepness(position, thickness, uncertainty)
+    points = _Points(thickness[used], uncertainty[used], mean[used], std[used], pixel_var[used], steepness[used])
+    return points, notes
 
 
 def _thin_out(profile: Profile, least: float) -> tuple[Array, Array, Array | None]:
@@ -536,6 +542,63 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArr
     return gradient
 
 
+def _steepness(position: Array, thickness: Array, uncertainty: Array) -> Array:
+    """Slope of the thickness along profile x at each point, the noise smoothed away. [um/mm]"""
+    if position.shape[1] == 1:
+        known = bool(np.isfinite(uncertainty).all())
+        noise = uncertainty if known else np.full(thickness.size, _noise_of(thickness))
+        smooth = UnivariateSpline(position[:, 0], thickness, w=1 / noise, s=thickness.size)
+        return np.asarray(smooth.derivative()(position[:, 0]))
+    neighbours = min(max(thickness.size // 20, 9), thickness.size)
+    nearest = np.asarray(cKDTree(position).query(position, k=neighbours)[1])
+    steepness = np.empty(thickness.size)
+    for n, around in enumerate(nearest):
+        design = np.column_stack([np.ones(neighbours), position[around] - position[n]])
+        steepness[n] = np.linalg.lstsq(design, thickness[around], rcond=None)[0][1]
+    return steepness
+
+
+def _noise_of(values: Array) -> float:
+    """Standard deviation of white noise on a smooth sequence, from its second differences."""
+    return max(1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / math.sqrt(6), 1e-4)
+
+
+def _find_origin(
+    ratios: RatioImages,
+    profile: Profile,
+    points: _Points,
+    *,
+    pixel_pitch: float,
+    origin: tuple[float, float],
+    direction: float,
+) -> tuple[_Points, bool, str]:
+    """Move the origin along the profile until the ratio fits best, where the profile has the form to tell.
+
+    Returns the points at the origin found, whether it was found, and what to say of it.
+    """
+    given, moved = points, 0.0
+    for _ in range(10):
+        fit, _ = _fit_robustly(points, align=True)
+        if fit.shift_std > pixel_pitch and abs(fit.shift) < 3 * fit.shift_std:
+            return (
+                given,
+                False,
+                (
+                    f"the origin was left as given: the profile has too little form to find it (± {fit.shift_std * 1e3:.0f} um along "
+                    "the profile; a straight wedge looks the same wherever it begins)"
+                ),
+            )
+        moved += fit.shift  # the film under a pixel is met further along the profile: the origin lies further back
+        back = -moved / pixel_pitch
+        place = (origin[0] + back * math.cos(direction), origin[1] + back * math.sin(direction))
+        points, _ = _pair_profile_with_image(
+            ratios, profile, pixel_pitch=pixel_pitch, origin=place, direction=direction
+        )
+        if abs(fit.shift) < 0.1 * fit.shift_std:
+            break
+    return points, True, f"the origin was moved by {-moved * 1e3:+.1f} ± {fit.shift_std * 1e3:.1f} um along the profile"
+
+
 def _refuse_swapped_cameras(points: _Points) -> None:
     order = np.argsort(points.thickness)
     third = max(len(order) // 3, 2)
@@ -554,7 +617,7 @@ def _fit_robustly(points: _Points, *, align: bool) -> tuple[_Fit, npt.NDArray[np
     thickness_std = np.full(kept.size, 0.1) if unknown else points.thickness_std
     for _ in range(6):
         fit = _fit_once(points, thickness_std, kept, align=align)
-        residual = points.log_ratio - fit.predict(points.thickness, points.gradient)
+        residual = points.log_ratio - fit.predict(points.thickness, points.steepness)
         total = np.hypot(points.log_ratio_std, thickness_std * np.abs(fit.slope(points.thickness)))
         if unknown:
             scatter = residual[kept] / np.abs(fit.slope(points.thickness[kept]))
@@ -569,13 +632,15 @@ def _fit_robustly(points: _Points, *, align: bool) -> tuple[_Fit, npt.NDArray[np
 
 def _fit_once(points: _Points, thickness_std: Array, kept: npt.NDArray[np.bool_], *, align: bool) -> _Fit:
     t, y = points.thickness[kept], points.log_ratio[kept]
-    gradient = points.gradient[kept]
+    steepness = points.steepness[kept]
 
     def model(x: Array, beta: Array) -> Array:
         q = math.exp(beta[2])
         p = q + math.exp(beta[1])
-        ratio = log_band_ratio(x, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q)
-        return np.asarray(ratio + (beta[3] * gradient if align else 0.0))
+        film = x + beta[3] * steepness if align else x
+        return np.asarray(
+            log_band_ratio(film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q)
+        )
 
     solution = None
     for start in _starts(t, y):

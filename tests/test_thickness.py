@@ -1,0 +1,94 @@
+"""Ratio to thickness, pixel by pixel."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.core.flags import Flag
+from erlif.core.products import RatioImages
+from erlif.thickness import measure_thickness
+
+K, P, Q = 0.65, 0.40, 0.25
+
+
+@pytest.fixture
+def calibration():
+    root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
+    covariance = root @ root.T
+    return Calibration(K, P, Q, covariance, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+
+
+def log_ratio_of(thickness):
+    """Written out from eq. 5.7 turned over, independently of the code under test."""
+    return np.log(K * P / Q * (1 - np.exp(-Q * thickness)) / (1 - np.exp(-P * thickness)))
+
+
+def ratio_images(log_ratio, variance=1e-4, shared=0.0):
+    dims = ("y", "x")
+    full = np.broadcast_to(log_ratio, log_ratio.shape)
+    return RatioImages(
+        xr.Dataset(
+            {
+                "log_ratio": (dims, full.astype(np.float32)),
+                "log_ratio_var": (dims, np.full(full.shape, variance, np.float32)),
+                "log_ratio_var_shared": (dims, np.full(full.shape, shared, np.float32)),
+                "flags": (dims, np.zeros(full.shape, np.uint8)),
+            }
+        )
+    )
+
+
+def test_known_films_are_read_back(calibration):
+    film = np.linspace(0.25, 15.9, 600).reshape(20, 30)
+    maps = measure_thickness(ratio_images(log_ratio_of(film)), calibration)
+    npt.assert_allclose(maps.thickness, film, rtol=2e-4)  # single precision of the ratio at 16 um
+    npt.assert_array_equal(maps.flags, 0)
+
+
+@pytest.mark.parametrize("film", [1.0, 3.0, 6.0])
+def test_standard_deviation_is_the_scatter(calibration, film):
+    rng = np.random.default_rng(1)
+    noise = 0.005
+    images = ratio_images(log_ratio_of(film) + rng.normal(0, noise, (300, 300)), noise**2)
+    maps = measure_thickness(images, calibration)
+    npt.assert_allclose(maps.thickness.std(), maps.thickness_std.mean(), rtol=0.02)
+
+
+def test_shared_part_holds_calibration_and_registration(calibration):
+    film = np.full((4, 4), 5.0)
+    maps = measure_thickness(ratio_images(log_ratio_of(film), shared=4e-6), calibration)
+    slope = Q / np.expm1(Q * 5) - P / np.expm1(P * 5)
+    step = 1e-6
+    by_parameter = []
+    for n in range(3):
+        changed = [K, P, Q]
+        changed[n] += step
+        k, p, q = changed
+        by_parameter.append(
+            (np.log(k * p / q * (1 - np.exp(-q * 5)) / (1 - np.exp(-p * 5))) - log_ratio_of(5.0)) / step
+        )
+    own = np.array(by_parameter) @ calibration.covariance @ np.array(by_parameter)
+    npt.assert_allclose(maps.thickness_std_shared, np.sqrt(own + 4e-6) / slope, rtol=1e-3)
+
+
+def test_what_lies_beyond_the_range_is_flagged_and_not_answered(calibration):
+    film = np.array([[0.1, 0.3], [15.5, 17.0]])
+    maps = measure_thickness(ratio_images(log_ratio_of(film)), calibration)
+    npt.assert_array_equal(maps.flags, [[Flag.BELOW_RANGE, 0], [0, Flag.ABOVE_RANGE]])
+    npt.assert_array_equal(np.isnan(maps.thickness), maps.flags.values != 0)
+
+
+def test_pixel_whose_registration_error_exceeds_its_noise_is_flagged(calibration):
+    maps = measure_thickness(ratio_images(log_ratio_of(np.full((2, 2), 4.0)), 1e-4, shared=1.1e-4), calibration)
+    npt.assert_array_equal(maps.flags, Flag.POOR_REGISTRATION)
+
+
+def test_earlier_flags_stay(calibration):
+    images = ratio_images(log_ratio_of(np.full((2, 2), 4.0)))
+    images.flags.values[0, 0] = Flag.SATURATED
+    images.log_ratio.values[0, 1] = np.nan
+    images.flags.values[0, 1] = Flag.DIM
+    maps = measure_thickness(images, calibration)
+    npt.assert_array_equal(maps.flags, [[Flag.SATURATED, Flag.DIM], [0, 0]])
