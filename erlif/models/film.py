@@ -304,6 +304,27 @@ def hamrock_dowson_film(
     return least, central
 
 
+def squeeze_time(film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values) -> Values:
+    """Time [s] in which a load squeezes a parallel film down to a thickness: t = 4 eta b^3 / (q h^2).
+
+    From a thick start; long strip of width 2b, constant viscosity, ambient pressure at both edges. Says how long the middle
+    of a contact that the motion does not sweep keeps its oil.
+
+    Parameters
+    ----------
+    film : float or array
+        Thickness h at the end. [m]
+    half_width : float or array
+        b, as of `erlif.models.contact.hertz_line`. [m]
+    load_per_length : float or array
+        q. [N/m]
+    viscosity : float or array
+        Dynamic viscosity. [Pa s]
+    """
+    require_positive(film=film, half_width=half_width, load_per_length=load_per_length, viscosity=viscosity)
+    return 4 * viscosity * half_width**3 / (load_per_length * film**2)
+
+
 def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) -> Values:
     """Film thickness over combined roughness [1]: Lambda = h / sqrt(Ra^2 + Rb^2). Farzaneh (2002), eq. 2.7.
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from erlif.core.errors import ModelError
-from erlif.models.contact import conformal_radius, contact_modulus
+from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.models.film import (
     LUBRICATION_REGIMES,
     dowson_higginson_film,
@@ -19,6 +19,7 @@ from erlif.models.film import (
     line_contact_film,
     lubrication_regimes,
     piezoviscous_rigid_film,
+    squeeze_time,
     thesis_film,
 )
 
@@ -276,3 +277,27 @@ def test_bushing_not_larger_than_pin_is_refused():
 def test_reduced_radius_and_modulus_of_the_joint():  # Farzaneh (2002), eqs. 2.8 and B.1
     npt.assert_allclose(RADIUS, 4.872010, rtol=1e-6)
     npt.assert_allclose(STEEL, 109.8901e9, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("load", "seconds"), [(100e3, 0.68), (28e3, 0.36), (8e3, 0.19)])
+def test_oil_is_squeezed_from_the_unswept_contact_within_a_second(load, seconds):  # to 0.64 um
+    half_width, _ = hertz_line(load * LBF / LENGTH, radius=RADIUS, contact_modulus=STEEL)
+    found = squeeze_time(0.64e-6, half_width=half_width, load_per_length=load * LBF / LENGTH, viscosity=0.12)
+    npt.assert_allclose(found, seconds, atol=5e-3)
+
+
+def test_squeeze_time_solves_reynolds_equation():
+    """Parabolic pressure p = 6 eta v (b^2 - x^2) / h^3 between parallel plates that close at v."""
+    from scipy.integrate import quad, solve_ivp
+
+    b, load, viscosity = 0.01, 2e4, 0.1
+
+    def closing(_, h):
+        per_speed = quad(lambda x: 6 * viscosity * (b**2 - x**2) / h[0] ** 3, -b, b)[0]
+        return [-load / per_speed]
+
+    # from 1 mm, which takes 1e-4 of the time that 10 um takes
+    end = squeeze_time(1e-5, half_width=b, load_per_length=load, viscosity=viscosity)
+    start = squeeze_time(1e-3, half_width=b, load_per_length=load, viscosity=viscosity)
+    film = solve_ivp(closing, (start, end), [1e-3], rtol=1e-9, atol=1e-14, method="LSODA").y[0, -1]
+    npt.assert_allclose(film, 1e-5, rtol=1e-5)

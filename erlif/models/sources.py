@@ -1,0 +1,254 @@
+"""Each published number of the four sources beside the one that the models give: the text of docs/sources.md.
+
+What the sources print is in sources_numbers.csv and sources_errata.csv beside this file; the column `model` of the first
+names an entry of `MODELS`, which computes the same number in the same unit.
+"""
+
+import csv
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+from scipy.optimize import brentq
+
+from erlif.models import bearing, contact, film, friction, reaction, wear
+from erlif.models.arguments import Values
+from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
+
+LBF = 4.4482216152605  # N
+INCH = 0.0254  # m
+RPM = 2 * np.pi / 60  # rad/s
+
+TITLES = {
+    "T": "Farzaneh (2002), Failure Analysis and Design of a Heavily Loaded Pin Joint",
+    "S": "Strand (2005), Design, Testing and Analysis of Journal Bearings for Construction Equipment",
+    "M": "Mukras et al. (2008), Modeling a Slider-Crank Mechanism With Joint Wear",
+    "C": "Colbert et al. (2009), Edges, clearances, and wear",
+}
+
+OUT_OF_REACH = {
+    "T": "the figures of chapters 3 and 4, Figs. 5-3 to 5-10, and the stresses of 37 and 60 MPa in the links: no data or "
+    "drawings.",
+    "S": "papers B to G and Figs. 18 to 38: finite elements and tests without data.",
+    "M": "Figs. 6 to 15: curves without numbers.",
+    "C": "Figs. 6 to 8 and the drawn contours of Fig. B1: curves without numbers (erlif's own contours are in its tests); "
+    "1.6 times the true friction of a bushing with interference: above pi/2, the most that the model can give, for the "
+    "interference presses all round.",
+}
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+RIG_SPEED = 114 * RPM
+RULE_SPEED = RIG_SPEED * 5.5 / 26
+MUKRAS = SliderCrank(crank=2 * 0.0381, coupler=2 * 0.1016)
+PIN, BUSHING, LENGTH = 0.03336, 0.03359, 0.237
+STEEL = contact.contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
+
+
+@dataclass(frozen=True)
+class PublishedNumber:
+    """A number that a source prints, and what the model makes of it."""
+
+    source: str
+    """Key of `TITLES`."""
+    place: str
+    quantity: str
+    printed: str
+    """As printed, with a decimal point; empty where the source gives no number."""
+    unit: str
+    within: float
+    """Half width of agreement, by default half a unit of the last printed digit."""
+    model: str
+    """Key of `MODELS`."""
+    computed: float
+    note: str
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model gives the printed number, to the last printed digit."""
+        if not self.printed:
+            return "not printed"
+        return "agrees" if abs(self.computed - float(self.printed)) <= self.within else "**differs**"
+
+
+def published_numbers() -> tuple[PublishedNumber, ...]:
+    """Compute every number of sources_numbers.csv."""
+    return tuple(
+        PublishedNumber(
+            source=row["source"],
+            place=row["place"],
+            quantity=row["quantity"],
+            printed=row["printed"],
+            unit=row["unit"],
+            within=float(row["within"] or 0.5 * 10.0 ** -len(row["printed"].partition(".")[2])),
+            model=row["model"],
+            computed=float(MODELS[row["model"]]()),
+            note=row["note"],
+        )
+        for row in _table("sources_numbers.csv")
+    )
+
+
+def render_sources() -> str:
+    """Text of docs/sources.md in Markdown: published numbers, errata, and what no one can recompute."""
+    numbers, errata = published_numbers(), _table("sources_errata.csv")
+    agreed = sum(number.verdict == "agrees" for number in numbers)
+    differing = sum(number.verdict == "**differs**" for number in numbers)
+    lines = [
+        "# Published numbers and what erlif computes",
+        "",
+        "Made by `erlif.models.sources.render_sources`; a test holds this file to it. A number agrees when the model rounds "
+        "to the printed digits. The models hold the corrected equations; each erratum names its evidence.",
+        "",
+        f"{agreed} comparisons agree, {differing} differ; {len(errata)} formulas or words are misprinted or ambiguous.",
+        "",
+    ]
+    for source, title in TITLES.items():
+        lines += [f"## {title}", "", "| place | quantity | printed | erlif | unit | verdict | note |", "|" + "---|" * 7]
+        for n in numbers:
+            if n.source == source:
+                lines.append(_line(n.place, n.quantity, n.printed, f"{n.computed:.5g}", n.unit, n.verdict, n.note))
+        lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
+        for row in errata:
+            if row["source"] == source:
+                lines.append(_line(row["place"], row["printed"], row["corrected"], row["evidence"]))
+        lines += ["", f"Not recomputed: {OUT_OF_REACH[source]}", ""]
+    return "\n".join(lines)
+
+
+def _line(*cells: str) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _table(name: str) -> list[dict[str, str]]:
+    return list(csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines()))
+
+
+def _film(pressure_viscosity: float) -> Values:
+    return film.dowson_higginson_film(
+        0.042,
+        load_per_length=1e5 * LBF / LENGTH,
+        viscosity=0.12,
+        pressure_viscosity=pressure_viscosity,
+        radius=contact.conformal_radius(PIN, bushing_radius=BUSHING),
+        contact_modulus=STEEL,
+    )
+
+
+def _lobe(load: float, *, exact: bool = False) -> contact.EllipticalContact:
+    """Contact of one of the two lobes under a total load [lbf]."""
+    radius, across = contact.relative_radii(-BUSHING, radius_1_across=0.2, radius_2=PIN, radius_2_across=np.inf)
+    ellipse = contact.hertz_ellipse if exact else contact.thesis_ellipse
+    return ellipse(load / 2 * LBF, radius=radius, radius_across=across, contact_modulus=STEEL)
+
+
+def _torque(radius: float) -> Values:
+    return friction.friction_torque(0.15, load=1e5 * LBF, radius=radius)
+
+
+def _life(load: float, exponent: float) -> Values:
+    return reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent)
+
+
+def _growth_with_hole(hole_ratio: Values) -> Values:
+    """Growth [%] of the pin diameter by a hole."""
+    case = {"free_length": 0.1, "yield_stress": 6e8, "safety": 2.0}
+    plain = bearing.pin_diameter_in_bending(1e5, **case)
+    return 100 * (bearing.pin_diameter_with_hole(1e5, hole_ratio=hole_ratio, **case) / plain - 1)
+
+
+def _safe_from(simple: float) -> float:
+    """Half contact angle [degree] from which a simple law's d p / 2q exceeds Persson's."""
+    return float(np.degrees(brentq(lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8)))
+
+
+@cache
+def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
+    """Worn mass [g] and depth [mm] of the joint of Mukras et al., from its initial dynamics, PTFE of 2200 kg/m3."""
+    bodies = reaction.SliderCrankBodies(
+        rod_mass=0.8175, rod_inertia=5500e-6, slider_mass=5.5487, spring_stiffness=525.4, spring_preload=preload
+    )
+    worn = wear.coupled_wear(
+        MUKRAS,
+        crank_speed=np.pi,
+        bodies=bodies,
+        bushing_radius=9.535e-3,
+        bushing_width=8.468e-3,
+        specific_wear=5.05e-13,
+        cycles=cycles,
+        coupled=False,
+    )
+    return float(worn.volume[-1]) * 2200e3, float(worn.depth[-1]) * 1e3
+
+
+MODELS: dict[str, Callable[[], Values]] = {
+    "thesis_bore": lambda: 2e3 * BUSHING,
+    "thesis_clearance": lambda: 2e3 * BUSHING - 66.7,
+    "klbf_100": lambda: 1e5 * LBF / 1e3,
+    "sliding_speed": lambda: RULE_SPEED * PIN,
+    "film_standard": lambda: _film(2e-8) * 1e6,
+    "film_alpha": lambda: 1e8 * brentq(lambda alpha: _film(alpha) - 0.54e-6, 1e-9, 1e-7, xtol=1e-14),
+    "film_parameter": lambda: film.film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6),
+    "lobe_pressure": lambda: _lobe(1e5).pressure / 1e6,
+    "lobe_pressure_exact": lambda: _lobe(1e5, exact=True).pressure / 1e6,
+    "lobe_a": lambda: _lobe(1e5).a * 1e3,
+    "lobe_a_exact": lambda: _lobe(1e5, exact=True).a * 1e3,
+    "lobe_b": lambda: _lobe(1e5).b * 1e3,
+    "lobe_b_exact": lambda: _lobe(1e5, exact=True).b * 1e3,
+    "lobe_approach": lambda: _lobe(1e5).approach * 1e3,
+    "lobe_pressure_light": lambda: _lobe(1e4).pressure / 1e6,
+    "lobe_a_light": lambda: _lobe(1e4).a * 1e3,
+    "lobe_b_light": lambda: _lobe(1e4).b * 1e3,
+    "lobe_approach_light": lambda: _lobe(1e4).approach * 1e3,
+    "fe_above_hertz": lambda: 100 * (756e6 / _lobe(1e4).pressure - 1),
+    "undercut": lambda: 100 * 543 / 2340,
+    "stage_6": lambda: 8e3 + 5 * 4e3,
+    "stage_5": lambda: 8e3 + 4 * 4e3,
+    "images": lambda: np.floor(2 * np.degrees(np.ptp(RIG.limits())) / 0.96),
+    "swing": lambda: np.degrees(np.ptp(RIG.limits())),
+    "crank_for_26": lambda: 100 * crank_for_swing(np.radians(26), coupler=0.44, rocker=0.26, ground=0.51),
+    "rocker_over_crank": lambda: RIG.rocker / RIG.crank,
+    "speed_rule": lambda: RULE_SPEED,
+    "speed_fall": lambda: -RIG.speed_limits(crank_speed=RIG_SPEED)[0],
+    "speed_rise": lambda: RIG.speed_limits(crank_speed=RIG_SPEED)[1],
+    "speed_rule_rpm": lambda: RULE_SPEED / RPM,
+    "torque": lambda: _torque(1.25 * INCH) * 100,
+    "torque_true": lambda: _torque(PIN) * 100,
+    "link_force": lambda: _torque(1.25 * INCH) / RIG.rocker / 1e3,
+    "link_force_worst": lambda: (
+        np.max(reaction.coupler_force(RIG, crank_angle=np.array([0, np.pi]), rocker_torque=_torque(1.25 * INCH))) / 1e3
+    ),
+    "life_4": lambda: _life(4.1e3, 3.0),
+    "life_4_printed": lambda: _life(4.1e3, 10 / 3),
+    "life_8": lambda: _life(8.2e3, 3.0),
+    "life_8_printed": lambda: _life(8.2e3, 10 / 3),
+    "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * INCH) / 1e6,
+    "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * INCH),
+    "power": lambda: _torque(1.25 * INCH) * 24 * RPM / 745.7,
+    "hole_least": lambda: np.min(_growth_with_hole(np.linspace(0, 0.2, 401))),
+    "hole_largest": lambda: np.max(_growth_with_hole(np.linspace(0, 0.2, 401))),
+    "cosine": lambda: contact.sinusoidal_pressure(1.0, pin_diameter=1.0),
+    "cosine_safe": lambda: _safe_from(2 / np.pi),
+    "double_safe": lambda: _safe_from(1.0),
+    "hardness": lambda: bearing.hardness_from_strength(1.0),
+    "closed_end": lambda: bearing.end_force_of_closed_lock(1.0),
+    "persson": lambda: contact.persson_group(np.pi / 2),
+    "persson_peak": lambda: contact.persson_peak_group(np.pi / 2),
+    "persson_closed": lambda: contact.persson_peak_group(np.pi - 1e-9),
+    "crank_rpm": lambda: 32_000 / (17 * 60),
+    "mass_1": lambda: _wear(32_000)[0],
+    "mass_slack": lambda: _wear(32_000, preload=0.0)[0],
+    "depth_1": lambda: _wear(32_000)[1],
+    "mass_2": lambda: _wear(21_400)[0],
+    "depth_2": lambda: _wear(21_400)[1],
+    "error_mass_1": lambda: 100 * (1 - 0.2336 / 0.2616),
+    "error_depth_1": lambda: 100 * (1 - 0.6575 / 0.7850),
+    "error_mass_2": lambda: 100 * (1 - 0.1589 / 0.1714),
+    "error_depth_2": lambda: 100 * (1 - 0.4524 / 0.4850),
+    "uniform": lambda: friction.uniform_torque_ratio(np.pi / 2),
+    "steady_wear": lambda: friction.cosine_torque_ratio(np.pi / 2),
+    "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
+    "projected": lambda: contact.projected_pressure(400.0 / 0.010, pin_diameter=0.010) / 1e6,
+}
+"""The models behind sources_numbers.csv, each in the unit of its row."""
