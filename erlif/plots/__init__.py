@@ -1,0 +1,58 @@
+"""Figures of finished products: a film or a calibration and an axes in, artists out.
+
+Every function that draws one panel takes ``ax`` and makes a figure of one journal column where none is given; those whose
+names end in ``_figure`` put panels together. matplotlib is used through its objects alone: nothing here opens a window or
+changes a setting of the caller's.
+"""
+
+from erlif.plots.calibration import (
+    calibration_figure,
+    fixture_profile,
+    ratio_against_thickness,
+    ratio_residuals,
+    write_calibration_figure,
+)
+from erlif.plots.files import find_fixture, find_run, missing_figures, write_figures
+from erlif.plots.frames import band_images, band_images_figure, ratio_image, restore_frames
+from erlif.plots.kinematics import cycle_figure, film_over_cycle, speed_against_angle, speed_over_cycle
+from erlif.plots.maps import map_sheet_figure, profile_residual, sliding_profile, thickness_figure, thickness_map
+from erlif.plots.products import average_across_sliding, calibration_of, rigid_gap, settings_of
+from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
+from erlif.plots.style import save_figure
+from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
+
+__all__ = [
+    "average_across_sliding",
+    "band_images",
+    "band_images_figure",
+    "calibration_figure",
+    "calibration_of",
+    "cycle_figure",
+    "displacement_map",
+    "drift_of_frames",
+    "film_against_speed",
+    "film_and_theory",
+    "film_over_cycle",
+    "find_fixture",
+    "find_run",
+    "fixture_profile",
+    "map_sheet_figure",
+    "missing_figures",
+    "profile_residual",
+    "ratio_against_thickness",
+    "ratio_image",
+    "ratio_residuals",
+    "registration_figure",
+    "restore_frames",
+    "rigid_gap",
+    "save_figure",
+    "settings_of",
+    "sliding_profile",
+    "speed_against_angle",
+    "speed_figure",
+    "speed_over_cycle",
+    "thickness_figure",
+    "thickness_map",
+    "write_calibration_figure",
+    "write_figures",
+]

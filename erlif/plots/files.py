@@ -1,0 +1,250 @@
+"""The whole set of figures of a film, as files."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from erlif.calibration import Calibration, read_profile
+from erlif.config import read_fixture_settings
+from erlif.core.errors import ErlifError, OutputError
+from erlif.core.store import open_film, refuse_existing
+from erlif.pipeline import open_calibration
+from erlif.plots.calibration import calibration_figure, fixture_profile
+from erlif.plots.frames import band_images_figure, ratio_image, restore_frames
+from erlif.plots.kinematics import cycle_figure, speed_against_angle
+from erlif.plots.maps import map_sheet_figure, thickness_figure
+from erlif.plots.products import calibration_of, check_trigger, describe_trigger, fastest_trigger, settings_of
+from erlif.plots.registration import registration_figure
+from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
+from erlif.plots.trend import speed_figure
+
+logger = logging.getLogger(__name__)
+
+_KINDS = ("png", "pdf", "svg")
+
+
+def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Path | None:
+    """The run directory of a film: the one given, else the film's own if its run.toml is that run's; None if there is none."""
+    if given is not None:
+        return given
+    beside = film_path.parent
+    text = beside / "run.toml"
+    name = settings_of(film).name
+    return beside if text.is_file() and name in text.read_text(encoding="utf-8", errors="replace") else None
+
+
+def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = None) -> Path | None:
+    """The fixture directory of a film: the one given, else where run.toml's calibration lies; None if there is none."""
+    if given is not None:
+        return given
+    named = settings_of(film).calibration
+    if named is None or run_dir is None:
+        return None
+    directory = (run_dir / named).parent
+    return directory if (directory / "fixture.toml").is_file() else None
+
+
+@dataclass(frozen=True)
+class FigureSource:
+    """A film and what could be found of where it came from.
+
+    Attributes
+    ----------
+    film_path : Path
+    film : xarray.Dataset
+    trigger : int
+        The one that is shown where one is shown for all.
+    run_dir, fixture_dir : Path or None
+    """
+
+    film_path: Path
+    film: xr.Dataset
+    trigger: int
+    run_dir: Path | None
+    fixture_dir: Path | None
+
+    @cached_property
+    def restored(self) -> xr.Dataset:
+        """The frames of the trigger; raises ErlifError."""
+        assert self.run_dir is not None
+        return restore_frames(self.film_path, self.run_dir, trigger=self.trigger)
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """The calibration, with its points where the file is at hand and is the one the film was made with."""
+        kept = calibration_of(self.film)
+        for path in self._calibration_files():
+            if path.is_file():
+                try:
+                    found = open_calibration(path)
+                except ErlifError as error:
+                    logger.warning("%s", error)
+                    continue
+                if np.allclose(found.parameters, kept.parameters, rtol=1e-9):
+                    return found
+                logger.warning("%s is not the calibration that the film was made with; its points are not drawn", path)
+        return kept
+
+    def _calibration_files(self) -> list[Path]:
+        named = settings_of(self.film).calibration
+        files = [self.run_dir / named] if self.run_dir is not None and named is not None else []
+        return files + ([self.fixture_dir / "calibration.nc"] if self.fixture_dir is not None else [])
+
+    def group(self, name: str) -> xr.Dataset:
+        """A group of the film, in memory."""
+        with open_film(self.film_path, group=name) as group:
+            return group.load()
+
+
+def _speed(source: FigureSource) -> Figure:
+    figure = new_figure()
+    speed_against_angle(source.film, ax=figure.add_subplot())
+    return figure
+
+
+def _profile(source: FigureSource) -> Figure:
+    assert source.fixture_dir is not None
+    settings = read_fixture_settings(source.fixture_dir)
+    figure = new_figure()
+    profile = read_profile(source.fixture_dir / settings.fixture.profile)
+    fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
+    return figure
+
+
+def _ratio(source: FigureSource) -> Figure:
+    figure = new_figure(ONE_COLUMN, 0.74 * ONE_COLUMN)
+    ax = figure.add_subplot()
+    ratio_image(source.restored, source.film, ax=ax)
+    ax.set_title(describe_trigger(source.film, source.trigger))
+    return figure
+
+
+DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
+    "speed_against_angle": _speed,
+    "fixture_profile": _profile,
+    "processed_images": lambda source: band_images_figure(source.restored, source.film, trigger=source.trigger),
+    "ratio_image": _ratio,
+    "calibration": lambda source: calibration_figure(source.calibration),
+    "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
+    "film_against_speed": lambda source: speed_figure(source.film),
+    "map_sheet": lambda source: map_sheet_figure(source.film),
+    "film_over_cycle": lambda source: cycle_figure(source.film),
+    "registration": lambda source: registration_figure(source.group("registration"), source.group("frames")),
+}
+"""The figures of a film, in the order of the method."""
+
+
+def reason_missing(name: str, source: FigureSource) -> str | None:
+    """Why a figure cannot be drawn; None if it can."""
+    if name in ("processed_images", "ratio_image"):
+        if source.run_dir is None:
+            return "it needs the frames, and the run directory is neither given nor beside the film"
+        try:
+            source.restored  # noqa: B018
+        except (ErlifError, OSError) as error:
+            return f"the frames could not be read again: {error}"
+    if name == "fixture_profile":
+        if source.fixture_dir is None:
+            return "it needs the CMM profile, and the fixture directory is neither given nor where run.toml names it"
+        try:
+            read_profile(source.fixture_dir / read_fixture_settings(source.fixture_dir).fixture.profile)
+        except ErlifError as error:
+            return str(error)
+    return None
+
+
+def missing_figures(
+    film_path: str | Path, *, run_dir: str | Path | None = None, fixture_dir: str | Path | None = None
+) -> dict[str, str]:
+    """Figures that `write_figures` would leave out, each with the reason."""
+    with open_film(film_path) as film:
+        source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
+        reasons = {name: reason_missing(name, source) for name in DRAWN}
+    return {name: reason for name, reason in reasons.items() if reason is not None}
+
+
+def find_source(
+    film_path: Path,
+    film: xr.Dataset,
+    trigger: int | None,
+    run_dir: str | Path | None,
+    fixture_dir: str | Path | None,
+) -> FigureSource:
+    """Find what belongs to a film; raises ErlifError if it has no such trigger."""
+    if trigger is None:
+        trigger = fastest_trigger(film)
+    check_trigger(film, trigger)
+    run = find_run(film_path, film, None if run_dir is None else Path(run_dir))
+    fixture = find_fixture(film, run, None if fixture_dir is None else Path(fixture_dir))
+    return FigureSource(film_path, film, trigger, run, fixture)
+
+
+@styled
+def write_figures(
+    film_path: str | Path,
+    out_dir: str | Path,
+    *,
+    run_dir: str | Path | None = None,
+    fixture_dir: str | Path | None = None,
+    trigger: int | None = None,
+    formats: Sequence[str] = ("png", "pdf"),
+    overwrite: bool = False,
+) -> list[Path]:
+    """Write the figures of a film.
+
+    Figures that need what is not at hand are left out, and the log says which and why; `missing_figures` answers it beforehand.
+
+    Parameters
+    ----------
+    film_path : path
+        ``film.nc`` or ``film.zarr``.
+    out_dir : path
+        Where the files go; it is made if it does not exist.
+    run_dir, fixture_dir : path, optional
+        Where the frames and the CMM profile are. Default: the film's own directory, and where its run.toml says.
+    trigger : int, optional
+        The one shown where one is shown for all; default: the outward one of highest speed.
+    formats : sequence of str
+        Of ``"png"``, ``"pdf"`` and ``"svg"``.
+    overwrite : bool
+        Replace existing files.
+
+    Returns
+    -------
+    list of Path
+        What was written, in the order of the method.
+
+    Raises
+    ------
+    OutputError
+        If a file exists, cannot be written, or a format is unknown.
+    ErlifError
+        If the film has no such trigger.
+    """
+    unknown = [kind for kind in formats if kind not in _KINDS]
+    if unknown:
+        raise OutputError(f"Expected figures as {', '.join(_KINDS)}; got {', '.join(unknown)}.")
+    out_dir = Path(out_dir)
+    written: list[Path] = []
+    with open_film(film_path) as film:
+        source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
+        reasons = {name: reason_missing(name, source) for name in DRAWN}
+        names = [name for name, reason in reasons.items() if reason is None]
+        for name in names:
+            for kind in formats:
+                refuse_existing(out_dir / f"{name}.{kind}", overwrite=overwrite)
+        for name, reason in reasons.items():
+            if reason is not None:
+                logger.warning("figure %s left out: %s", name, reason)
+        for name in names:
+            figure = DRAWN[name](source)
+            written += [save_figure(figure, out_dir / f"{name}.{kind}") for kind in formats]
+    return written
