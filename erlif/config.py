@@ -7,9 +7,8 @@ Quantities arrive as text with a unit and are kept as floats in the unit that ea
 from __future__ import annotations
 
 import difflib
-import math
+import json
 import tomllib
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
@@ -50,24 +49,28 @@ Gain = Annotated[float, *_quantity("electron/DN"), Field(gt=0)]
 Electrons = Annotated[float, *_quantity("electron"), Field(gt=0)]
 Temperature = Annotated[float, *_quantity("degC")]
 TemperatureDifference = Annotated[float, *_quantity("delta_degC"), Field(gt=0)]
-Interval = Annotated[tuple[float, float], Field()]
+Interval = tuple[float, float]
+Text = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$")]
+FileName = Annotated[str, Field(min_length=1, pattern=r"^[^\x00-\x1f\x7f]*$")]
 
 
 class Settings(BaseModel):
     """A table of a settings file: frozen, and closed to keys it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", ignored_types=(cached_property,))
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class CameraSettings(Settings):
     """One camera: where its frames are and how its counts become electrons."""
 
-    files: str = Field(description="pattern of the frame files, or one multi-page file, relative to the settings file")
+    files: FileName = Field(
+        description="pattern of the frame files, or one multi-page file, relative to the settings file"
+    )
     band: Wavelength = Field(description="centre of the filter band [nm]")
     bit_depth: int = Field(12, ge=8, le=16, description="bits per pixel")
-    dark: str | None = Field(None, description="file of dark frames")
+    dark: FileName | None = Field(None, description="file of dark frames")
     offset: Counts | None = Field(None, description="dark level where no dark frames were taken [DN]")
-    flat: str | None = Field(None, description="file of flat frames, of one or several light levels")
+    flat: FileName | None = Field(None, description="file of flat frames, of one or several light levels")
     gain: Gain | None = Field(None, description="photo-electrons per count; measured from the flats if absent")
     read_noise: Electrons | None = Field(None, description="rms read noise; measured from the darks if absent")
 
@@ -95,7 +98,7 @@ class OpticsSettings(Settings):
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
-    file: str = Field(description="the log, one row per trigger")
+    file: FileName = Field(description="the log, one row per trigger")
     mounted_on: Literal["rocker", "crank"] = "rocker"
     zero: Angle | None = Field(None, description="angle of the link the encoder sits on at reading 0 [rad]")
     triggers_per_cycle: int | None = Field(None, ge=2, description="for folding several cycles")
@@ -160,7 +163,7 @@ class VogelSettings(Settings):
 class OilSettings(Settings):
     """The oil between pin and bushing."""
 
-    name: str = ""
+    name: Text = ""
     viscosity: Viscosity | None = Field(None, description="dynamic viscosity [Pa s]")
     vogel: VogelSettings | None = Field(None, description="viscosity by the logged temperature instead")
     pressure_viscosity: PressureViscosity = Field(description="Barus coefficient [1/Pa]")
@@ -193,7 +196,7 @@ class RegionOfInterest(Settings):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         for name, (low, high) in (("x", self.x), ("y", self.y)):
-            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            if not low < high:
                 raise ValueError(f"{name} must be [low, high] in mm with low < high; got [{low:g}, {high:g}]")
         return self
 
@@ -213,13 +216,13 @@ class ThicknessOptions(Settings):
 class RunName(Settings):
     """What the run is called."""
 
-    name: str
+    name: Text
 
 
 class RunSettings(Settings):
     """run.toml."""
 
-    calibration: str | None = None
+    calibration: FileName | None = None
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings
@@ -240,8 +243,10 @@ class RunSettings(Settings):
 class FixtureProfile(Settings):
     """The calibration fixture and its profile from the coordinate measuring machine."""
 
-    name: str
-    profile: str = Field(description="x_mm,thickness_um[,uncertainty_um] or x_mm,y_mm,thickness_um[,uncertainty_um]")
+    name: Text
+    profile: FileName = Field(
+        description="x_mm,thickness_um[,uncertainty_um] or x_mm,y_mm,thickness_um[,uncertainty_um]"
+    )
     origin: tuple[float, float] = Field((0.0, 0.0), description="pixel (x, y) of camera 1 at profile x = 0 (y = 0)")
     direction: Angle = Field(0.0, description="turn from image x to profile x [rad]", validate_default=False)
     align: bool = Field(False, description="refine origin and scale against the image")
@@ -286,36 +291,66 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     if not path.is_file():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
         hint = f" It holds {other}: is it meant for the other command?" if (directory / other).is_file() else ""
-        raise ConfigError(f"Expected {name} in {directory}; there is none.{hint}")
+        raise ConfigError(
+            f"Expected {name} in {directory}; there is none.{hint or ' Write one, or name another directory.'}"
+        )
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}") from error
+        raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise ConfigError(f"Expected settings in {path}; it cannot be read: {error.strerror}.") from error
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(
+            f"Expected valid TOML in {path}; got {error}. Correct that place; text and quantities stand in double quotes."
+        ) from error
     try:
         return kind.model_validate(raw)
     except ValidationError as error:
         faults = "\n".join(f"  {_explain(fault, kind)}" for fault in error.errors())
-        raise ConfigError(f"{path} cannot be used:\n{faults}") from error
+        raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{faults}") from error
 
 
 def _explain(fault: Any, kind: type[Settings]) -> str:
+    """One line about one fault that pydantic found: table, key, what was expected and what came."""
     location = [str(part) for part in fault["loc"] if part not in ("crank-rocker", "slider-crank")]
-    where = " ".join(
-        [f"[{'.'.join(location[:-1])}]" if location[:-1] else "", location[-1] if location else ""]
-    ).strip()
+    table, key = ".".join(location[:-1]), location[-1] if location else ""
+    where = f"[{table}] {key}" if table else key
     if fault["type"] == "extra_forbidden":
         known = _known_keys(kind, fault["loc"][:-1])
-        near = difflib.get_close_matches(location[-1], known, n=1, cutoff=0.5)
+        near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
         hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
         return f"{where}: unknown key; {hint}"
     if fault["type"] == "missing":
-        return f"{where}: missing"
-    message = fault["msg"].removeprefix("Value error, ")
-    return f"{where}: {message}" if where else message
+        what = "table" if _tables_in(_annotation(kind, fault["loc"])) else "key"
+        return f"[{key}]: missing table" if what == "table" and not table else f"{where}: missing {what}"
+    if fault["type"] in ("union_tag_not_found", "union_tag_invalid"):
+        got = fault["input"].get("kind", "nothing") if isinstance(fault["input"], dict) else fault["input"]
+        return f'[{key}] kind: expected "crank-rocker" or "slider-crank", got {got!r}'
+    if fault["type"] == "value_error":
+        message = fault["msg"].removeprefix("Value error, ")
+        return f"{where}: {message}" if where else message
+    if fault["type"] in ("model_type", "model_attributes_type"):
+        return f"{where}: expected a table, got {fault['input']!r}"
+    if fault["type"] == "string_too_short":
+        return f"{where}: expected a file name, got ''"
+    if fault["type"] == "string_pattern_mismatch":
+        return f"{where}: expected text without control characters, got {fault['input']!r}"
+    return f"{where}: {fault['msg'].replace('Input should', 'it should')}; got {fault['input']!r}"
+
+
+def _annotation(kind: type[Settings], location: tuple[Any, ...]) -> Any:
+    """Type of the key at `location`."""
+    tables = _tables_at(kind, location[:-1])
+    return next(
+        (table.model_fields[key].annotation for table in tables if (key := location[-1]) in table.model_fields), None
+    )
 
 
 def _known_keys(kind: type[Settings], location: tuple[Any, ...]) -> list[str]:
-    """Keys of the table at `location`, found by walking the nested settings."""
+    return [name for table in _tables_at(kind, location) for name in table.model_fields]
+
+
+def _tables_at(kind: type[Settings], location: tuple[Any, ...]) -> list[type[Settings]]:
+    """Tables that may stand at `location`, found by walking the nested settings."""
     tables: list[type[Settings]] = [kind]
     for part in location:
         if part == "crank-rocker":
@@ -325,7 +360,7 @@ def _known_keys(kind: type[Settings], location: tuple[Any, ...]) -> list[str]:
         else:
             annotations = [table.model_fields[part].annotation for table in tables if part in table.model_fields]
             tables = [found for annotation in annotations for found in _tables_in(annotation)]
-    return [name for table in tables for name in table.model_fields]
+    return tables
 
 
 def _tables_in(annotation: Any) -> list[type[Settings]]:
@@ -352,11 +387,8 @@ def _write_table(table: dict[str, Any], path: tuple[str, ...], lines: list[str])
 
 
 def _toml_value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
-        return f'"{escaped}"'
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_toml_value(item) for item in value)}]"
+    if isinstance(value, (bool, str)):
+        return json.dumps(value, ensure_ascii=False)  # TOML escapes as JSON does
     return repr(value)

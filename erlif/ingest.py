@@ -7,8 +7,10 @@ computed; the frames themselves are read pair by pair when a stage asks for them
 from __future__ import annotations
 
 import csv
+import glob
 import hashlib
 import math
+import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -34,6 +36,19 @@ _KNOWN_COLUMNS = {
     "load_N": ("load", "N", "load on the joint"),
     "temperature_C": ("temperature", "degree_Celsius", "temperature of the oil"),
 }
+_FURTHER_COLUMN = re.compile(r"[^\W_][^/\x00-\x1f\x7f]*")  # what every file format takes as a name
+# fmt: off
+_RESERVED = frozenset({
+    "number", "angle", "time", "load", "temperature", "trigger", "x", "y", "thickness", "thickness_std",
+    "thickness_std_shared", "flags", "frames_used", "encoder_angle", "stroke", "crank_angle", "rocker_speed",
+    "sliding_speed", "film_mean", "film_mean_std", "film_min", "film_min_std", "film_hamrock_dowson",
+    "film_theory", "film_parameter", "speed_exponent", "speed_exponent_std", "speed_exponent_mean",
+    "speed_exponent_mean_std",
+})
+# fmt: on
+"""Names of the film's own variables, which no further column of the log may have."""
+
+_DENSEST = 1100  # pixels per byte of a file: deflate packs no tighter
 
 
 @dataclass(frozen=True)
@@ -45,7 +60,7 @@ class Page:
 
     @property
     def name(self) -> str:
-        """File name, with the page where the file has several."""
+        """File name, with the page from the second on."""
         return self.path.name if self.index == 0 else f"{self.path.name}[{self.index}]"
 
 
@@ -102,18 +117,7 @@ def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Recording:
     settings = read_run_settings(run_dir)
     pages, shape, skipped = _pair_cameras(run_dir, settings, skip_bad_frames=skip_bad_frames)
     log = read_encoder_log(run_dir / settings.encoder.file)
-    rows, frames = log.sizes["frame"], len(pages[0])
-    if rows != frames:
-        log_name = settings.encoder.file
-        extra = (
-            f"row {frames + 2} (frame {int(log.number[frames])}) of {log_name} is the first without a frame"
-            if rows > frames
-            else f"{pages[0][rows].name} is the first without a row"
-        )
-        raise EncoderError(
-            f"Expected one row of {log_name} per frame; {log_name} has {rows} rows, the cameras have {frames} frames each: "
-            f"{extra}. To drop one, delete that row, or move that frame of both cameras out of their folders."
-        )
+    _check_rows(log, pages[0], settings.encoder.file)
     return Recording(run_dir, settings, pages, shape, log, skipped)
 
 
@@ -146,8 +150,8 @@ def read_frames(recording: Recording, frames: Sequence[int]) -> Frames:
     counts = np.empty((2, len(frames), *recording.shape), np.uint16)
     for camera, (pages, settings) in enumerate(zip(recording.pages, recording.cameras, strict=True)):
         for n, k in enumerate(frames):
-            counts[camera, n] = _read_page(pages[k], recording.directory)
-            _check_full_scale(counts[camera, n], settings, pages[k])
+            counts[camera, n] = _read_page(pages[k], recording.directory, recording.shape)
+            _check_depth(counts[camera, n], settings, pages[k])
     return Frames(
         xr.Dataset(
             {"counts": (("camera", "frame", "y", "x"), counts, {"units": "DN", "long_name": "raw counts"})},
@@ -160,24 +164,21 @@ def find_reference_pages(directory: Path, pattern: str, *, what: str) -> list[Pa
     """Find the pages of a dark or flat recording and check their headers; raises FrameError."""
     pages, faults = _find_pages(directory, pattern, what)
     if faults:
-        raise FrameError(_fault_message(faults, what))
+        raise FrameError(
+            f"Expected readable {what} pages; {pages[min(faults)][0].name}: {faults[min(faults)]}. Record them again, or take the file out."
+        )
     return [page for page, _ in pages]
 
 
 def read_reference(page: Page, settings: CameraSettings, *, directory: Path, shape: tuple[int, int]) -> Counts:
     """Read one dark or flat page and check its size and counts; raises FrameError."""
-    counts = _read_page(page, directory)
-    if counts.shape != shape:
-        raise FrameError(
-            f"Darks and flats must have the size of the frames, {_size(shape)}; {page.name} is {_size(counts.shape)}. "
-            "Record them with the same region of interest."
-        )
-    _check_full_scale(counts, settings, page)
+    counts = _read_page(page, directory, shape)
+    _check_depth(counts, settings, page)
     return counts
 
 
 def hash_inputs(recording: Recording) -> dict[str, str]:
-    """SHA-256 of every input by its name in the settings; the files of one pattern share one hash."""
+    """SHA-256 of every input by its name in the directory; the files of one pattern share one hash."""
     settings = recording.settings
     names: list[str] = []
     if isinstance(settings, RunSettings):
@@ -190,13 +191,13 @@ def hash_inputs(recording: Recording) -> dict[str, str]:
         for reference in (camera.dark, camera.flat):
             if reference is not None:
                 hashes[reference] = _hash_files(_match_files(recording.directory, reference))
-    return hashes
+    return {os.path.relpath(recording.directory / name, recording.directory): value for name, value in hashes.items()}
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
     """Sort key that puts frame_2 before frame_10."""
     parts = re.split(r"(\d+)", str(path))
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts]
+    return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
 
 
 def read_encoder_log(path: Path) -> EncoderLog:
@@ -215,74 +216,123 @@ def read_encoder_log(path: Path) -> EncoderLog:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            table = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+            table = [(n, row) for n, row in enumerate(csv.reader(file), 1) if any(cell.strip() for cell in row)]
     except OSError as error:
-        raise EncoderError(f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}.") from error
+        raise EncoderError(
+            f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}. Correct file in [encoder] of run.toml."
+        ) from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise EncoderError(f"Expected {path.name} to be a CSV text file; it is not: {error}.") from error
+        raise EncoderError(
+            f"Expected {path.name} to be a CSV text file; it is not: {error}. Save the log as CSV in UTF-8."
+        ) from error
     if len(table) < 2:
-        raise EncoderError(f"Expected a header and one row per trigger in {path.name}; it has {len(table)} lines.")
-    header = [cell.strip() for cell in table[0]]
-    for required in ("frame", "angle_deg"):
-        if required not in header:
-            raise EncoderError(f"Expected a column {required} in {path.name}; its header is {','.join(header)}.")
-    repeated = [name for name, count in Counter(header).items() if count > 1]
-    if repeated:
-        raise EncoderError(f"Expected each column of {path.name} once; {repeated[0]} comes twice.")
-    for number, row in enumerate(table[1:], 2):
+        raise EncoderError(
+            f"Expected a header and one row per trigger in {path.name}; it has {len(table)} row(s). Export the whole log."
+        )
+    header = [cell.strip() for cell in table[0][1]]
+    rows = [number for number, _ in table[1:]]
+    _check_header(header, path)
+    for number, row in table[1:]:
         if len(row) != len(header):
-            raise EncoderError(f"Expected {len(header)} values in row {number} of {path.name}; it has {len(row)}.")
-    columns = dict(zip(header, zip(*table[1:], strict=True), strict=True))
-    numbers = _number_column(columns.pop("frame"), "frame", path)
-    _check_frame_numbers(numbers, path)
+            comma = " A decimal comma makes two values of one: write decimal points." if len(row) > len(header) else ""
+            raise EncoderError(
+                f"Expected {len(header)} values in row {number} of {path.name}, as in its header; it has {len(row)}.{comma} Correct the row."
+            )
+    columns = dict(zip(header, zip(*(row for _, row in table[1:]), strict=True), strict=True))
+    numbers = _number_column(columns.pop("frame"), rows, "frame", path)
+    _check_frame_numbers(numbers, rows, path)
     log = xr.Dataset({"number": ("frame", numbers.astype(np.int64))})
     for name, cells in columns.items():
         if name in _KNOWN_COLUMNS:
             short, unit, meaning = _KNOWN_COLUMNS[name]
-            log[short] = ("frame", _number_column(cells, name, path), {"units": unit, "long_name": meaning})
-        else:
+            log[short] = ("frame", _number_column(cells, rows, name, path), {"units": unit, "long_name": meaning})
+        elif name:
             log[name] = ("frame", _free_column(cells))
     return EncoderLog(log)
 
 
-def _number_column(cells: Sequence[str], name: str, path: Path) -> npt.NDArray[np.float64]:
+def _check_header(header: list[str], path: Path) -> None:
+    for required in ("frame", "angle_deg"):
+        if required not in header:
+            comma = "" if len(header) > 1 else " Separate the columns with commas."
+            raise EncoderError(
+                f"Expected a column {required} in {path.name}; its header is {','.join(header)}.{comma} Columns erlif knows: frame, "
+                f"{', '.join(_KNOWN_COLUMNS)}."
+            )
+    for place, (name, count) in enumerate(Counter(header).items(), 1):
+        if count > 1 and name:
+            raise EncoderError(f"Expected each column of {path.name} once; {name} comes {count} times. Rename one.")
+        if name in _RESERVED or (name and not _FURTHER_COLUMN.fullmatch(name)):
+            reason = "which erlif uses itself" if name in _RESERVED else "which a film file cannot hold"
+            raise EncoderError(
+                f"Expected a column of {path.name} to be one of frame, {', '.join(_KNOWN_COLUMNS)} or to have a name of its own that begins "
+                f"with a letter or digit; column {place} is {name!r}, {reason}. Rename it."
+            )
+
+
+def _number_column(cells: Sequence[str], rows: Sequence[int], name: str, path: Path) -> npt.NDArray[np.float64]:
     values = np.empty(len(cells))
-    for n, cell in enumerate(cells):
+    for n, (row, cell) in enumerate(zip(rows, cells, strict=True)):
         try:
-            values[n] = float(cell)
+            values[n] = float(cell) if "_" not in cell else math.nan
         except ValueError:
             values[n] = math.nan
         if not math.isfinite(values[n]):
-            shown = cell.strip() or "nothing"
             raise EncoderError(
-                f"Expected a finite number in row {n + 2}, column {name} of {path.name}; got {shown!r}. Correct the row, or "
-                "delete it together with its frame of both cameras."
+                f"Expected a finite number in row {row}, column {name} of {path.name}; got {cell.strip() or 'nothing'!r}. Correct the value, "
+                "or take the row and its frame of both cameras out and number the rows anew."
             )
     return values
 
 
-def _check_frame_numbers(numbers: npt.NDArray[np.float64], path: Path) -> None:
+def _check_frame_numbers(numbers: npt.NDArray[np.float64], rows: Sequence[int], path: Path) -> None:
     seen: dict[float, int] = {}
-    for n, number in enumerate(numbers):
-        row = n + 2
+    for n, (row, number) in enumerate(zip(rows, numbers, strict=True)):
+        if number != round(number) or abs(number) > 2**53:
+            raise EncoderError(
+                f"Expected a whole number in row {row}, column frame of {path.name}; got {number:g}. Number the rows 0, 1, 2, ..."
+            )
         if number in seen:
             raise EncoderError(
-                f"Row {row}, column frame of {path.name} repeats frame {number:g} of row {seen[number]}; expected each once."
+                f"Expected each frame once in {path.name}; row {row}, column frame, repeats frame {number:g} of row {seen[number]}. Delete "
+                "one of the two rows."
             )
         seen[number] = row
         expected = numbers[0] + n
         if number != expected:
             raise EncoderError(
-                f"Row {row}, column frame of {path.name}: expected frame {expected:g}, got {number:g}; a frame is missing. Rows "
-                "must be numbered without gaps, one per frame file."
+                f"Expected frame {expected:g} in row {row}, column frame of {path.name}; got {number:g}: a frame is missing. Put its row back, "
+                "or, if its frame files are missing too, number the rows anew."
             )
 
 
 def _free_column(cells: Sequence[str]) -> npt.NDArray[Any]:
+    """Numbers where all cells that are not empty are numbers, text otherwise."""
     try:
-        return np.array([float(cell) for cell in cells])
+        return np.array([float(cell) if cell.strip() else math.nan for cell in cells])
     except ValueError:
         return np.array([cell.strip() for cell in cells], dtype=object).astype(str)
+
+
+def _check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
+    """Refuse a log that has not one row per frame, naming the first row or frame without its like."""
+    rows, frames = log.sizes["frame"], len(pages)
+    if rows == frames:
+        return
+    if rows > frames:
+        # where the files carry the numbers of the log, the gap in them is the missing one
+        numbers = _numbers(pages)
+        logged = log.number.values.tolist()
+        lacking = [number for number in logged if number not in numbers] if set(numbers) <= set(logged) else []
+        row = logged.index(lacking[0]) if lacking else frames
+        extra = f"frame {logged[row]} of {name} is the first without a file"
+    else:
+        extra = f"{pages[rows].name} is the first without a row"
+    raise EncoderError(
+        f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} frames each: {extra}. To leave a frame "
+        "out, put an empty file of its name into both camera folders and use --skip-bad-frames; or take out row and files and number the "
+        "rows anew."
+    )
 
 
 def _pair_cameras(
@@ -295,24 +345,19 @@ def _pair_cameras(
             f"camera 1 and {settings.camera2.band:g} nm on camera 2. The cameras look swapped: exchange the two tables."
         )
     found = [_find_pages(directory, camera.files, f"camera{n}") for n, camera in enumerate(cameras, 1)]
+    if skip_bad_frames:
+        _pad_truncated(found)
     one, two = ([page for page, _ in pages] for pages, _ in found)
-    if len(one) != len(two):
-        longer, name = (one, "camera1") if len(one) > len(two) else (two, "camera2")
-        unmatched = _first_unmatched(one, two)
-        raise FrameError(
-            f"Expected as many frames of camera 2 as of camera 1; camera1 has {len(one)}, camera2 has {len(two)}. The first "
-            f"unmatched one is {name}/{unmatched or longer[min(len(one), len(two))].name}. To drop it, move it out of the folder"
-            + (" and delete its row of the encoder log." if isinstance(settings, RunSettings) else ".")
-        )
     faults = {
         k: f"camera{camera}/{pages[k][0].name}: {reason}"
         for camera, (pages, bad) in enumerate(found, 1)
         for k, reason in bad.items()
     }
-    if skip_bad_frames:
-        faults |= _undecodable(directory, (one, two), faults)
     if faults and not skip_bad_frames:
-        raise FrameError(_fault_message(faults, "frame"))
+        raise FrameError(_fault_message(faults))
+    _check_pairs(one, two)
+    if skip_bad_frames:
+        faults |= _undecodable(directory, found, faults)
     kinds = [[kind for _, kind in pages] for pages, _ in found]
     good = [k for k in range(len(one)) if k not in faults]
     if not good:
@@ -328,104 +373,171 @@ def _pair_cameras(
                     f"Expected frames of one size and type, {_size(usual[0])} {usual[1]}; camera{camera}/{page.name} is "
                     f"{_size(kind[k][0])} {kind[k][1]}. Set the same region of interest and depth for all frames of both cameras."
                 )
-    (rows, columns), dtype = usual if len(usual[0]) == 2 else ((0, 0), f"{len(usual[0])}-dimensional {usual[1]}")
-    if dtype not in ("uint8", "uint16"):
-        raise FrameError(f"Expected grey frames of 8 or 16-bit unsigned counts; {one[good[0]].name} holds {dtype}.")
-    if min(rows, columns) < 64:
+    shape, dtype = usual
+    if len(shape) != 2 or dtype not in ("uint8", "uint16"):
+        colour = f" in {shape[2]} colours" if len(shape) == 3 else ""
         raise FrameError(
-            f"Expected frames of at least 64 x 64 pixels; {one[good[0]].name} is {_size((rows, columns))}."
+            f"Expected grey frames of 8 or 16-bit unsigned counts; {one[good[0]].name} holds {dtype}{colour}. Save the raw counts of the "
+            "cameras, one channel each."
         )
+    if min(shape) < 64:
+        raise FrameError(
+            f"Expected frames of at least 64 x 64 pixels; {one[good[0]].name} is {_size(shape)}. Record a larger region of interest."
+        )
+    rows, columns = shape
     for camera_settings, pages in zip(cameras, (one, two), strict=True):
-        _check_full_scale(_read_page(pages[good[0]], directory), camera_settings, pages[good[0]])
+        _check_depth(_read_page(pages[good[0]], directory, shape), camera_settings, pages[good[0]])
     return (tuple(one), tuple(two)), (rows, columns), faults
 
 
-def _undecodable(directory: Path, cameras: tuple[list[Page], list[Page]], known: dict[int, str]) -> dict[int, str]:
+def _undecodable(
+    directory: Path, cameras: Sequence[tuple[list[tuple[Page, _Kind]], dict[int, str]]], known: dict[int, str]
+) -> dict[int, str]:
     """Frame pairs whose headers are sound and whose pixels are not."""
     faults = {}
-    for camera, pages in enumerate(cameras, 1):
-        for k, page in enumerate(pages):
+    for camera, (pages, _) in enumerate(cameras, 1):
+        for k, (page, (shape, _)) in enumerate(pages):
             if k not in known and k not in faults:
                 try:
-                    _read_page(page, directory)
+                    _read_page(page, directory, shape)
                 except FrameError:
                     faults[k] = f"camera{camera}/{page.name}: it cannot be decoded"
     return faults
 
 
-def _first_unmatched(one: list[Page], two: list[Page]) -> str | None:
-    """Name of the first file that the other camera has no namesake of, where the names allow to tell."""
-    names_one, names_two = {page.name for page in one}, {page.name for page in two}
-    if not names_one & names_two:
-        return None
-    only = [page.name for page in (one if len(one) > len(two) else two) if page.name not in names_one & names_two]
-    return only[0] if only else None
+def _check_pairs(one: Sequence[Page], two: Sequence[Page]) -> None:
+    """Refuse cameras whose frames do not belong together pair by pair, naming the first that has no partner."""
+    if {page.path for page in one} & {page.path for page in two}:
+        raise FrameError(
+            f"Expected frames of two cameras; both [camera1] and [camera2] name {one[0].path.name}. Correct files in one of them."
+        )
+    unmatched = _first_unmatched(one, two)
+    if unmatched:
+        raise FrameError(
+            f"Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has {len(one)}, camera2 has {len(two)}. The first "
+            f"unmatched one is {unmatched}. To drop it, put an empty file of its name into the other camera's folder and use "
+            "--skip-bad-frames, or take it out of this one."
+        )
+
+
+def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
+    """Camera and name of the first frame without a partner, by the numbers in the names where these run alike."""
+    a, b = _numbers(one), _numbers(two)
+    if len(one) == len(two):
+        alike = len(set(a) & set(b)) >= len(one) / 2
+        if not alike or len({first - second for first, second in zip(a, b, strict=True)}) == 1:
+            return None  # each camera counts in its own way, or from its own first number
+    pages, own, other, name = (one, a, b, "camera1") if len(one) >= len(two) else (two, b, a, "camera2")
+    if not set(own) & set(other):
+        return f"{name}/{pages[len(other)].name}"
+    return f"{name}/{next(page.name for page, number in zip(pages, own, strict=True) if number not in other)}"
+
+
+def _numbers(pages: Sequence[Page]) -> list[int]:
+    """Number of each frame by its file name; their order where the names do not tell one from another."""
+    found = [re.findall(r"\d+", page.path.stem) for page in pages]
+    numbers = [int(digits[-1]) if digits else 0 for digits in found]
+    return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
+
+
+def _pad_truncated(found: Sequence[tuple[list[tuple[Page, _Kind]], dict[int, str]]]) -> None:
+    """Count the pages that a truncated multi-page file has lost as unreadable ones."""
+    most = max(len(pages) for pages, _ in found)
+    for pages, bad in found:
+        last = pages[-1][0]
+        if len(pages) - 1 in bad and last.path == pages[0][0].path:
+            for n in range(len(pages), most):
+                bad[n] = bad[last.index]
+                pages.append((Page(last.path, n), _UNREADABLE))
 
 
 _Kind = tuple[tuple[int, ...], str]
+_UNREADABLE: _Kind = ((0, 0), "unreadable")
 
 
 def _match_files(directory: Path, pattern: str) -> list[Path]:
-    return sorted((path for path in directory.glob(pattern) if path.is_file()), key=natural_key)
+    """Files that a pattern of the settings matches, in natural order; hidden ones are not meant."""
+    names = glob.glob(pattern, root_dir=directory, recursive=True)
+    return sorted((path for path in (directory / name for name in names) if not path.is_dir()), key=natural_key)
 
 
 def _find_pages(directory: Path, pattern: str, what: str) -> tuple[list[tuple[Page, _Kind]], dict[int, str]]:
     """Pages that match a pattern, with size and type; and the faulty ones by their place."""
     paths = _match_files(directory, pattern)
     if not paths:
-        raise FrameError(f"Expected files {pattern} of {what} in {directory}; there is none.")
+        raise FrameError(
+            f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or correct the name in the settings."
+        )
     pages: list[tuple[Page, _Kind]] = []
     faults: dict[int, str] = {}
     for path in paths:
         try:
-            pages += [(Page(path, n), kind) for n, kind in enumerate(_headers(path))]
+            kinds = _headers(path)
         except FrameError as error:
             faults[len(pages)] = str(error)
-            pages.append((Page(path, 0), ((0, 0), "unreadable")))
+            kinds = [_UNREADABLE]
+        for n, kind in enumerate(kinds):
+            if kind == _UNREADABLE:
+                faults.setdefault(len(pages), "the file is truncated")
+            pages.append((Page(path, n), kind))
     return pages, faults
 
 
 def _headers(path: Path) -> list[_Kind]:
     """Size and type of each image in a file; FrameError with the bare reason."""
-    size = path.stat().st_size
-    if size == 0:
-        raise FrameError("the file is empty")
-    if path.suffix.lower() not in _TIFF:
-        images = _read_foreign(path)
-        return [(image.shape, image.dtype.name) for image in images]
     try:
-        with tifffile.TiffFile(path) as file:
-            kinds = []
-            for page in file.pages:
-                if not isinstance(page, tifffile.TiffPage):
-                    page = page.aspage()
-                ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
-                if not ends or max(ends) > size:
-                    raise FrameError("the file is truncated")
-                kinds.append((tuple(page.shape), str(page.dtype)))
-    except FrameError:
-        raise
-    except Exception as error:  # tifffile raises whatever the damaged bytes lead it to
-        raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
+        size = path.stat().st_size
+        if size == 0:
+            raise FrameError("the file is empty")
+        kinds = _tiff_headers(path, size) if path.suffix.lower() in _TIFF else _foreign_headers(path)
+    except OSError as error:
+        raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
     if not kinds:
         raise FrameError("the file holds no image")
+    for shape, _ in kinds:
+        if math.prod(shape) > _DENSEST * size:
+            raise FrameError(f"the file is damaged: {size} bytes cannot hold {_size(shape)} pixels")
     return kinds
 
 
-def _read_page(page: Page, directory: Path) -> Counts:
+def _tiff_headers(path: Path, size: int) -> list[_Kind]:
+    kinds = []
+    try:
+        with tifffile.TiffFile(path) as file:
+            for page in file.pages:
+                page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
+                ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
+                whole = ends and max(ends) <= size
+                kinds.append((tuple(page.shape), np.dtype(page.dtype).name) if whole else _UNREADABLE)
+    except OSError:
+        raise
+    except Exception as error:  # tifffile raises whatever the damaged bytes lead it to
+        raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
+    return kinds
+
+
+def _foreign_headers(path: Path) -> list[_Kind]:
+    return [(image.shape, image.dtype.name) for image in _read_foreign(path)]
+
+
+def _read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
+    name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
     try:
         if page.path.suffix.lower() in _TIFF:
-            image = tifffile.imread(page.path, key=page.index)
+            image = np.asarray(tifffile.imread(page.path, key=page.index))
         else:
             image = _read_foreign(page.path)[page.index]
-    except FrameError as error:
-        raise FrameError(f"{page.path.relative_to(directory)}: {error}.") from error
     except Exception as error:  # a decoder raises whatever the damaged bytes lead it to
+        todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
+        if "imagecodecs" in str(error):
+            todo = "Install the decoders with: pip install 'erlif[formats]'"
+        raise FrameError(f"Expected an image in {name}; it cannot be decoded ({error}). {todo}") from error
+    if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
         raise FrameError(
-            f"Expected an image in {page.name}; it cannot be decoded ({error}). Record it again, or use --skip-bad-frames to leave "
-            "out this frame pair."
-        ) from error
-    return np.asarray(image)
+            f"Expected grey counts of {_size(shape)} pixels, 8 or 16-bit unsigned, in {name}; it is {image.dtype} of {_size(image.shape)}. "
+            "Record frames, darks and flats with the same region of interest."
+        )
+    return image
 
 
 def _read_foreign(path: Path) -> list[npt.NDArray[Any]]:
@@ -433,23 +545,30 @@ def _read_foreign(path: Path) -> list[npt.NDArray[Any]]:
     import imageio.v3 as iio
 
     try:
-        stack = np.stack(list(iio.imiter(path)))
-    except Exception as error:
-        raise FrameError(f"no installed reader knows this file ({error}); try: pip install 'erlif[formats]'") from error
-    return [stack] if stack.ndim == 2 else list(stack)
+        return [np.asarray(image) for image in iio.imiter(path)]
+    except Exception as error:  # each reader in its own way
+        reason = str(error).strip().split("\n")[0]
+        raise FrameError(
+            f"no installed reader knows this file ({reason}); try: pip install 'erlif[formats]'"
+        ) from error
 
 
-def _check_full_scale(counts: Counts, settings: CameraSettings, page: Page) -> None:
+def _check_depth(counts: Counts, settings: CameraSettings, page: Page) -> None:
+    """Refuse counts above full scale, and such that stand in the upper bits: their saturation would go unseen."""
     top = int(counts.max())
-    if top <= settings.full_scale:
-        return
-    depth = max(8, top.bit_length())
-    fits = f"bit_depth = {depth} fits"
-    if depth == 16 and not np.any(counts & 15):
-        fits = "all are multiples of 16, so these are 12-bit counts left-aligned in 16: shift them right by 4, or set bit_depth = 16"
-    raise FrameError(
-        f"Expected counts up to {settings.full_scale} (bit_depth = {settings.bit_depth}); {page.name} reaches {top}: {fits}."
-    )
+    steps = int(np.bitwise_or.reduce(counts, axis=None))
+    unused = (steps & -steps).bit_length() - 1  # low bits that no count sets
+    if unused >= 2 and np.unique(counts).size > 16:
+        depth = (16 if top > settings.full_scale else settings.bit_depth) - unused
+        raise FrameError(
+            f"Expected counts of {settings.bit_depth} bits; {page.name} holds multiples of {1 << unused} up to {top}: {depth}-bit counts, "
+            f"left-aligned. Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
+        )
+    if top > settings.full_scale:
+        raise FrameError(
+            f"Expected counts up to {settings.full_scale} (bit_depth = {settings.bit_depth}); {page.name} reaches {top}: bit_depth = "
+            f"{top.bit_length()} fits. Set the bit depth of the camera."
+        )
 
 
 def depth_warning(settings: CameraSettings, highest: int, *, camera: int) -> str | None:
@@ -462,21 +581,19 @@ def depth_warning(settings: CameraSettings, highest: int, *, camera: int) -> str
     )
 
 
-def _fault_message(faults: dict[int, str], what: str) -> str:
-    first = faults[min(faults)]
+def _fault_message(faults: dict[int, str]) -> str:
     more = f" ({len(faults) - 1} more are unreadable)" if len(faults) > 1 else ""
-    return (
-        f"Expected readable files; {first}{more}. Record it again, or use --skip-bad-frames to leave out this frame pair."
-        if what == "frame"
-        else f"Expected readable {what} pages; {first}{more}."
-    )
+    return f"Expected readable frames; {faults[min(faults)]}{more}. Record it again, or use --skip-bad-frames to leave out this frame pair."
 
 
 def _hash_files(paths: Iterable[Path]) -> str:
     total = hashlib.sha256()
     for path in paths:
-        with path.open("rb") as file:
-            total.update(hashlib.file_digest(file, "sha256").digest())
+        try:
+            with path.open("rb") as file:
+                total.update(hashlib.file_digest(file, "sha256").digest())
+        except OSError:  # a frame that is left out; what must be readable was read before
+            total.update(b"unreadable")
     return total.hexdigest()
 
 

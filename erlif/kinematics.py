@@ -16,6 +16,7 @@ from erlif.models.mechanism import CrankRocker, SliderCrank
 
 Array = npt.NDArray[np.float64]
 
+_BACKWARD_COST = 3.0  # per radian beyond half a turn: a slow crank is not a fast one that turns the other way
 _ENCODER_ERROR = math.radians(0.1)  # a reading this far beyond a dead point is still taken as the dead point
 
 
@@ -54,12 +55,12 @@ def locate_frames(log: EncoderLog, settings: RunSettings) -> xr.Dataset:
     require(log, "angle", "number")
     mechanism = build_mechanism(settings)
     reading = np.radians(log.angle.values)
-    if settings.encoder.mounted_on == "crank":
-        crank = (reading + (settings.encoder.zero or 0.0)) % (2 * math.pi)
+    on_crank = settings.encoder.mounted_on == "crank"
+    if on_crank:
+        crank = _crank_from_reading(reading, settings.encoder)
     else:
-        crank = _follow_crank(_link_angle(reading, mechanism, settings.encoder), mechanism)
-    number = log.number.values - log.number.values[0]
-    trigger, cycle = _fold(crank, number, log.angle.values, settings.encoder.triggers_per_cycle)
+        crank = _follow_crank(_link_angle(log, mechanism, settings.encoder), mechanism)
+    trigger, cycle = _fold(crank, log, settings.encoder)
     omega = settings.mechanism.crank_speed
     if isinstance(mechanism, SliderCrank):
         speed = np.asarray(mechanism.joint_speed(crank, crank_speed=omega))
@@ -67,7 +68,6 @@ def locate_frames(log: EncoderLog, settings: RunSettings) -> xr.Dataset:
     else:
         speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=omega))
         angle_rate = speed
-    on_crank = settings.encoder.mounted_on == "crank"
     stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
     variables: dict[str, tuple[str, npt.NDArray[Any], dict[str, str]]] = {
         "trigger": ("frame", trigger, {"units": "1", "long_name": "encoder trigger of the cycle"}),
@@ -105,15 +105,28 @@ def entrained_stroke(settings: RunSettings) -> float:
     return settings.joint.pin_radius * (high - low) / 2
 
 
-def _link_angle(reading: Array, mechanism: CrankRocker | SliderCrank, encoder: EncoderSettings) -> Array:
+def _crank_from_reading(reading: Array, encoder: EncoderSettings) -> Array:
+    """Crank angle of an encoder that sits on the crank. [rad]"""
+    turn = 2 * math.pi
+    step = np.diff(reading) % turn
+    if step.size and np.median(step) > math.pi:
+        raise EncoderError(
+            "Expected column angle_deg to rise as the crank turns; it falls. Exchange the sign of angle_deg, or check mounted_on in [encoder]: "
+            "it says that the encoder sits on the crank."
+        )
+    return np.asarray((reading + (encoder.zero or 0.0)) % turn)
+
+
+def _link_angle(log: EncoderLog, mechanism: CrankRocker | SliderCrank, encoder: EncoderSettings) -> Array:
     """Angle of the link that carries the encoder, from the reading and its zero. [rad]"""
     low, high = mechanism.limits()
+    reading = np.radians(log.angle.values)
     swing = float(np.ptp(reading))
     if encoder.zero is None:
         if swing > high - low + 2 * _ENCODER_ERROR:
             raise EncoderError(
-                f"Expected encoder angles within the swing of the linkage, {math.degrees(high - low):.3f} deg; the log spans "
-                f"{math.degrees(swing):.3f} deg. Check the links in [mechanism], or mounted_on."
+                f"Expected encoder angles within the swing of the linkage, {math.degrees(high - low):.3f} deg; column angle_deg spans "
+                f"{math.degrees(swing):.3f} deg. Check the links in [mechanism], or mounted_on in [encoder]."
             )
         angle = reading + (low + high) / 2 - (reading.min() + reading.max()) / 2
     else:
@@ -121,54 +134,68 @@ def _link_angle(reading: Array, mechanism: CrankRocker | SliderCrank, encoder: E
         worst = int(np.argmax(np.maximum(low - angle, angle - high)))
         if not low - _ENCODER_ERROR <= angle[worst] <= high + _ENCODER_ERROR:
             raise EncoderError(
-                f"Row {worst + 2}, column angle_deg: {math.degrees(reading[worst]):.3f} deg is link angle {math.degrees(angle[worst]):.3f} "
-                f"deg, which the linkage cannot reach; its range is {math.degrees(low):.3f} to {math.degrees(high):.3f} deg, readings "
-                f"{math.degrees(low - encoder.zero):.3f} to {math.degrees(high - encoder.zero):.3f} deg. Check zero, the links, or "
-                "mounted_on."
+                f"Frame {int(log.number[worst])}, column angle_deg: {math.degrees(reading[worst]):.3f} deg is link angle "
+                f"{math.degrees(angle[worst]):.3f} deg, which the linkage cannot reach; its range is {math.degrees(low):.3f} to "
+                f"{math.degrees(high):.3f} deg, readings {math.degrees(low - encoder.zero):.3f} to {math.degrees(high - encoder.zero):.3f} "
+                "deg. Check zero and mounted_on in [encoder], or the links in [mechanism]."
             )
     return np.asarray(np.clip(angle, low, high))
 
 
 def _follow_crank(angle: Array, mechanism: CrankRocker | SliderCrank) -> Array:
-    """Crank angle of each reading [rad]: of the two that fit, the one that the crank reaches first as it turns on."""
+    """Crank angle of each reading. [rad]
+
+    Two crank angles fit a reading, one on either stroke. Of all the ways from frame to frame the one with the most even steps
+    is taken (Viterbi's algorithm): about a dead point a single step cannot tell whether the stroke has turned, its neighbours can.
+    """
     try:
-        rising = np.asarray(mechanism.crank_angle(angle, rising=True))
-        falling = np.asarray(mechanism.crank_angle(angle, rising=False))
+        options = np.stack([mechanism.crank_angle(angle, rising=True), mechanism.crank_angle(angle, rising=False)])
     except ModelError as error:
         raise EncoderError(str(error)) from error
+    if angle.size == 1:
+        return np.asarray(options[0])
     turn = 2 * math.pi
-    crank = np.empty(angle.size)
-    ahead = np.nonzero(np.abs(np.diff(angle)) > 1e-9)[0]
-    starts_rising = bool(angle[ahead[0] + 1] > angle[ahead[0]]) if ahead.size else True
-    crank[0] = rising[0] if starts_rising else falling[0]
-    for k in range(1, angle.size):
-        options = np.array([rising[k], falling[k]])
-        advance = (options - crank[k - 1]) % turn
-        advance[advance < 1e-7] = turn  # the crank has moved since the last frame
-        crank[k] = options[np.argmin(advance)]
-    return crank
+    step = (options[None, :, 1:] - options[:, None, :-1]) % turn  # (from, to, frame)
+    step[step > turn - 1e-7] = 0.0  # rounding about a standstill
+    size = np.log(step + 1e-3)
+    backward = _BACKWARD_COST * np.maximum(step - math.pi, 0.0)
+    cost = backward[:, :, 0]
+    came_from = np.empty((angle.size - 2, 2, 2), np.intp)
+    for k in range(1, angle.size - 1):
+        total = cost[:, :, None] + (size[None, :, :, k] - size[:, :, None, k - 1]) ** 2  # (before, from, to)
+        came_from[k - 1] = total.argmin(axis=0)
+        cost = total.min(axis=0) + backward[:, :, k]
+    side = np.empty(angle.size, np.intp)
+    side[-2:] = np.unravel_index(cost.argmin(), cost.shape)
+    for k in range(angle.size - 3, -1, -1):
+        side[k] = came_from[k][side[k + 1], side[k + 2]]
+    return np.asarray(options[side, np.arange(angle.size)])
 
 
 def _fold(
-    crank: Array, number: npt.NDArray[np.int64], reading: Array, triggers_per_cycle: int | None
+    crank: Array, log: EncoderLog, encoder: EncoderSettings
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Trigger and cycle of each frame."""
-    turns = np.concatenate([[0.0], np.cumsum(np.diff(crank) % (2 * math.pi))]) / (2 * math.pi)
-    per_cycle = triggers_per_cycle
+    number, reading = log.number.values, log.angle.values
+    since = number - number[0]
+    per_cycle, source = encoder.triggers_per_cycle, "triggers_per_cycle"
     if per_cycle is None:
-        cycles = turns[-1] + (turns[-1] / max(number[-1], 1))
-        per_cycle = int(number[-1] + 1) if cycles < 1.5 else round((number[-1] + 1) / cycles)
-    trigger, cycle = number % per_cycle, number // per_cycle
-    order = np.argsort(trigger, kind="stable")
-    first = {int(t): reading[k] for k, t in zip(order[::-1], trigger[order[::-1]], strict=True)}
-    off = np.abs(reading - np.array([first[int(t)] for t in trigger]))
+        turns = float(np.sum(np.diff(crank) % (2 * math.pi))) / (2 * math.pi)
+        cycles = turns + turns / max(since[-1], 1)
+        per_cycle = int(since[-1] + 1) if cycles < 1.5 else round((since[-1] + 1) / cycles)
+        source = "as the angles suggest"
+    trigger, cycle = since % per_cycle, since // per_cycle
+    first = np.empty(trigger.max() + 1)
+    first[trigger[::-1]] = reading[::-1]
+    off = np.abs(reading - first[trigger])
+    if encoder.mounted_on == "crank":
+        off = np.abs((off + 180) % 360 - 180)  # readings of one place may differ by whole turns
     spacing = float(np.median(np.abs(np.diff(reading)))) if reading.size > 1 else math.inf
     if off.max() > 0.5 * spacing:
         worst = int(np.argmax(off))
-        source = "triggers_per_cycle" if triggers_per_cycle is not None else "the cycles found in the log"
         raise EncoderError(
-            f"Expected the frames of one trigger at one angle; with {per_cycle} triggers per cycle ({source}), row {worst + 2} is "
-            f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to the number of triggers per turn of "
-            "the crank, and keep every row."
+            f"Expected the frames of one trigger at one angle; with {per_cycle} triggers per cycle ({source}) frame {number[worst]} is "
+            f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to the number of triggers per turn of the "
+            "crank, and keep every row."
         )
     return trigger, cycle

@@ -14,11 +14,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pint
 
-SPEED_UNITS = ("rpm", "rad/s", "deg/s", "rev/s")
-"""A speed of rotation may be given in these only: pint takes 1 Hz for 1 rad/s."""
+_ONLY = {
+    "rad/s": ("rpm", "rad/s", "deg/s", "rev/s"),
+    "rad": ("deg", "degree", "degrees", "°", "rad", "mrad", "arcmin", "turn", "rev"),
+}
+"""Units of rotation are listed, because pint takes 1 Hz for 1 rad/s and any pure number for an angle."""
 
 _QUANTITY = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*((?:1\s*/\s*)?[^\W\d](?:[^,;*]|\*(?!\*)){0,40}|°C?)\s*\Z"
+    r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
+    r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?)\s*\Z"
 )
 _HINTS = {"lb": 'write "lbf" for a force', "lbs": 'write "lbf" for a force', "kg": 'write "kgf" for a force'}
 
@@ -59,8 +63,6 @@ def parse_quantity(text: object, unit: str) -> float:
     >>> round(parse_quantity("50 lbf", "N"), 3)
     222.411
     """
-    import pint
-
     example = f'expected a number with a unit in quotes, such as "5 {unit}"'
     if not isinstance(text, str):
         raise ValueError(f"{example}; got {text!r} without one")
@@ -69,14 +71,15 @@ def parse_quantity(text: object, unit: str) -> float:
         comma = "; write a decimal point, not a comma" if "," in text else ""
         raise ValueError(f"{example}; got {text!r}{comma}")
     number, name = float(match[1]), match[2].strip()
-    if unit == "rad/s" and name not in SPEED_UNITS:
-        raise ValueError(f"a speed of rotation is given in {', '.join(SPEED_UNITS)}; got {text!r}")
+    if unit in _ONLY and name.replace(" ", "") not in _ONLY[unit]:
+        kind = "a speed of rotation" if unit == "rad/s" else "an angle"
+        raise ValueError(f"{kind} is given in {', '.join(_ONLY[unit])}; got {text!r}")
     if re.search(r"\b(px|pixels?)\b", name):
         raise ValueError(f"{example}; got {text!r}, and a pixel is not a unit of length here")
     registry = _registry()
     try:
         value = registry.Quantity(number, name.replace("°C", "degC").replace("°", "deg")).to(unit).magnitude
-    except (pint.PintError, AttributeError, TypeError, ValueError, AssertionError) as error:
+    except Exception as error:  # pint raises whatever the text leads it to
         hint = f"; {_HINTS[name]}" if name in _HINTS and unit == "N" else ""
         raise ValueError(f"{example}; {text!r} cannot be read as one{hint}") from error
     if not math.isfinite(value):
