@@ -36,8 +36,10 @@ def require_between(lowest: float, highest: float, **arguments: Values) -> None:
 def require_poisson(**arguments: Values) -> None:
     """Raise ModelError naming the first Poisson's ratio outside -1 to 0.5, the range of a stable isotropic solid."""
     for name, value in arguments.items():
-        if np.any(np.less_equal(value, -1)) or np.any(np.greater(value, 0.5)):
-            raise ModelError(f"{name} must lie above -1 and at most at 0.5, got {_worst(value, np.nanmax)}.")
+        if np.any(np.less_equal(value, -1)):
+            raise ModelError(f"{name} must lie above -1, got {_worst(value, np.nanmin)}.")
+        if np.any(np.greater(value, 0.5)):
+            raise ModelError(f"{name} must be at most 0.5, got {_worst(value, np.nanmax)}.")
 
 
 def _worst(value: Values, pick: Any) -> str:

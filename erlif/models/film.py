@@ -175,7 +175,7 @@ class LineContactFilm:
     film: Values
     """The largest of the four. [m]"""
     regime: Values
-    """Name of the largest, from `FILM_REGIMES`."""
+    """Name of the largest, from `FILM_REGIMES`; empty where the film is NaN."""
     isoviscous_rigid: Values
     piezoviscous_rigid: Values
     isoviscous_elastic: Values
@@ -240,7 +240,7 @@ def line_contact_film(
     )
     film = np.maximum(np.maximum(rigid, viscous), np.maximum(elastic, both))
     # ties, and the zero film of a standstill, go to the first of the four
-    governing = (film != rigid) * (1 + (film != viscous) * (1 + (film != elastic) * 1))
+    governing = (film != rigid) * (1 + (film != viscous) * (1 + (film != elastic) * (1 + (film != both) * 1)))
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -367,8 +367,8 @@ def _speed_and_load_groups(
 
 
 def _named(governing: Values) -> Values:
-    """Names of regimes given by number, in an array of the same kind."""
-    names = np.asarray(FILM_REGIMES)
+    """Names of regimes given by number, in an array of the same kind; none for a missing film."""
+    names = np.asarray([*FILM_REGIMES, ""])
     if hasattr(governing, "dims"):  # a DataArray keeps its coordinates
         return governing.copy(data=names[governing.data])
     return names[governing]
@@ -376,7 +376,7 @@ def _named(governing: Values) -> Values:
 
 def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...]) -> list[str]:
     notes = []
-    if np.any(np.not_equal(governing, 3)):
+    if np.any(np.less(governing, 3)):
         notes.append(
             "The formula of Dowson and Higginson (piezoviscous-elastic) does not hold where another regime governs."
         )

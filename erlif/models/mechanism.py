@@ -41,7 +41,7 @@ class CrankRocker:
     def __post_init__(self) -> None:
         require_positive(crank=self.crank, coupler=self.coupler, rocker=self.rocker, ground=self.ground)
         others = sorted((self.coupler, self.rocker, self.ground))
-        if self.crank >= others[0] or self.crank + others[2] >= others[0] + others[1]:
+        if not (self.crank < others[0] and self.crank + others[2] < others[0] + others[1]):
             raise ModelError(
                 f"crank, coupler, rocker and ground of {self.crank:g}, {self.coupler:g}, {self.rocker:g} and "
                 f"{self.ground:g} m are no crank-rocker: the crank must be the shortest link, and crank plus longest "
@@ -234,7 +234,7 @@ class SliderCrank:
         require_positive(crank=self.crank, coupler=self.coupler)
         if not self.clearance >= 0:
             raise ModelError(f"clearance must not be negative, got {self.clearance:g} m.")
-        if self.coupler <= self.crank:
+        if not self.coupler > self.crank:
             raise ModelError(
                 f"coupler must be longer than the crank for the crank to turn fully, got coupler {self.coupler:g} m "
                 f"and crank {self.crank:g} m."

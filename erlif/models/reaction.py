@@ -120,7 +120,7 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
 
 
 def rolling_bearing_life(load: Values, *, rating: Values, speed: Values, exponent: float = 3.0) -> Values:
-    """Hours that 90 % of rolling bearings live: L10 = 16667/n (C/P)^p, n in rpm. Farzaneh (2002), appendix A.4.1.
+    """Time [s] that 90 % of rolling bearings live: L10 = 10^6 (2 pi / omega) (C/P)^p. Farzaneh (2002), appendix A.4.1.
 
     Parameters
     ----------
@@ -131,17 +131,12 @@ def rolling_bearing_life(load: Values, *, rating: Values, speed: Values, exponen
     exponent : float
         3 for ball bearings, 10/3 for roller bearings.
 
-    Returns
-    -------
-    float or array
-        Life in hours, as bearing lists state it; the one result of these models not in SI.
-
     Notes
     -----
-    The source uses 10/3 for its ball bearings and finds 52,000 and 5,200 hours; with 3 they are 29,000 and 3,600.
+    The source writes 16667/n hours, n in turns per minute, which is the same. It uses 10/3 for its ball bearings and finds 52,000 and 5,200 hours; with 3 they are 29,000 and 3,600.
     """
     require_positive(load=load, rating=rating, speed=speed, exponent=exponent)
-    return 1e6 / (speed / (2 * np.pi) * 3600) * (rating / load) ** exponent
+    return 1e6 * 2 * np.pi / speed * (rating / load) ** exponent
 
 
 def rod_stress(force: Values, *, diameter: Values) -> Values:

@@ -148,7 +148,8 @@ def _torque(radius: float) -> Values:
 
 
 def _life(load: float, exponent: float) -> Values:
-    return reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent)
+    """Life [h] of the ball bearings of the machine."""
+    return reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent) / 3600
 
 
 def _growth_with_hole(hole_ratio: Values) -> Values:

@@ -114,6 +114,13 @@ def test_notes_say_when_the_motion_reverses():
     assert any("No stroke given" in note for note in found.notes)
 
 
+def test_missing_load_gives_no_regime():
+    load = np.array([np.nan, 50 * LBF / LENGTH])
+    found = line_contact_film(0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC))
+    assert np.isnan(found.film[0])
+    assert list(found.regime) == ["", "isoviscous-rigid"]
+
+
 def test_regimes_broadcast_and_keep_coordinates():
     load = xr.DataArray([50 * LBF / LENGTH, 1333 * LBF / LENGTH], dims="load", coords={"load": [50, 1333]})
     found = line_contact_film(0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC))
