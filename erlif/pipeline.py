@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -23,7 +24,7 @@ import erlif
 from erlif.alignment import align_frames
 from erlif.calibration import Calibration, check_bands, fit_calibration, read_profile, with_history
 from erlif.config import FixtureSettings, RunSettings, to_toml
-from erlif.core.errors import CalibrationError
+from erlif.core.errors import CalibrationError, ConfigError, ErlifError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import RatioImages, References
 from erlif.core.store import (
@@ -148,9 +149,14 @@ def open_calibration(path: str | Path) -> Calibration:
             f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate FIXTURE_DIR"
         )
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            return Calibration.from_dataset(dataset.load())
-    except (OSError, ValueError) as error:
+        with warnings.catch_warnings():
+            # the file format allows covariance (parameter, parameter), which xarray reads with a warning
+            warnings.filterwarnings("ignore", "Duplicate dimension names", UserWarning)
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                return Calibration.from_dataset(dataset.load())
+    except ErlifError:
+        raise
+    except Exception as error:  # HDF5 raises whatever the damaged bytes lead it to
         raise CalibrationError(
             f"Expected a calibration as erlif calibrate writes it; {path} cannot be read ({error})."
         ) from error
@@ -225,17 +231,27 @@ def _process_to(
     assert isinstance(settings, RunSettings)
     assert recording.log is not None
     located = locate_frames(recording.log, settings)
+    frames_of = group_frames(located, recording)
+    triggers = describe_triggers(recording, located, frames_of)
     calibration = find_calibration(recording, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     references = measure_references(recording)
     hashes = hash_inputs(recording)
-    partial = PartialFilm(output, _job_key(settings, hashes, calibration, recording))
-    camera_map, drift = _register(recording, references, progress)
-    drift_of = dict(zip(recording.frames, drift, strict=True))
-    _refuse_foreign_ratio(recording, references, camera_map, drift_of, calibration)
-    task = _TriggerTask(recording, references, camera_map, drift_of, calibration, settings, partial)
-    frames_of = _frames_by_trigger(located, recording)
-    todo = [trigger for trigger in range(len(frames_of)) if not partial.has(trigger)]
+    with PartialFilm(output, _job_key(settings, hashes, calibration, recording)) as partial:
+        camera_map, drift = _register(recording, references, progress)
+        drift_of = dict(zip(recording.frames, drift, strict=True))
+        _refuse_foreign_ratio(recording, references, camera_map, drift_of, calibration)
+        task = _TriggerTask(recording, references, camera_map, drift_of, calibration, settings, partial)
+        _run_tasks(task, frames_of, workers, progress)
+        film = _assemble(recording, triggers, partial, calibration, settings, hashes, references)
+        frames = _frames_group(recording, located, drift_of, partial, frames_of)
+        write_film(output, film, {"frames": frames, "registration": _registration_group(camera_map)}, partial, MAPS)
+        partial.discard()
+
+
+def _run_tasks(task: _TriggerTask, frames_of: list[list[int]], workers: int | None, progress: Progress) -> None:
+    """Compute the triggers that are not finished, several at a time."""
+    todo = [trigger for trigger in range(len(frames_of)) if not task.partial.has(trigger)]
     done = len(frames_of) - len(todo)
     with _one_thread_per_frame(), ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
         jobs = [pool.submit(task.run, trigger, frames_of[trigger]) for trigger in todo]
@@ -248,10 +264,6 @@ def _process_to(
             for job in jobs:
                 job.cancel()
             raise
-    film = _assemble(recording, located, frames_of, partial, calibration, settings, hashes, references)
-    frames = _frames_group(recording, located, drift_of, partial, frames_of)
-    write_film(output, film, {"frames": frames, "registration": _registration_group(camera_map)}, partial, MAPS)
-    partial.discard()
 
 
 def find_calibration(
@@ -392,7 +404,8 @@ class _TriggerTask:
         return float(np.median(signal[middle][good] / expected))
 
 
-def _frames_by_trigger(located: xr.Dataset, recording: Recording) -> list[list[int]]:
+def group_frames(located: xr.Dataset, recording: Recording) -> list[list[int]]:
+    """Numbers of the usable frames of each trigger; `located` as `locate_frames` gives it."""
     triggers = int(located.trigger.max()) + 1
     frames: list[list[int]] = [[] for _ in range(triggers)]
     for k in recording.frames:
@@ -437,8 +450,7 @@ def _pixel_positions(recording: Recording) -> tuple[Array, Array]:
 
 def _assemble(
     recording: Recording,
-    located: xr.Dataset,
-    frames_of: list[list[int]],
+    triggers: xr.Dataset,
     partial: PartialFilm,
     calibration: Calibration,
     settings: RunSettings,
@@ -446,9 +458,9 @@ def _assemble(
     references: References,
 ) -> xr.Dataset:
     """Everything of the film but its maps."""
-    numbers = [partial.numbers(trigger) for trigger in range(len(frames_of))]
+    numbers = [partial.numbers(trigger) for trigger in range(triggers.sizes["trigger"])]
     stacked = {name: np.stack([record[name] for record in numbers]) for name in numbers[0] if name != "pulse_energy"}
-    film = _per_trigger(located, recording, frames_of, settings)
+    film = triggers.copy()
     film["frames_used"] = ("trigger", stacked["frames_used"], {"units": "1", "long_name": "frames of this trigger"})
     for name, meaning in (("mean", "mean film over the region of interest"), ("min", "least film of a smooth gap")):
         source = {"mean": "mean", "min": "minimum"}[name]
@@ -500,17 +512,23 @@ def _assemble(
     )
 
 
-def _per_trigger(
-    located: xr.Dataset, recording: Recording, frames_of: list[list[int]], settings: RunSettings
-) -> xr.Dataset:
-    """Means of what the log and the kinematics say of the frames of each trigger."""
-    log = recording.log
+def describe_triggers(recording: Recording, located: xr.Dataset, frames_of: list[list[int]]) -> xr.Dataset:
+    """Means of what log and kinematics say of the frames of each trigger, checked to be enough for a film.
+
+    Raises
+    ------
+    ConfigError
+        If neither the log nor the settings tell the load, Vogel's law has no temperature, or the region of interest lies outside
+        the image.
+    """
+    settings, log = recording.settings, recording.log
+    assert isinstance(settings, RunSettings)
     assert log is not None
     columns = {name: located[name] for name in ("encoder_angle", "rocker_speed", "sliding_speed")}
     columns |= {str(name): log[name] for name in log if name not in ("number", "angle", "time")}
     if "load" not in columns:
         if settings.joint.load is None:
-            raise CalibrationError(
+            raise ConfigError(
                 'Expected the load: the encoder log has no load_N and [joint] no load. Add load = "50 lbf" to [joint] in run.toml.'
             )
         columns["load"] = xr.full_like(located.encoder_angle, settings.joint.load).assign_attrs(
@@ -527,6 +545,8 @@ def _per_trigger(
     film["stroke"] = ("trigger", np.array([located.stroke.values[f[0]] for f in every]), located.stroke.attrs)
     angles = [np.exp(1j * np.radians(located.crank_angle.values[f])).mean() for f in every]
     film["crank_angle"] = ("trigger", np.degrees(np.angle(angles)) % 360, located.crank_angle.attrs)
+    predict_film(film, settings)
+    region_mask(settings, *_pixel_positions(recording))
     return film
 
 

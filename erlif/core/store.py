@@ -8,14 +8,15 @@ files at the end and takes its name in one step: it is complete or it is the pre
 from __future__ import annotations
 
 import json
-import os
 import shutil
+import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -73,16 +74,41 @@ class PartialFilm:
     """
 
     def __init__(self, output: Path, key: str) -> None:
+        self.output = output
         self.directory = output.with_name(output.name + ".partial")
         marker = self.directory / "key"
-        if self.directory.exists() and not (marker.is_file() and marker.read_text() == key):
-            shutil.rmtree(self.directory)
-        self.directory.mkdir(parents=True, exist_ok=True)
-        marker.write_text(key)
+        try:
+            if (
+                self.directory.exists()
+                and not marker.is_file()
+                and (self.directory.is_file() or any(self.directory.iterdir()))
+            ):
+                raise OutputError(
+                    f"Expected {self.directory} to be free for the work in progress; something else stands there. Move it away, or use -o for "
+                    "another name."
+                )
+            if marker.is_file() and marker.read_bytes() != key.encode():
+                shutil.rmtree(self.directory)
+            self.directory.mkdir(parents=True, exist_ok=True)
+            marker.write_bytes(key.encode())
+            for stray in self.directory.glob("*.unfinished"):
+                _remove(stray)
+        except OSError as error:
+            raise _not_written(output, error) from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Leave nothing behind where no trigger was finished."""
+        if not any(self.directory.glob("trigger_*.npz")):
+            self.discard()
 
     def has(self, trigger: int) -> bool:
         """Whether this trigger is finished."""
-        return self._path(trigger).is_file()
+        return zipfile.is_zipfile(self._path(trigger))
 
     def put(
         self,
@@ -91,17 +117,21 @@ class PartialFilm:
         variables: list[MapVariable],
         numbers: Mapping[str, npt.ArrayLike],
     ) -> None:
-        """Keep the maps (y, x) and small numbers of one trigger."""
+        """Keep the maps (y, x) and small numbers of one trigger; raises OutputError, and keeps what was put before."""
         record: dict[str, npt.ArrayLike] = {f"number_{name}": np.asarray(value) for name, value in numbers.items()}
         for variable in variables:
             values = maps[variable.name]
             if variable.dtype == "float32":
                 values = round_bits(values, variable.bits)
             record[f"map_{variable.name}"] = np.frombuffer(compress(values.astype(variable.dtype)), np.uint8)
-        scratch = self._path(trigger).with_suffix(f".{os.getpid()}")
-        with scratch.open("wb") as file:
-            np.savez(file, **record)  # type: ignore[arg-type]
-        scratch.replace(self._path(trigger))
+        scratch = self._path(trigger).with_suffix(".unfinished")
+        try:
+            with scratch.open("wb") as file:
+                np.savez(file, **record)  # type: ignore[arg-type]
+            scratch.replace(self._path(trigger))
+        except OSError as error:
+            scratch.unlink(missing_ok=True)
+            raise _not_written(self.output, error) from error
 
     def chunk(self, trigger: int, variable: MapVariable) -> bytes:
         """Compressed map of one trigger."""
@@ -122,40 +152,70 @@ class PartialFilm:
 
 
 def refuse_existing(output: Path, *, overwrite: bool) -> None:
-    """Raise OutputError if `output` exists and may not be replaced."""
-    if output.exists() and not overwrite:
+    """Raise OutputError if `output` exists and may not be replaced, or is something that erlif has not written."""
+    if not output.exists():
+        return
+    if not overwrite:
         raise OutputError(f"{output} exists already; use --overwrite to replace it, or -o for another name.")
+    if output.is_dir():
+        ours = output.suffix == ".zarr" and ((output / "zarr.json").is_file() or not any(output.iterdir()))
+    else:
+        with output.open("rb") as file:
+            ours = file.read(8) in (b"", b"\x89HDF\r\n\x1a\n")
+    if not ours:
+        raise OutputError(
+            f"Expected {output} to be a film or calibration of before; it is something else, which --overwrite does not replace. Use -o for "
+            "another name."
+        )
 
 
 @contextmanager
-def replacing(output: Path) -> Iterator[Path]:
-    """Give a name to write to; it takes the place of `output` in one step when the block ends without error."""
-    scratch = output.with_name(f".{output.name}.{os.getpid()}")
-    _remove(scratch)
+def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
+    """Give a name to write to; it takes the place of `output` in one step when the block ends without error.
+
+    `scratch` is that name, on the same disk; by default a hidden one beside `output`.
+    """
+    scratch = scratch or output.with_name(f".{output.name}.unfinished")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
+        _remove(scratch)
         yield scratch
         if scratch.is_dir() and output.exists():
-            old = output.with_name(f".{output.name}.old")
-            _remove(old)
-            output.rename(old)
-            scratch.rename(output)
-            _remove(old)
+            _exchange(scratch, output)
         else:
             scratch.replace(output)
     except OSError as error:
-        raise OutputError(
-            f"{output} could not be written: {error.strerror or error}. The previous one is as it was."
-        ) from error
+        raise _not_written(output, error) from error
     finally:
         _remove(scratch)
 
 
+def _exchange(scratch: Path, output: Path) -> None:
+    """Put a directory in the place of another; only files can be replaced in one step."""
+    old = output.with_name(f".{output.name}.old")
+    _remove(old)
+    output.rename(old)
+    try:
+        scratch.rename(output)
+    except BaseException:
+        old.rename(output)
+        raise
+    _remove(old)
+
+
+def _not_written(output: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"{output} could not be written: {error.strerror or error}. What stood there before is as it was. Make room or choose another place "
+        "with -o, and start again."
+    )
+
+
 def _remove(path: Path) -> None:
     if path.is_dir():
-        shutil.rmtree(path)
+        shutil.rmtree(path, ignore_errors=True)
     else:
-        path.unlink(missing_ok=True)
+        with suppress(OSError):
+            path.unlink()
 
 
 def write_dataset(dataset: xr.Dataset, output: Path) -> None:
@@ -174,7 +234,7 @@ def write_film(
     OutputError
         If it cannot be written; the previous output is then as it was.
     """
-    with replacing(output) as scratch:
+    with replacing(output, scratch=partial.directory / f"output.unfinished{output.suffix}") as scratch:
         if output.suffix == ".zarr":
             _write_zarr(scratch, film, groups, partial, variables)
         else:
