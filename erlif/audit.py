@@ -14,7 +14,7 @@ from erlif.core.errors import ConfigError, ErlifError
 from erlif.correction import measure_references
 from erlif.ingest import Recording, depth_warning, open_fixture, open_run, read_frames
 from erlif.kinematics import locate_frames
-from erlif.pipeline import open_calibration
+from erlif.pipeline import describe_triggers, group_frames, open_calibration
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,9 @@ def audit(directory: str | Path) -> list[Finding]:
     subject = "settings"
     try:
         if not (directory / "run.toml").is_file() and not (directory / "fixture.toml").is_file():
+            what = "it holds neither" if directory.is_dir() else "there is no such directory"
             raise ConfigError(
-                f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; it holds neither."
+                f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; {what}. Name a directory as the rig wrote it."
             )
         opens = open_run if (directory / "run.toml").is_file() else open_fixture
         recording = opens(directory)
@@ -105,6 +106,7 @@ def _look_at_counts(recording: Recording) -> list[Finding]:
 def _look_at_log(recording: Recording, settings: RunSettings) -> Finding:
     assert recording.log is not None
     located = locate_frames(recording.log, settings)
+    describe_triggers(recording, located, group_frames(located, recording))
     triggers, cycles = int(located.trigger.max()) + 1, int(located.cycle.max()) + 1
     top = float(np.abs(located.rocker_speed).max())
     return Finding("ok", "encoder log", f"{triggers} triggers in {cycles} cycle(s), joint speed up to {top:.3f} rad/s")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import sys
 import traceback
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from erlif import __version__
-from erlif.core.errors import ErlifError
+from erlif.core.errors import ErlifError, OutputError
 from erlif.rig.command import simulate
 
 if TYPE_CHECKING:
@@ -70,6 +71,10 @@ def main(verbose: bool) -> None:
       erlif figures rehearsal/run/film.nc
     """
     logging.basicConfig(level=logging.INFO if verbose else logging.WARNING, format="%(name)s: %(message)s")
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # what it finds in damaged files, erlif says itself
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without the signs of the trade
 
 
 main.add_command(simulate)
@@ -141,12 +146,15 @@ def calibrate(fixture_dir: Path, output: Path | None, skip_bad_frames: bool, ove
 
     output = output or fixture_dir / "calibration.nc"
     refuse_existing(output, overwrite=overwrite)
+    picture = output.with_suffix(".png")
+    if picture.exists() and not overwrite:
+        raise OutputError(f"{picture} exists already; use --overwrite to replace it, or -o for another name.")
     with _progress() as progress:
         calibration = pipeline.calibrate(fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress)
     pipeline.save_calibration(calibration, output, overwrite=overwrite)
     from erlif.plots import write_calibration_figure
 
-    figure = write_calibration_figure(calibration, output.with_suffix(".png"))
+    figure = write_calibration_figure(calibration, picture)
     click.echo(describe_calibration(calibration))
     click.echo(f"written: {output}, {figure}")
 

@@ -276,9 +276,9 @@ def _write_zarr(
 ) -> None:
     import zarr
 
-    film.to_zarr(path, consolidated=False, zarr_format=3)
+    _free_text(film).to_zarr(path, consolidated=False, zarr_format=3)
     for name, group in groups.items():
-        group.to_zarr(path, group=name, mode="a", consolidated=False, zarr_format=3)
+        _free_text(group).to_zarr(path, group=name, mode="a", consolidated=False, zarr_format=3)
     shape = tuple(film.sizes[dim] for dim in ("trigger", "y", "x"))
     root = zarr.open_group(path, mode="r+")
     for variable in variables:
@@ -295,6 +295,11 @@ def _write_zarr(
         )
         for trigger in range(shape[0]):
             array[trigger] = decompress(partial.chunk(trigger, variable), variable.dtype, shape[1:])
+
+
+def _free_text(dataset: xr.Dataset) -> xr.Dataset:
+    """Text as strings of any length: zarr's format 3 does not know text of a fixed length."""
+    return dataset.assign({name: dataset[name].astype(object) for name in dataset if dataset[name].dtype.kind == "U"})
 
 
 def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
