@@ -44,6 +44,35 @@ def test_the_crank_supplies_what_bodies_spring_and_friction_take(speed, preload,
     npt.assert_allclose(speed * reaction.crank_torque, stored + lost, atol=1e-6 * scale)
 
 
+def lagrange(angle, *, speed, preload):
+    """Joint force and driving torque from the multipliers of Mukras et al. (2008), eqs. 6, 7 and 10, with l1, l2 halves."""
+    l1, l2 = 0.0381, 0.1016
+    mass = np.diag([0.4045, 0.4045, 204e-6, 0.8175, 0.8175, 5500e-6, 5.5487, 5.5487, 1.0])
+    phi1, phi2 = angle, np.arcsin(-l1 * np.sin(angle) / l2)
+    s1, c1, s2, c2 = np.sin(phi1), np.cos(phi1), np.sin(phi2), np.cos(phi2)
+    jacobian = np.zeros((9, 9))
+    jacobian[[0, 1], [0, 1]] = jacobian[[2, 3], [3, 4]] = jacobian[[4, 5], [6, 7]] = 1
+    jacobian[6, 7] = jacobian[7, 8] = jacobian[8, 2] = 1
+    jacobian[:6, 2] = [l1 * s1, -l1 * c1, 2 * l1 * s1, -2 * l1 * c1, 2 * l1 * s1, -2 * l1 * c1]
+    jacobian[2:6, 5] = [l2 * s2, -l2 * c2, 2 * l2 * s2, -2 * l2 * c2]
+    rate2 = np.linalg.solve(jacobian, [0, 0, 0, 0, 0, 0, 0, 0, speed])[5]
+    gamma = -np.array([l1 * c1, l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 0, 0, 0]) * speed**2
+    gamma[2:6] -= np.array([l2 * c2, l2 * s2, 2 * l2 * c2, 2 * l2 * s2]) * rate2**2
+    applied = np.zeros(9)
+    applied[6] = preload + 525.4 * (2 * l1 + 2 * l2 - 2 * l1 * c1 - 2 * l2 * c2)
+    system = np.block([[mass, jacobian.T], [jacobian, np.zeros((9, 9))]])
+    multiplier = np.linalg.solve(system, np.concatenate([applied, gamma]))[9:]
+    return -(multiplier[2] + multiplier[4]), -(multiplier[3] + multiplier[5]), -multiplier[8]
+
+
+@given(st.floats(0, 2 * np.pi), st.floats(0.1, 30.0), st.floats(0, 100.0))
+def test_joint_force_is_that_of_the_lagrange_multipliers(angle, speed, preload):  # Mukras et al. (2008), eq. 10
+    bodies = SliderCrankBodies(**BODIES, spring_preload=preload)
+    found = joint_reaction(MUKRAS, crank_angle=angle, crank_speed=speed, bodies=bodies)
+    expected = lagrange(angle, speed=speed, preload=preload)
+    npt.assert_allclose([found.force_x, found.force_y, found.crank_torque], expected, atol=1e-9 * (100 + speed**2))
+
+
 def test_force_along_the_line_accelerates_rod_and_slider():
     """Newton's law for rod and slider together, with the accelerations taken from positions."""
     bodies = SliderCrankBodies(**BODIES, spring_preload=68.354)
