@@ -248,6 +248,12 @@ def read_encoder_log(path: Path) -> EncoderLog:
             log[short] = ("frame", _number_column(cells, rows, name, path), {"units": unit, "long_name": meaning})
         elif name:
             log[name] = ("frame", _free_column(cells))
+    if "load" in log and log["load"].values.min() <= 0:
+        n = int(np.argmin(log["load"].values))
+        raise EncoderError(
+            f"Expected a positive load in row {rows[n]}, column load_N of {path.name}; got {log['load'].values[n]:g} N. Correct the zero of the "
+            "load cell, or leave the column out and give the load in [joint] of run.toml."
+        )
     return EncoderLog(log)
 
 

@@ -367,6 +367,8 @@ class _TriggerTask:
             if len(frames) > 1:
                 signals[-1] = self._brightness(ratios)
         ratio = total.mean()
+        if not frames:  # all were left out
+            ratio.flags[:] = Flag.OUTSIDE_OVERLAP
         maps = measure_thickness(ratio, self.calibration)
         if len(frames) == 1:
             signals = [self._brightness_of(signals[0], maps.thickness.values, maps.flags.values)]
