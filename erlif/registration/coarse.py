@@ -69,7 +69,7 @@ def coarse_binning(shape: tuple[int, int]) -> int:
 
 def _textures(image: Array, weight: Array | None, factor: int) -> tuple[Array, Array]:
     small, sound = binned(image, weight, factor)
-    return normalise(small, sound)
+    return normalise(small, sound, reach=3.0)
 
 
 class _Correlator:
@@ -125,44 +125,66 @@ def _turned(
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def _match_blocks(a: Array, wa: Array, b: Array, wb: Array, block: int, stride: int, reach: int, out: Array) -> None:
-    """Normalised correlation of each block of ``a`` with ``b`` at every integer offset within ``reach``."""
+def _integral(values: Array, other: Array, out: Array) -> None:
+    """Sums of values * other over every rectangle from the origin; one row and column more than the image."""
+    h, w = values.shape
+    for x in range(w + 1):
+        out[0, x] = 0.0
+    for y in range(h):
+        line = 0.0
+        out[y + 1, 0] = 0.0
+        for x in range(w):
+            line += values[y, x] * other[y, x]
+            out[y + 1, x + 1] = out[y, x + 1] + line
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
+def _match_blocks(
+    a: Array, b: Array, energy_a: Array, energy_b: Array, area: Array, block: int, stride: int, reach: int, out: Array
+) -> None:
+    """Normalised correlation of each block of ``a`` with ``b`` at every integer offset within ``reach``; -2 where
+    less than a third of the block is seen. Energies and area are integral images."""
     h, w = a.shape
     n = 2 * reach + 1
     for r in range(out.shape[0]):
         for c in range(out.shape[1]):
             y0 = r * stride
             x0 = c * stride
+            y1 = min(y0 + block, h)
+            x1 = min(x0 + block, w)
+            saa = energy_a[y1, x1] - energy_a[y0, x1] - energy_a[y1, x0] + energy_a[y0, x0]
             for j in range(n):
                 for i in range(n):
                     dy = j - reach
                     dx = i - reach
-                    s = np.float32(0)
-                    saa = np.float32(0)
-                    sbb = np.float32(0)
-                    count = np.float32(0)
-                    for y in range(max(y0, -dy), min(y0 + block, h - dy)):
-                        for x in range(max(x0, -dx), min(x0 + block, w - dx)):
-                            g = wa[y, x] * wb[y + dy, x + dx]
-                            p = a[y, x]
-                            q = b[y + dy, x + dx]
-                            s += g * p * q
-                            saa += g * p * p
-                            sbb += g * q * q
-                            count += g
+                    ya, yb = max(y0, -dy), min(y1, h - dy)
+                    xa, xb = max(x0, -dx), min(x1, w - dx)
+                    out[r, c, j, i] = -2
+                    if yb <= ya or xb <= xa:
+                        continue
+                    p, q, s, t = ya + dy, yb + dy, xa + dx, xb + dx
+                    count = area[q, t] - area[p, t] - area[q, s] + area[p, s]
+                    sbb = energy_b[q, t] - energy_b[p, t] - energy_b[q, s] + energy_b[p, s]
                     if count < 0.3 * block * block or saa <= 0 or sbb <= 0:
-                        out[r, c, j, i] = -2
-                    else:
-                        out[r, c, j, i] = s / np.sqrt(saa * sbb)
+                        continue
+                    total = np.float32(0)
+                    for y in range(ya, yb):
+                        for x in range(xa, xb):
+                            total += a[y, x] * b[y + dy, x + dx]
+                    out[r, c, j, i] = total / np.sqrt(saa * sbb)
 
 
-def _block_vectors(a: Array, wa: Array, b: Array, wb: Array) -> tuple[Array, Array, Array]:
+def _block_vectors(a: Array, b: Array, wb: Array) -> tuple[Array, Array, Array]:
     """Centres (n, 2), vectors (n, 2) and peak heights over chance (n,) of all blocks that overlap enough. [px]"""
     h, w = a.shape
     rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
     n = 2 * REACH + 1
     scores = np.empty((rows, cols, n, n), np.float32)
-    _match_blocks(a, wa, b, wb, BLOCK, STRIDE, REACH, scores)
+    energy_a, energy_b, area = (np.empty((h + 1, w + 1)) for _ in range(3))
+    _integral(a, a, energy_a)
+    _integral(b, b, energy_b)
+    _integral(wb, wb, area)
+    _match_blocks(a, b, energy_a, energy_b, area, BLOCK, STRIDE, REACH, scores)
     flat = scores.reshape(rows, cols, n * n)
     usable = (flat > -1.5).mean(-1) > 0.6
     best = np.argmax(flat, axis=-1)
@@ -202,18 +224,16 @@ def _agree(centres: Array, vectors: Array, strength: Array) -> tuple[Array, Arra
     rng = np.random.default_rng(0)
     chance = np.maximum(strength, 0.1) ** 2
     chance /= chance.sum()
-    best = np.zeros(n, bool)
-    for _ in range(200):
-        pick = rng.choice(n, 3, replace=False, p=chance)
-        triangle = terms[pick]
-        if abs(np.linalg.det(triangle)) < 400:
-            continue
-        field = np.linalg.solve(triangle, vectors[pick])
-        if np.abs(field[:2]).max() > 0.12:
-            continue
-        near = np.hypot(*(terms @ field - vectors).T) < 1.0
-        if near.sum() > best.sum():
-            best = near
+    pick = rng.choice(n, (300, 3), p=chance)
+    triangle = terms[pick]
+    area = np.linalg.det(triangle)
+    pick, triangle = pick[np.abs(area) > 400], triangle[np.abs(area) > 400]
+    if not len(pick):
+        return np.zeros((2, 2)), np.zeros(2), 0.0
+    fields = np.linalg.solve(triangle, vectors[pick])
+    near = np.hypot(*np.moveaxis(terms @ fields - vectors, -1, 0)) < 1.0
+    near[np.abs(fields[:, :2]).max((1, 2)) > 0.12] = False
+    best = near[np.argmax(near.sum(1))]
     if best.sum() < 4:
         return np.zeros((2, 2)), np.zeros(2), 0.0
     field = np.zeros((3, 2))
@@ -268,7 +288,7 @@ def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
     agreement, blocks = 0.0, 0
     for _ in range(2):
         b, wb = coarse.turned(linear, shift)
-        centres, vectors, strength = _block_vectors(coarse.a, coarse.wa, b, wb)
+        centres, vectors, strength = _block_vectors(coarse.a, b, wb)
         matrix, offset, agreement = _agree(centres - centre, vectors, strength)
         blocks = len(centres)
         if agreement * blocks < 4:

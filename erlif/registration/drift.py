@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from erlif.core.errors import RegistrationError
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY, cell_sums, correlation, move_sums, solve_shift
+from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS, cell_sums, correlation, move_sums, solve_shift
 from erlif.registration.pairs import Pair, laid_over, make_pair, textures
 
 Array = NDArray[Any]
@@ -76,7 +76,7 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
     Binned images bring the drift within a fraction of a pixel, one step at full resolution does the rest.
     """
     shift = np.zeros(2)
-    sums = np.zeros((1, 1, 10))
+    sums = np.zeros((1, 1, SUMS))
     for binning, passes in ((4, 4), (1, 1)) if min(pair.reference.shape) >= 256 else ((2, 4), (1, 2)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)

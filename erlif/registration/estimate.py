@@ -4,8 +4,8 @@ The rig is fixed, so one map serves a run: the cell sums of many frames are adde
 frame, each frame read at its own drift.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from erlif.core.errors import RegistrationError
+from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.coarse import Start, coarse_binning, find_start
 from erlif.registration.drift import follow_drift
 from erlif.registration.matching import (
+    AB,
     EE,
     WEIGHT,
     cell_centres,
@@ -25,96 +27,39 @@ from erlif.registration.matching import (
     merge_cells,
     move_sums,
     solve_shift,
+    without_noise,
 )
-from erlif.registration.pairs import Pair, Textures, laid_over, make_pair, textures
-from erlif.registration.selection import Model, choose_model
+from erlif.registration.pairs import Frames, Pair, Pairs, Textures, laid_over, open_frames, textures
+from erlif.registration.selection import (
+    FINE_LADDER,
+    LEFT_OVER,
+    Model,
+    choose_model,
+    left_over,
+    moved_to,
+)
 from erlif.registration.settings import RegistrationSettings
 from erlif.registration.surface import Cells, Surface, cell_weights, equations, solve_surface
 from erlif.registration.uncertainty import surface_covariance, surface_std
-from erlif.registration.whitening import Filter, Spectra, make_filter, measure_spectra, whiten
+from erlif.registration.whitening import (
+    Filter,
+    Spectra,
+    make_filter,
+    measure_spectra,
+    padded_size,
+    slope_gain,
+    whiten,
+)
 
 Array = NDArray[Any]
-PairOfArrays = tuple[Array, Array, Array | None, Array | None]
-Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
 
 CUBIC: Final = Model((1, 1), 3)
 BEYOND: Final = 8.0
 """How far beyond the frame of camera 2 the displacement is still given, for frames that drift. [px]"""
-
-
-def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) -> Cells:
-    """Attach to cell sums where they were taken. ``step`` is in binned pixels; the result is in full ones."""
-    rows, cols = sums.shape[:2]
-    centre = (binning - 1) / 2
-    x = cell_centres(cols * step, step) * binning + centre
-    y = cell_centres(rows * step, step) * binning + centre
-    scaled = sums.copy()
-    scaled[..., :3] /= binning**2
-    scaled[..., 3:5] /= binning
-    here_x, here_y = surface.evaluate(x, y)
-    return Cells(scaled, x, y, here_x, here_y, cell_weights(scaled))
-
-
-def expected_rms(sums: Array) -> Array:
-    """Rms difference of the textures to be expected in each cell: the median over its surroundings."""
-    n = sums[..., WEIGHT]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(n > 0, sums[..., EE] / n, 0)
-    return np.asarray(np.sqrt(ndimage.median_filter(mean, 5, mode="nearest")))
-
-
-def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Surface:
-    """Go from the coarse affine map to a cubic surface at a binning of two, level by level. [px]"""
-    h, w = pair.reference.shape
-    binning = coarse_binning((min(h, pair.moving.shape[0]), min(w, pair.moving.shape[1])))
-    surface = start.surface((0.0, float(w), 0.0, float(h)))
-    degrees: tuple[int, ...] = (1, 1, 3, 3)
-    while binning >= 2 or len(degrees) == 4:
-        views = textures(pair, binning, settings.threads)
-        spline = views.spline(settings.threads)
-        shape = (views.a.shape[0], views.a.shape[1])
-        for degree in degrees:
-            dx, dy = surface.on_pixels(shape, binning=binning)
-            b = laid_over(spline, dx, dy, (0.0, 0.0), settings.threads)
-            sums = cell_sums(views.a, views.weight, b, settings.step, threads=settings.threads)
-            cells = make_cells(sums, settings.step, surface, binning=binning)
-            system = equations(cells, (1, 1), box=surface.box)
-            surface = solve_surface(system, basis=Model((1, 1), degree).basis)
-        degrees = (3, 3)
-        binning //= 2
-    return surface
-
-
-@dataclass(frozen=True)
-class Frames:
-    """Frames that can be gone through again and again, one pair in memory at a time."""
-
-    source: Pairs
-    count: int
-    chosen: tuple[int, ...]
-    """Those from which the map is made."""
-    settings: RegistrationSettings
-
-    def pick(self, wanted: Sequence[int]) -> Iterator[Pair]:
-        """Read the pairs with these numbers, which must ascend."""
-        if callable(self.source):
-            keep = set(wanted)
-            for number, pair in enumerate(self.source()):
-                if number in keep:
-                    yield make_pair(*pair, self.settings)
-        else:
-            for number in wanted:
-                yield make_pair(*self.source[number], self.settings)
-
-
-def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
-    """Count the frames and choose those for the map, evenly spaced."""
-    count = sum(1 for _ in source()) if callable(source) else len(source)
-    if count == 0:
-        raise RegistrationError("Registration needs at least one pair of frames, got none.")
-    most = min(count, settings.frames_for_map)
-    chosen = tuple(sorted({round((i + 0.5) * count / most - 0.5) for i in range(most)}))
-    return Frames(source, count, chosen, settings)
+POOR_STD: Final = 0.25
+"""Standard deviation of the displacement from which on a pixel counts as poorly registered. [px]"""
+POOR_RESIDUAL: Final = 0.3
+"""Displacement that a neighbourhood still asks for, from which on it counts as poorly registered. [px]"""
 
 
 def register(
@@ -171,116 +116,337 @@ def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = Non
     """
     settings = RegistrationSettings() if settings is None else settings
     frames = open_frames(pairs, settings)
-    first = next(frames.pick(frames.chosen[:1]))
-    start = find_start(first.reference, first.moving, first.weight_reference, first.weight_moving, settings)
-    surface = align_small(first, start, settings)
-    return _finish(frames, first, surface, settings)
+    first, surface = start_with_any(frames)
+    views = Views(frames, first, settings)
+
+    # as the cameras see it: how well they agree, and at which spatial frequencies
+    seen = views.look(surface)
+    surface = seen.surface
+    quality = check_correlation(seen.sums)
+    whitening = make_filter(seen.spectra) if settings.whiten else None
+    slope = slope_gain(seen.spectra, whitening)
+
+    # on the filtered textures: how fine the surface may be
+    if whitening is not None:
+        views.whitening = whitening
+        seen = views.look(surface)
+        surface = seen.surface
+    cells = views.cells(seen.sums, surface, slope)
+    model, unresolved = choose_surface(cells)
+    surface = solve_surface(equations(cells, model.elements), basis=model.basis)
+
+    # once more from there, with what one camera alone sees taken out
+    seen = views.look(surface, scale=expected_rms(seen.sums))
+    cells = views.cells(seen.sums, seen.surface, slope)
+    surface = solve_surface(equations(cells, model.elements, box=surface.box), basis=model.basis)
+    cells = moved_to(cells, surface)
+    if settings.model == "local" or (settings.model == "auto" and unresolved):
+        solution = solve_local(views, surface, slope, expected_rms(seen.sums))
+    else:
+        solution = describe_surface(cells, surface, model, views.shape)
+    camera_map = finish_map(solution, views, cells, quality)
+    if frames.count == 1:
+        return camera_map, np.zeros((1, 2))
+    drift = np.array([measure_drift(camera_map, pair) for pair in frames.pick(range(frames.count))])
+    mean = drift.mean(0)
+    moved = replace(solution, dx=solution.dx + np.float32(mean[0]), dy=solution.dy + np.float32(mean[1]))
+    return finish_map(moved, views, cells, quality), drift - mean
 
 
-def _finish(frames: Frames, first: Pair, surface: Surface, settings: RegistrationSettings) -> tuple[CameraMap, Array]:
-    """Full resolution: whiten, choose how fine the surface may be, solve, and say how good it is."""
-    single = frames.count == 1
-    cached = textures(first, 1, settings.threads) if single else None
-    shape = (first.reference.shape[0], first.reference.shape[1])
-    drift = np.zeros((len(frames.chosen), 2))
-    step = settings.step
-    merge = 2 if min(shape) >= 400 else 1
-    box = surface.box
-    model = CUBIC
-    whitening: Filter | None = None
-    quality = 0.0
-    scale: Array | None = None
-    cells = None
-    for stage in ("plain", "choose", "final"):
+def start_with_any(frames: Frames) -> tuple[Pair, Surface]:
+    """Find the coarse alignment from the first of a few frames that allows it; a single blank frame does no harm."""
+    failure: RegistrationError | None = None
+    for pair in frames.pick(frames.chosen[:4]):
+        try:
+            start = find_start(pair.reference, pair.moving, pair.weight_reference, pair.weight_moving, frames.settings)
+        except RegistrationError as error:
+            failure = failure or error
+            continue
+        return pair, align_small(pair, start, frames.settings)
+    assert failure is not None
+    raise failure
+
+
+def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Surface:
+    """Go from the coarse affine map to a cubic surface at a binning of two, level by level. [px]"""
+    h, w = pair.reference.shape
+    binning = coarse_binning((min(h, pair.moving.shape[0]), min(w, pair.moving.shape[1])))
+    surface = start.surface((0.0, float(w), 0.0, float(h)))
+    degrees: tuple[int, ...] = (1, 1, 3, 3)
+    while binning >= 2 or len(degrees) == 4:
+        views = textures(pair, binning, settings.threads)
+        spline = views.spline(settings.threads)
+        shape = (views.a.shape[0], views.a.shape[1])
+        for degree in degrees:
+            dx, dy = surface.on_pixels(shape, binning=binning)
+            b = laid_over(spline, dx, dy, (0.0, 0.0), settings.threads)
+            sums = cell_sums(views.a, views.weight, b, settings.step, threads=settings.threads)
+            cells = make_cells(sums, settings.step, surface, binning=binning)
+            surface = solve_surface(equations(cells, (1, 1), box=surface.box), basis=Model((1, 1), degree).basis)
+        degrees = (3, 3)
+        binning //= 2
+    return surface
+
+
+def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) -> Cells:
+    """Attach to cell sums where they were taken. ``step`` is in binned pixels; the result is in full ones."""
+    rows, cols = sums.shape[:2]
+    centre = (binning - 1) / 2
+    x = cell_centres(cols * step, step) * binning + centre
+    y = cell_centres(rows * step, step) * binning + centre
+    scaled = sums.copy()
+    scaled[..., :3] /= binning**2
+    scaled[..., 3:5] /= binning
+    here_x, here_y = surface.evaluate(x, y)
+    weight = cell_weights(scaled)
+    if not (weight > 0).sum() >= 16:
+        raise RegistrationError(
+            "Too little is left where both cameras have light and sound pixels: registration needs 16 cells of "
+            f"{step} px, got {(weight > 0).sum()}. Check the masks, the exposure and the regions of interest."
+        )
+    return Cells(scaled, x, y, here_x, here_y, weight)
+
+
+def expected_rms(sums: Array) -> Array:
+    """Rms difference of the textures to be expected in each cell: the median over its surroundings."""
+    merged = merge_cells(sums, 2)
+    n = merged[..., WEIGHT]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.where(n > 0, merged[..., EE] / n, 0)
+    rms = np.sqrt(ndimage.median_filter(mean, 3, mode="nearest"))
+    rms = np.repeat(np.repeat(rms, 2, axis=0), 2, axis=1)
+    return np.asarray(rms[: sums.shape[0], : sums.shape[1]])
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Everything summed over the chosen frames at one displacement."""
+
+    sums: Array
+    """(row, column, 11)"""
+    spectra: Spectra
+    surface: Surface
+    """Where the sums hold: the surface looked at, plus the mean drift found meanwhile."""
+
+
+class Views:
+    """The frames from which the map is made, at full resolution, and the drift of each.
+
+    One pair alone is kept in memory; of several, each is read, prepared and dropped again in every pass.
+    """
+
+    def __init__(self, frames: Frames, first: Pair, settings: RegistrationSettings) -> None:
+        self.frames = frames
+        self.settings = settings
+        self.shape = (first.reference.shape[0], first.reference.shape[1])
+        self.shape_moving = (first.moving.shape[0], first.moving.shape[1])
+        self.drift = np.zeros((len(frames.chosen), 2))
+        self._single = textures(first, 1, settings.threads) if frames.count == 1 else None
+        self._drift_known = frames.count == 1
+        self._whitening: Filter | None = None
+        self.merge = 2 if min(self.shape) >= 400 else 1
+
+    @property
+    def whitening(self) -> Filter | None:
+        """The filter through which the textures are seen."""
+        return self._whitening
+
+    @whitening.setter
+    def whitening(self, chosen: Filter) -> None:
+        self._whitening = chosen
+        if self._single is not None:
+            self._single = self._filtered(self._single)
+
+    def _filtered(self, plain: Textures) -> Textures:
+        assert self._whitening is not None
+        grid = self._whitening.on_grid(padded_size(plain.a.shape))
+        a, wa = whiten(plain.a, plain.weight, grid, threads=self.settings.threads)
+        if plain.b.shape != plain.a.shape:
+            grid = self._whitening.on_grid(padded_size(plain.b.shape))
+        b, wb = whiten(plain.b, plain.weight_b, grid, threads=self.settings.threads)
+        return Textures(a, wa, b, wb)
+
+    def _each(self, dx: Array, dy: Array) -> Iterator[Textures]:
+        if self._single is not None:
+            yield self._single
+            return
+        for number, pair in enumerate(self.frames.pick(self.frames.chosen)):
+            if not self._drift_known:
+                found = follow_drift(dx, dy, pair, threads=self.settings.threads)
+                self.drift[number] = found.dx, found.dy
+            plain = textures(pair, 1, self.settings.threads)
+            yield plain if self._whitening is None else self._filtered(plain)
+        self._drift_known = True
+
+    def sums(self, dx: Array, dy: Array, scale: Array | None) -> tuple[Array, Spectra | None, Array]:
+        """Sums over the frames at a dense displacement, spectra if not filtered yet, and the mean drift (dx, dy) by
+        which the displacement must be moved for the sums to hold."""
         total: Array | None = None
         spectra: Spectra | None = None
-        dx, dy = surface.on_pixels(shape)
-        for number, pair in enumerate([first] if single else frames.pick(frames.chosen)):
-            if stage == "plain" and not single:
-                known = follow_drift(dx, dy, pair, threads=settings.threads)
-                drift[number] = known.dx, known.dy
-            views = cached if cached is not None else textures(pair, 1, settings.threads)
-            if whitening is not None:
-                views = _whitened(views, whitening, settings.threads)
-                cached = views if single else None
-            b = laid_over(views.spline(settings.threads), dx, dy, tuple(drift[number]), settings.threads)
-            sums = cell_sums(views.a, views.weight, b, step, scale=scale, threads=settings.threads)
-            if stage == "plain" and settings.whiten:
-                here = measure_spectra(views.a, views.weight, b)
-                spectra = here if spectra is None else spectra + here
-            if not single:
+        threads = self.settings.threads
+        for number, view in enumerate(self._each(dx, dy)):
+            here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
+            b = laid_over(view.spline(threads), dx, dy, here, threads)
+            sums = cell_sums(view.a, view.weight, b, self.settings.step, scale=scale, threads=threads)
+            if self._whitening is None:
+                one = measure_spectra(view.a, view.weight, b)
+                spectra = one if spectra is None else spectra + one
+            if self.frames.count > 1:
                 shift = solve_shift(sums)
-                drift[number] += shift
+                self.drift[number] += shift
                 sums = move_sums(sums, *shift)
             total = sums if total is None else total + sums
         assert total is not None
-        if single and whitening is not None:
-            whitening = None  # the textures in memory are filtered already
-        if not single:
-            surface = surface.moved(*drift.mean(0))
-            drift -= drift.mean(0)
-        if stage == "plain":
-            quality = correlation(total)
-            if spectra is not None:
-                whitening = make_filter(spectra)
-        scale = expected_rms(total) if stage != "plain" or whitening is None else None
-        cells = make_cells(merge_cells(total, merge), step * merge, surface)
-        if stage == "choose":
-            model = choose_model(cells)
-            box = cells.box
-        surface = solve_surface(equations(cells, model.elements, box=box), basis=model.basis)
-    assert cells is not None
-    camera_map = _surface_map(
-        cells, surface, model, shape, (first.moving.shape[0], first.moving.shape[1]), quality, settings
-    )
-    if single:
-        return camera_map, np.zeros((1, 2))
-    found = np.empty((frames.count, 2))
-    for number, pair in enumerate(frames.pick(range(frames.count))):
-        one = follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=settings.threads)
-        found[number] = one.dx, one.dy
-    mean = found.mean(0)
-    moved = surface.moved(*mean)
-    camera_map = _surface_map(
-        cells, moved, model, shape, (first.moving.shape[0], first.moving.shape[1]), quality, settings
-    )
-    return camera_map, found - mean
+        mean = self.drift.mean(0)
+        self.drift -= mean
+        return total, spectra, mean
+
+    def look(self, surface: Surface, *, scale: Array | None = None) -> Seen:
+        """Go through the frames once with camera 2 laid over camera 1 by the surface and each frame's drift."""
+        dx, dy = surface.on_pixels(self.shape)
+        total, spectra, mean = self.sums(dx, dy, scale)
+        if spectra is None:
+            spectra = Spectra(np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)), 0)
+        return Seen(total, spectra, surface.moved(float(mean[0]), float(mean[1])))
+
+    def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
+        """The cells from which a surface is made."""
+        return make_cells(without_noise(merge_cells(sums, self.merge), slope), self.settings.step * self.merge, surface)
 
 
-def _whitened(views: Textures, whitening: Filter, threads: int) -> Textures:
-    grid = whitening.on_grid((views.a.shape[0], views.a.shape[1]))
-    a, wa = whiten(views.a, views.weight, grid, threads=threads)
-    if views.b.shape != views.a.shape:
-        grid = whitening.on_grid((views.b.shape[0], views.b.shape[1]))
-    b, wb = whiten(views.b, views.weight_b, grid, threads=threads)
-    return Textures(a, wa, b, wb)
+def check_correlation(sums: Array) -> float:
+    """Correlation coefficient of the textures, refused if it could be chance.
+
+    Raises
+    ------
+    RegistrationError
+        If the mean product of the textures is within eight of its own standard errors over the cells.
+    """
+    products = sums[..., AB][sums[..., WEIGHT] > 0]
+    quality = correlation(sums)
+    if products.size < 16 or not products.mean() > 8 * products.std() / np.sqrt(products.size):
+        raise RegistrationError(
+            "No common texture found: laid over each other as well as possible, the images of the two cameras have a "
+            f"correlation coefficient of {quality:.3f}, no more than chance gives. Check that both cameras see the "
+            "same field in focus and in the same pulse."
+        )
+    return quality
 
 
-def _surface_map(
-    cells: Cells,
-    surface: Surface,
-    model: Model,
-    shape: tuple[int, int],
-    other: tuple[int, int],
-    quality: float,
-    settings: RegistrationSettings,
-) -> CameraMap:
-    dx, dy = surface.evaluate(cells.x, cells.y)
-    residual = Cells(
-        move_sums(cells.sums, dx - cells.here_x, dy - cells.here_y), cells.x, cells.y, dx, dy, cells.weight
-    )
-    covariance = surface_covariance(residual, model, surface.box)
+def choose_surface(cells: Cells) -> tuple[Model, bool]:
+    """The model for the surface, and whether it leaves distortion that none of the models resolves."""
+    model = choose_model(cells)
+    rest = moved_to(cells, solve_surface(equations(cells, model.elements), basis=model.basis))
+    if left_over(rest) < LEFT_OVER:
+        return model, False
+    finer = choose_model(cells, FINE_LADDER, model)
+    if finer == model:
+        return model, left_over(rest) > 5 * LEFT_OVER
+    rest = moved_to(cells, solve_surface(equations(cells, finer.elements), basis=finer.basis))
+    return finer, left_over(rest) > 5 * LEFT_OVER
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A dense displacement with its standard deviation, on every pixel of camera 1. [px]"""
+
+    dx: Array
+    dy: Array
+    std: Array
+    model: str
+
+
+def describe_surface(cells: Cells, surface: Surface, model: Model, shape: tuple[int, int]) -> Solution:
+    """The surface on every pixel, with the uncertainty of its coefficients carried along."""
+    covariance = surface_covariance(cells, model, surface.box)
     x, y = np.linspace(0, shape[1] - 1, 81), np.linspace(0, shape[0] - 1, 65)
-    coarse = surface_std(covariance, model, surface.box, x, y)
-    std = _bilinear(coarse, shape)
-    displacement_x, displacement_y = surface.on_pixels(shape)
-    px = np.arange(shape[1], dtype=np.float32)[None, :] + displacement_x
-    py = np.arange(shape[0], dtype=np.float32)[:, None] + displacement_y
-    overlap = (px >= 0) & (px <= other[1] - 1) & (py >= 0) & (py <= other[0] - 1)
-    far = (px < -BEYOND) | (px > other[1] - 1 + BEYOND) | (py < -BEYOND) | (py > other[0] - 1 + BEYOND)
-    for field in (displacement_x, displacement_y, std):
+    std = _bilinear(surface_std(covariance, model, surface.box, x, y), shape)
+    dx, dy = surface.on_pixels(shape)
+    return Solution(dx, dy, std, str(model))
+
+
+def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> Solution:
+    """One displacement for each window, in passes that start from the surface."""
+    settings = views.settings
+    sigma = local.window_sigma(settings.window, settings.step)
+    base_x, base_y = surface.on_pixels(views.shape)
+    y, x = (cell_centres(n, settings.step) for n in views.shape)
+    field = np.zeros((2, len(y), len(x)))
+    dx, dy = base_x, base_y
+    sums = np.zeros(0)
+    for number in range(settings.passes + 1):
+        sums, _, mean = views.sums(dx, dy, scale)
+        field += mean.reshape(2, 1, 1)
+        sums = without_noise(sums, slope)
+        if number == settings.passes:
+            break
+        step, _, sound = local.solve_windows(sums, sigma)
+        field = field + np.clip(step, -local.LARGEST_STEP, local.LARGEST_STEP)
+        field = local.replace_outliers(field, sound)
+        if number < settings.passes - 1:
+            field = local.smooth(field)
+        dx = base_x + local.to_pixels(field[0], y, x, views.shape)
+        dy = base_y + local.to_pixels(field[1], y, x, views.shape)
+    std = local.window_std(sums, sigma, settings.passes)
+    std = np.minimum(std, 1e3)
+    return Solution(
+        base_x + local.to_pixels(field[0], y, x, views.shape),
+        base_y + local.to_pixels(field[1], y, x, views.shape),
+        np.maximum(local.to_pixels(std, y, x, views.shape), np.float32(std.min())),
+        f"local windows, {settings.window} px",
+    )
+
+
+def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -> CameraMap:
+    """Mark what camera 2 does not see and what is not good enough; refuse a map that is mostly not.
+
+    Raises
+    ------
+    RegistrationError
+        If most of the overlap is poorly registered.
+    """
+    h, w = views.shape
+    height, width = views.shape_moving
+    dx, dy, std = solution.dx.copy(), solution.dy.copy(), solution.std.copy()
+    px = np.arange(w, dtype=np.float32)[None, :] + dx
+    py = np.arange(h, dtype=np.float32)[:, None] + dy
+    overlap = (px >= 0) & (px <= width - 1) & (py >= 0) & (py <= height - 1)
+    far = (px < -BEYOND) | (px > width - 1 + BEYOND) | (py < -BEYOND) | (py > height - 1 + BEYOND)
+    poor = std > POOR_STD
+    if solution.model.startswith("surface"):
+        poor |= still_off(cells, views.shape)
+    if not overlap.any() or poor[overlap].mean() > 0.5:
+        part = float(poor[overlap].mean()) if overlap.any() else 1.0
+        raise RegistrationError(
+            f"The cameras could not be laid over each other: {part:.0%} of their common field is uncertain by more "
+            f"than {POOR_STD} px or does not agree with its neighbourhood. Give more frames, more light or a wall "
+            "with more texture, and check the focus."
+        )
+    for field in (dx, dy, std):
         field[far] = np.nan
-    return CameraMap(displacement_x, displacement_y, std, overlap, std > 0.25, quality, str(model), settings)
+    return CameraMap(dx, dy, std, overlap, poor, quality, solution.model, views.settings)
+
+
+def still_off(cells: Cells, shape: tuple[int, int]) -> Array:
+    """Pixels whose surroundings of some 64 px still ask clearly for another displacement than the surface has."""
+    pitch = float(cells.x[1] - cells.x[0])
+    sigma = local.window_sigma(64, int(pitch))
+    weighted = cells.sums * cells.weight[..., None]
+    step, _, sound = local.solve_windows(weighted, sigma)
+    std = local.window_std(weighted, sigma, 1)
+    length = np.hypot(step[0], step[1])
+    off = sound & (length > POOR_RESIDUAL) & (length > 5 * std)
+    j = np.clip(np.arange(shape[0]) / pitch, 0, len(cells.y) - 1).astype(int)
+    i = np.clip(np.arange(shape[1]) / pitch, 0, len(cells.x) - 1).astype(int)
+    return np.asarray(off[np.ix_(j, i)])
+
+
+def measure_drift(camera_map: CameraMap, pair: Pair) -> tuple[float, float]:
+    """Translation (dx, dy) of one frame of the run against the map. [px]"""
+    found = follow_drift(
+        camera_map.displacement_x, camera_map.displacement_y, pair, threads=camera_map.settings.threads
+    )
+    return found.dx, found.dy
 
 
 def _bilinear(coarse: Array, shape: tuple[int, int]) -> Array:
@@ -294,6 +460,5 @@ def _bilinear(coarse: Array, shape: tuple[int, int]) -> Array:
         m[np.arange(size), i + 1] = t - i
         return m
 
-    return np.asarray(
-        matrix(coarse.shape[0], shape[0]) @ coarse.astype(np.float32) @ matrix(coarse.shape[1], shape[1]).T
-    )
+    across = np.ascontiguousarray(matrix(coarse.shape[1], shape[1]).T)
+    return np.asarray(matrix(coarse.shape[0], shape[0]) @ coarse.astype(np.float32) @ across)

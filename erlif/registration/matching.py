@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from erlif.registration.bands import in_bands
 from erlif.registration.warp import FAST
@@ -27,9 +28,10 @@ WEIGHT: Final = 6
 AB: Final = 7
 AA: Final = 8
 BB: Final = 9
-SUMS: Final = 10
-"""Layout of the cell sums: gradient products, gradient times difference, difference squared, weight, and the products
-of the textures themselves for the correlation coefficient."""
+CROSS: Final = 10
+SUMS: Final = 11
+"""Layout of the cell sums: gradient products, gradient times difference, difference squared, weight, the products of
+the textures themselves for the correlation coefficient, and the scalar product of the two cameras' gradients."""
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -47,10 +49,13 @@ def _cell_sums(a: Array, weight: Array, b: Array, step: int, limit: Array, sums:
                 line[k, x] = zero
         for y in range(max(r * step, 2), min((r + 1) * step, h - 2)):
             for x in range(2, w - 2):
-                gx = c8 * (a[y, x + 1] - a[y, x - 1] + b[y, x + 1] - b[y, x - 1])
-                gx -= c1 * (a[y, x + 2] - a[y, x - 2] + b[y, x + 2] - b[y, x - 2])
-                gy = c8 * (a[y + 1, x] - a[y - 1, x] + b[y + 1, x] - b[y - 1, x])
-                gy -= c1 * (a[y + 2, x] - a[y - 2, x] + b[y + 2, x] - b[y - 2, x])
+                ax = c8 * (a[y, x + 1] - a[y, x - 1]) - c1 * (a[y, x + 2] - a[y, x - 2])
+                ay = c8 * (a[y + 1, x] - a[y - 1, x]) - c1 * (a[y + 2, x] - a[y - 2, x])
+                bx = c8 * (b[y, x + 1] - b[y, x - 1]) - c1 * (b[y, x + 2] - b[y, x - 2])
+                by = c8 * (b[y + 1, x] - b[y - 1, x]) - c1 * (b[y + 2, x] - b[y - 2, x])
+                gx = ax + bx
+                gy = ay + by
+                cross = np.float32(4) * (ax * bx + ay * by)
                 e = a[y, x] - b[y, x]
                 p = b[y, x]
                 q = a[y, x]
@@ -62,21 +67,26 @@ def _cell_sums(a: Array, weight: Array, b: Array, step: int, limit: Array, sums:
                 e = e if ok else zero
                 p = p if ok else zero
                 q = q if ok else zero
+                cross = cross if ok else zero
                 g = g if ok else zero
+                slope = g
                 if bounded:
-                    g = g / (np.float32(1) + e * e * limit[r, x])
-                gex = g * gx
-                gey = g * gy
-                line[0, x] += gex * gx
-                line[1, x] += gex * gy
-                line[2, x] += gey * gy
-                line[3, x] += gex * e
-                line[4, x] += gey * e
+                    t = e * e * limit[r, x]
+                    share = np.float32(1) / (np.float32(1) + t)
+                    # the score is g e share, so its slope is g (1 - t) share^2
+                    slope = g * max(np.float32(1) - t, zero) * share * share
+                    g = g * share
+                line[0, x] += slope * gx * gx
+                line[1, x] += slope * gx * gy
+                line[2, x] += slope * gy * gy
+                line[3, x] += g * gx * e
+                line[4, x] += g * gy * e
                 line[5, x] += g * e * e
                 line[6, x] += g
                 line[7, x] += g * p * q
                 line[8, x] += g * q * q
                 line[9, x] += g * p * p
+                line[10, x] += slope * cross
         for c in range(cols):
             x1 = w if c == cols - 1 else (c + 1) * step
             for k in range(SUMS):
@@ -99,13 +109,13 @@ def cell_sums(a: Array, weight: Array, b: Array, step: int, *, scale: Array | No
         Side of a cell; the last column takes the pixels that are left over, so do the last rows. [px]
     scale : array, (row, column), optional
         Expected rms of a - b in each cell. If given, a pixel whose difference is many times that (dust on one camera)
-        loses its weight: w = 1/(1 + (e / 3.5 rms)^2).
+        loses its weight: w = 1/(1 + (e / 4 rms)^2).
     threads : int
         Threads to use.
 
     Returns
     -------
-    array, (row, column, 10), float64
+    array, (row, column, 11), float64
         See ``SUMS``.
     """
     h, w = a.shape
@@ -114,7 +124,7 @@ def cell_sums(a: Array, weight: Array, b: Array, step: int, *, scale: Array | No
     if scale is None:
         limit = np.zeros((0, 0), np.float32)
     else:
-        inverse = (1 / (3.5 * np.maximum(scale, 1e-6)) ** 2).astype(np.float32)
+        inverse = (1 / (4.0 * np.maximum(scale, 1e-6)) ** 2).astype(np.float32)
         limit = np.repeat(inverse, step, axis=1)
         limit = np.concatenate([limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1)
         limit = np.ascontiguousarray(np.concatenate([limit, limit[-1:]], axis=0))
@@ -135,6 +145,22 @@ def merge_cells(sums: Array, factor: int) -> Array:
     padded[:rows, :cols] = sums
     merged: Array = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, n).sum((1, 3))
     return merged
+
+
+def without_noise(sums: Array, slope: float = 1.0) -> Array:
+    """Sums whose gradient products hold the texture common to both cameras alone.
+
+    The gradient of the mean image holds half the noise of each camera, which makes its products too large, the steps
+    too short and the error too small. The product of the two cameras' gradients does not, but in a region without
+    texture it need not be positive; so the former are scaled by the ratio of the two over 5 by 5 cells. ``slope`` is the
+    factor by which the discrete derivative falls short (see `erlif.registration.whitening.slope_gain`).
+    """
+    total = ndimage.uniform_filter(sums[..., GXX] + sums[..., GYY], 5, mode="constant")
+    cross = ndimage.uniform_filter(sums[..., CROSS], 5, mode="constant")
+    ratio = np.clip(cross / np.maximum(total, 1e-30 + 1e-12 * float(total.max())), 0.05, 1.0)
+    cleaned = sums.copy()
+    cleaned[..., : GYY + 1] *= slope * ratio[..., None]
+    return cleaned
 
 
 def correlation(sums: Array) -> float:

@@ -1,18 +1,21 @@
 """Images without illumination: local mean and local rms taken out, so that two bands can be compared."""
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from erlif.registration.bands import in_bands
 from erlif.registration.warp import FAST
 
 Array = NDArray[Any]
 NO_WEIGHT = np.zeros((0, 0), np.float32)
-CELL = 16
-"""Side of the cells in which the local mean and rms are taken. [px]"""
+CELL: Final = 4
+"""Side of the cells from which the local mean and rms are averaged. [px]"""
+REACH: Final = 12.0
+"""Standard deviation of the Gaussian average of the local mean. [px]"""
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -142,8 +145,13 @@ def _flatten(
             out_weight[y, x] = g if ok else np.float32(0)
 
 
-def normalise(image: Array, weight: Array | None = None, *, cell: int = CELL, threads: int = 1) -> tuple[Array, Array]:
+def normalise(
+    image: Array, weight: Array | None = None, *, reach: float = REACH, threads: int = 1
+) -> tuple[Array, Array]:
     """Divide out the local mean and the local rms, which leaves the texture alone.
+
+    The local statistics are Gaussian averages of those of small cells: an average over cells of the size of the
+    texture would tie what is left to the pixel grid of each camera, and pull the two grids towards each other.
 
     Parameters
     ----------
@@ -151,8 +159,8 @@ def normalise(image: Array, weight: Array | None = None, *, cell: int = CELL, th
         Counts above the dark level, any real type.
     weight : array, (y, x), optional
         0 for a pixel that must not count (bad, saturated, dust).
-    cell : int
-        Side of the cells of the local statistics. [px]
+    reach : float
+        Standard deviation of the Gaussian average of the local mean; one and a half of it for the rms. [px]
     threads : int
         Threads to use.
 
@@ -164,53 +172,30 @@ def normalise(image: Array, weight: Array | None = None, *, cell: int = CELL, th
     """
     h, w = image.shape
     weight = NO_WEIGHT if weight is None else weight
-    rows, cols = -(-h // cell), -(-w // cell)
-    if h % cell and h % cell < cell // 2:
-        rows = max(rows - 1, 1)
-    if w % cell and w % cell < cell // 2:
-        cols = max(cols - 1, 1)
+    rows, cols = -(-h // CELL), -(-w // CELL)
     sums = np.empty((rows, cols, 3), np.float32)
-    in_bands(lambda a, b: _cell_statistics(image, weight, cell, sums, a, b), rows, threads)
-    filled = np.minimum(sums[..., 0] / cell**2, 1.0)
-    filled[filled < 0.1] = 0
-    level = sums[..., 1]
-    bright = float(np.percentile(level[filled > 0], 98)) if (filled > 0).any() else 0.0
-    floor = 0.02 * bright
-    filled[level <= floor] = 0
-    mean = _fill(level, filled)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(filled > 0, sums[..., 2] / level**2, 0)
-    for _ in range(2):
-        relative = _fill(relative, filled)
-        relative = _binomial(relative)
-    rms = np.sqrt(np.maximum(relative, 0))
-    scale = 1 / np.maximum(rms, max(0.02 * float(rms.max(initial=0.0)), 1e-6))
-    out = np.empty((h, w), np.float32)
-    out_weight = np.empty((h, w), np.float32)
-    mean, scale = mean.astype(np.float32), scale.astype(np.float32)
+    in_bands(lambda a, b: _cell_statistics(image, weight, CELL, sums, a, b), rows, threads)
+    sound, level, square = sums[..., 0], sums[..., 1], sums[..., 2]
+    bright = float(np.percentile(level[sound > 0], 98)) if (sound > 0).any() else 0.0
     if bright <= 0:
         return np.zeros((h, w), np.float32), np.zeros((h, w), np.float32)
-    in_bands(lambda a, b: _flatten(image, weight, cell, mean, scale, floor, out, out_weight, a, b), h, threads)
+    floor = 0.02 * bright
+    sound = np.where(level > floor, sound, 0)
+    mean = _average(level, sound, reach / CELL)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(sound > 0, (square + (level - mean) ** 2) / mean**2, 0)
+    rms = np.sqrt(np.maximum(_average(relative, sound, 1.5 * reach / CELL), 0))
+    scale = (1 / np.maximum(rms, max(0.02 * float(rms.max()), 1e-6))).astype(np.float32)
+    out = np.empty((h, w), np.float32)
+    out_weight = np.empty((h, w), np.float32)
+    in_bands(lambda a, b: _flatten(image, weight, CELL, mean, scale, floor, out, out_weight, a, b), h, threads)
     return out, out_weight
 
 
-def _binomial(cells: Array) -> Array:
-    """Smooth with 1-2-1 along both axes, edges repeated."""
-    p = np.pad(cells, 1, mode="edge")
-    p = p[:-2] + 2 * p[1:-1] + p[2:]
-    return np.asarray((p[:, :-2] + 2 * p[:, 1:-1] + p[:, 2:]) / 16)
-
-
-def _fill(cells: Array, weight: Array) -> Array:
-    """Fill cells without weight from their neighbours, step by step outward."""
-    if (weight > 0).all() or not (weight > 0).any():
-        return cells
-    value = np.where(weight > 0, cells, 0.0)
-    known = (weight > 0).astype(float)
-    while not known.all():
-        near = _binomial(known)
-        guess = _binomial(value * known) / np.where(near > 0, near, 1)
-        new = (known == 0) & (near > 0)
-        value = np.where(new, guess, value)
-        known = np.where(new, 1.0, known)
-    return value
+def _average(cells: Array, weight: Array, sigma: float) -> Array:
+    """Weighted Gaussian average of the cells, edges mirrored; the plain mean where no weight is near."""
+    near = ndimage.gaussian_filter(weight, sigma, mode="reflect", truncate=3.0)
+    total = ndimage.gaussian_filter(cells * weight, sigma, mode="reflect", truncate=3.0)
+    overall = float((cells * weight).sum() / max(float(weight.sum()), 1e-30))
+    safe = near > 1e-6 * float(weight.max())
+    return np.asarray(np.where(safe, total / np.where(safe, near, 1), overall), np.float32)

@@ -1,5 +1,6 @@
 """Pairs of frames as they come in, checked and turned the right way."""
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,11 +9,14 @@ from numpy.typing import NDArray
 
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
-from erlif.registration.normalise import binned, normalise
+from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
 from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
 
 Array = NDArray[Any]
+PairOfArrays = tuple[Array, Array, Array | None, Array | None]
+Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
+"""(reference, moving, weight_reference, weight_moving) of each frame, read when needed."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +91,9 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
         a, wa = normalise(pair.reference, pair.weight_reference, threads=threads)
         b, wb = normalise(pair.moving, pair.weight_moving, threads=threads)
     else:
-        a, wa = normalise(*binned(pair.reference, pair.weight_reference, binning), threads=threads)
-        b, wb = normalise(*binned(pair.moving, pair.weight_moving, binning), threads=threads)
+        reach = max(REACH / binning, 3.0)
+        a, wa = normalise(*binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads)
+        b, wb = normalise(*binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads)
     return Textures(a, wa, b, wb)
 
 
@@ -99,3 +104,35 @@ def laid_over(spline: tuple[Array, Array], dx: Array, dy: Array, drift: tuple[fl
     x, y = float(drift[0]), float(drift[1])
     in_bands(lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads)
     return out
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames that can be gone through again and again, one pair in memory at a time."""
+
+    source: Pairs
+    count: int
+    chosen: tuple[int, ...]
+    """Those from which the map is made."""
+    settings: RegistrationSettings
+
+    def pick(self, wanted: Sequence[int]) -> Iterator[Pair]:
+        """Read the pairs with these numbers, which must ascend."""
+        if callable(self.source):
+            keep = set(wanted)
+            for number, pair in enumerate(self.source()):
+                if number in keep:
+                    yield make_pair(*pair, self.settings)
+        else:
+            for number in wanted:
+                yield make_pair(*self.source[number], self.settings)
+
+
+def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
+    """Count the frames and choose those for the map, evenly spaced."""
+    count = sum(1 for _ in source()) if callable(source) else len(source)
+    if count == 0:
+        raise RegistrationError("Registration needs at least one pair of frames, got none.")
+    most = min(count, settings.frames_for_map)
+    chosen = tuple(sorted({round((i + 0.5) * count / most - 0.5) for i in range(most)}))
+    return Frames(source, count, chosen, settings)

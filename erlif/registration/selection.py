@@ -1,4 +1,11 @@
-"""How fine a surface the data support: hold-out blocks decide, and only a clear gain counts."""
+"""How fine a surface the data support.
+
+A finer surface always fits better. Takeuchi's criterion says by how much it would still fit better on data that it has
+not seen: the gain less twice the trace of M^-1 K, M the normal matrix and K the scatter of the scores (K. Takeuchi,
+Suri-Kagaku 153 (1976) 12; for independent blocks it equals leave-one-out cross-validation, M. Stone, J. R. Stat. Soc. B
+39 (1977) 44). Hold-out blocks gave the same answers where they could test a surface, but not for elements of the size
+of a block, and they cost four fits each.
+"""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -6,19 +13,20 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY
+from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, merge_cells, move_sums
 from erlif.registration.surface import Box, Cells, Surface, degree_basis, equations, solve_surface
 
 Array = NDArray[Any]
 
-LADDER: Final = (1, 2, 4, 8, 16)
-"""Elements along the longer side of the frame."""
-LEAST_ELEMENT: Final = 60.0
-"""No element is made shorter than this: hold-out blocks could not test it. [px]"""
-BLOCK: Final = 48.0
-"""Side of a hold-out block. [px]"""
-CLEAR: Final = 3.0
-"""A finer surface must be better by this many standard errors over the blocks."""
+LADDER: Final = (1, 2, 3, 4, 6, 8)
+FINE_LADDER: Final = (12, 16, 20, 24, 32)
+"""Elements along the longer side of the frame; the fine ones are tried only where the coarse ones leave something."""
+LEAST_ELEMENT: Final = 36.0
+"""No element is made shorter than this. [px]"""
+CLEAR: Final = 2.0
+"""The gain of a finer surface must exceed what it needs by this many standard deviations of a gain by chance."""
+LEFT_OVER: Final = 4.0
+"""Significance of what a surface leaves from which on finer ones are tried."""
 
 
 @dataclass(frozen=True)
@@ -54,68 +62,95 @@ def elements_of(longer: int, box: Box) -> tuple[int, int]:
     return max(1, round(longer * across / down)), longer
 
 
-def candidates(box: Box) -> list[Model]:
-    """Models in the order of their coefficients, as fine as hold-out blocks can test."""
+def candidates(box: Box, ladder: tuple[int, ...]) -> list[Model]:
+    """Models in the order of their coefficients; polynomials first if the ladder begins with one element."""
     longer = max(box[1] - box[0], box[3] - box[2])
-    models = [Model((1, 1), 1), Model((1, 1), 2), Model((1, 1), 3)]
-    models += [Model(elements_of(n, box)) for n in LADDER if n == 1 or longer / n >= LEAST_ELEMENT]
-    return models
+    models = [Model((1, 1), 1), Model((1, 1), 2), Model((1, 1), 3)] if ladder[0] == 1 else []
+    return models + [Model(elements_of(n, box)) for n in ladder if n == 1 or longer / n >= LEAST_ELEMENT]
 
 
-def hold_out_gain(cells: Cells, surface: Surface) -> Array:
-    """Reduction of the weighted squared difference of each cell by going from where it was summed to the surface."""
+def moved_to(cells: Cells, surface: Surface) -> Cells:
+    """The cells as if they had been summed on that surface, to first order."""
     dx, dy = surface.evaluate(cells.x, cells.y)
-    dx, dy = dx - cells.here_x, dy - cells.here_y
-    s = cells.sums
-    linear = 2 * (s[..., BX] * dx + s[..., BY] * dy)
-    square = s[..., GXX] * dx**2 + 2 * s[..., GXY] * dx * dy + s[..., GYY] * dy**2
-    return np.asarray(cells.weight * (linear - square))
+    sums = move_sums(cells.sums, dx - cells.here_x, dy - cells.here_y)
+    return Cells(sums, cells.x, cells.y, dx, dy, cells.weight)
 
 
-def _blocks(cells: Cells, side: float) -> tuple[Array, Array]:
-    """Number of the hold-out block of each cell, and its fold: the blocks alternate like the fields of a chessboard."""
-    column = ((cells.x - cells.x[0]) // side).astype(np.int64)
-    row = ((cells.y - cells.y[0]) // side).astype(np.int64)
-    number = row[:, None] * (column[-1] + 1) + column[None, :]
-    return number, (row[:, None] + column[None, :]) % 2
+def disagreement(cells: Cells, factor: int) -> Array:
+    """s' M^-1 s of every tile of ``factor`` by ``factor`` cells, s its scores and M its normal matrix."""
+    weighted = merge_cells(cells.sums[..., : BY + 1] * cells.weight[..., None], factor)
+    gxx, gxy, gyy, bx, by = (weighted[..., k] for k in (GXX, GXY, GYY, BX, BY))
+    det = gxx * gyy - gxy**2
+    trace = gxx + gyy
+    if not (trace > 0).any():
+        return np.zeros(0)
+    ok = (trace > 0.1 * np.median(trace[trace > 0])) & (det > 1e-4 * trace**2)
+    return np.asarray((gyy * bx**2 - 2 * gxy * bx * by + gxx * by**2)[ok] / det[ok])
 
 
-def choose_model(cells: Cells, *, block: float = BLOCK, models: list[Model] | None = None) -> Model:
-    """The coarsest model that no finer one beats clearly on blocks that neither has seen.
+def left_over(cells: Cells) -> float:
+    """Significance of what remains to be moved, in standard errors.
 
-    All are tried, for a ripple shows only at its own scale.
+    The scores of noise add up like noise, so s' M^-1 s has one mean whatever the size of a tile; what a surface has
+    missed adds up in proportion. Tiles of four and eight cells are compared with the single cells.
+    """
+    small = disagreement(cells, 1)
+    largest = 0.0
+    for factor in (4, 8):
+        large = disagreement(cells, factor)
+        if len(large) >= 8 and len(small) and small.mean() > 0:
+            excess = float(large.mean() / small.mean()) - 1
+            largest = max(largest, excess * float(np.sqrt(len(large))))
+    return largest
+
+
+def noise_of_scores(cells: Cells, used_up: int) -> float:
+    """Mean of s' M^-1 s for one degree of freedom, of cells or of tiles of two by two, whichever is larger.
+
+    ``used_up`` degrees of freedom went into the surface on which the cells stand.
+    """
+    values = []
+    for factor in (1, 2):
+        tiles = disagreement(cells, factor)
+        free = 2 * len(tiles) - used_up
+        if free > len(tiles):
+            values.append(float(tiles.sum()) / free)
+    return max(values, default=0.0)
+
+
+def choose_model(cells: Cells, ladder: tuple[int, ...] = LADDER, best: Model | None = None) -> Model:
+    """The coarsest model on which no finer one is a clear gain. All are tried: a ripple shows only at its own scale.
 
     Parameters
     ----------
     cells : Cells
         Sums of one pair of frames, or of many.
-    block : float
-        Side of a hold-out block. [px]
-    models : list of Model, optional
-        In the order of their coefficients; `candidates` if missing.
+    ladder : tuple of int
+        Elements along the longer side.
+    best : Model, optional
+        A model to begin with; the first of the ladder if missing.
     """
-    models = candidates(cells.box) if models is None else models
-    across, down = cells.box[1] - cells.box[0], cells.box[3] - cells.box[2]
-    block = max(min(block, across / 4, down / 4), 2 * float(cells.x[1] - cells.x[0]))
-    number, fold = _blocks(cells, block)
-    used = np.bincount(number.ravel(), weights=(cells.weight > 0).ravel()) > 0
-    best = models[0]
-    best_gain: Array = np.zeros(0)
+    models = candidates(cells.box, ladder)
+    if best is not None:
+        models.insert(0, best)
+    best_gain = 0.0
     system = None
-    for model in models:
-        if 4 * model.coefficients > used.sum() and model is not models[0]:
-            continue
+    count = int((cells.weight > 0).sum())
+    for number, model in enumerate(models):
+        if 4 * model.coefficients > count and number > 0:
+            break
         if system is None or system.elements != model.elements:
-            system = equations(cells, model.elements, fold=fold)
-        gain = np.zeros(cells.weight.shape)
-        for test in (0, 1):
-            surface = solve_surface(system, basis=model.basis, use=(1 - test,))
-            gain = np.where(fold == test, hold_out_gain(cells, surface), gain)
-        per_block: Array = np.bincount(number.ravel(), weights=gain.ravel())[used]
-        if not best_gain.size:
-            best_gain = per_block
+            system = equations(cells, model.elements)
+        surface = solve_surface(system, basis=model.basis)
+        moved = moved_to(cells, surface)
+        gain = float((cells.weight * (cells.sums[..., EE] - moved.sums[..., EE])).sum())
+        if number == 0:
+            best, best_gain = model, gain
             continue
-        better = per_block - best_gain
-        if better.mean() > CLEAR * better.std() / np.sqrt(better.size):
-            best, best_gain = model, per_block
+        assert best is not None
+        more = 2 * (model.coefficients - best.coefficients)
+        noise = noise_of_scores(moved, 2 * model.coefficients)
+        if more > 0 and gain - best_gain > noise * (2 * more + CLEAR * np.sqrt(2 * more)):
+            best, best_gain = model, gain
+    assert best is not None
     return best

@@ -80,7 +80,7 @@ class Surface:
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         centre = (binning - 1) / 2
-        across = design(np.arange(shape[1]) * binning + centre, x0, x1, nx).T.astype(np.float32)
+        across = np.ascontiguousarray(design(np.arange(shape[1]) * binning + centre, x0, x1, nx).T, np.float32)
         down = design(np.arange(shape[0]) * binning + centre, y0, y1, ny)
         dx, dy = ((down @ c / binning).astype(np.float32) @ across for c in self.coefficients)
         return dx, dy
@@ -113,7 +113,6 @@ def degree_basis(degree: int) -> Array:
 def _assemble(
     sums: Array,
     weight: Array,
-    fold: Array,
     first_x: Array,
     weight_x: Array,
     first_y: Array,
@@ -123,50 +122,61 @@ def _assemble(
     matrix: Array,
     right: Array,
 ) -> None:
-    """Add each cell to the normal equations of its fold."""
+    """Add each cell to the normal equations, first along its row and then, row by row, along y.
+
+    ``matrix`` is (xx xy yy, y, x, y, x), ``right`` (component, y, x).
+    """
     rows, cols = weight.shape
-    nx = right.shape[3]
-    phi = np.empty(16)
-    index = np.empty(16, np.int64)
+    nx = right.shape[2]
+    band = np.empty((3, nx + 3, 4))
+    line = np.empty((2, nx))
     for r in range(rows):
+        band[:] = 0.0
+        line[:] = 0.0
         for c in range(cols):
             w = weight[r, c]
             if w <= 0:
                 continue
-            f = fold[r, c]
             gxx = w * sums[r, c, 0]
             gxy = w * sums[r, c, 1]
             gyy = w * sums[r, c, 2]
             bx = w * sums[r, c, 3] + gxx * here_x[r, c] + gxy * here_y[r, c]
             by = w * sums[r, c, 4] + gxy * here_x[r, c] + gyy * here_y[r, c]
-            k = 0
-            for j in range(4):
-                for i in range(4):
-                    phi[k] = weight_y[r, j] * weight_x[c, i]
-                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
-                    right[f, 0, first_y[r] + j, first_x[c] + i] += phi[k] * bx
-                    right[f, 1, first_y[r] + j, first_x[c] + i] += phi[k] * by
-                    k += 1
-            for p in range(16):
-                fxx = phi[p] * gxx
-                fxy = phi[p] * gxy
-                fyy = phi[p] * gyy
-                for q in range(16):
-                    matrix[f, 0, index[p], index[q]] += fxx * phi[q]
-                    matrix[f, 1, index[p], index[q]] += fxy * phi[q]
-                    matrix[f, 2, index[p], index[q]] += fyy * phi[q]
+            for p in range(4):
+                i = first_x[c] + p
+                line[0, i] += weight_x[c, p] * bx
+                line[1, i] += weight_x[c, p] * by
+                for q in range(p, 4):
+                    both = weight_x[c, p] * weight_x[c, q]
+                    band[0, i, q - p] += both * gxx
+                    band[1, i, q - p] += both * gxy
+                    band[2, i, q - p] += both * gyy
+        for p in range(4):
+            j = first_y[r] + p
+            for i in range(nx):
+                right[0, j, i] += weight_y[r, p] * line[0, i]
+                right[1, j, i] += weight_y[r, p] * line[1, i]
+            for q in range(4):
+                k = first_y[r] + q
+                both = weight_y[r, p] * weight_y[r, q]
+                for m in range(3):
+                    for i in range(nx):
+                        matrix[m, j, i, k, i] += both * band[m, i, 0]
+                        for d in range(1, min(4, nx - i)):
+                            matrix[m, j, i, k, i + d] += both * band[m, i, d]
+                            matrix[m, j, i + d, k, i] += both * band[m, i, d]
 
 
 @dataclass(frozen=True)
 class Equations:
-    """Normal equations of one spline grid, kept apart for each fold of the data."""
+    """Normal equations of one spline grid."""
 
     box: Box
     elements: tuple[int, int]
     matrix: Array
-    """(fold, 2p, 2p)"""
+    """(2p, 2p), x coefficients first."""
     right: Array
-    """(fold, 2p)"""
+    """(2p,)"""
     start: Array
     """(2p,), the plane to which coefficients without data fall back."""
 
@@ -176,7 +186,7 @@ class Cells:
     """Cell sums with where they were taken and how much they count."""
 
     sums: Array
-    """(row, column, 10)"""
+    """(row, column, 11)"""
     x: Array
     """Cell centres. [px]"""
     y: Array
@@ -219,9 +229,7 @@ def _box3(cells: Array) -> Array:
     return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
 
 
-def equations(
-    cells: Cells, elements: tuple[int, int], *, fold: Array | None = None, box: Box | None = None
-) -> Equations:
+def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None) -> Equations:
     """Assemble the normal equations of a spline grid.
 
     Parameters
@@ -230,30 +238,20 @@ def equations(
         The data.
     elements : (int, int)
         Elements along x and y.
-    fold : array, (row, column), int, optional
-        Fold of each cell; all in one if missing.
     box : Box, optional
         Region of the spline; that of the cells if missing.
     """
     box = cells.box if box is None else box
     nx, ny = elements
-    if fold is None:
-        fold = np.zeros(cells.weight.shape, np.int64)
-    folds = int(fold.max()) + 1
     first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
     first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
     p = (nx + 3) * (ny + 3)
-    blocks = np.zeros((folds, 3, p, p))
-    right = np.zeros((folds, 2, ny + 3, nx + 3))
-    _assemble(
-        cells.sums, cells.weight, fold, first_x, weight_x, first_y, weight_y, cells.here_x, cells.here_y, blocks, right
-    )
-    matrix = np.empty((folds, 2 * p, 2 * p))
-    matrix[:, :p, :p] = blocks[:, 0]
-    matrix[:, :p, p:] = blocks[:, 1]
-    matrix[:, p:, :p] = blocks[:, 1]
-    matrix[:, p:, p:] = blocks[:, 2]
-    return Equations(box, elements, matrix, right.reshape(folds, 2 * p), _plane(cells, box, elements))
+    blocks = np.zeros((3, ny + 3, nx + 3, ny + 3, nx + 3))
+    right = np.zeros((2, ny + 3, nx + 3))
+    _assemble(cells.sums, cells.weight, first_x, weight_x, first_y, weight_y, cells.here_x, cells.here_y, blocks, right)
+    xx, xy, yy = blocks.reshape(3, p, p)
+    matrix = np.block([[xx, xy], [xy, yy]])
+    return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
 
 
 def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
@@ -267,13 +265,11 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
-def solve_surface(system: Equations, *, basis: Array | None = None, use: tuple[int, ...] | None = None) -> Surface:
-    """Solve for the surface, from all folds or from those in ``use``; ``basis`` restricts it (see `degree_basis`)."""
-    folds = range(len(system.matrix)) if use is None else use
-    matrix = sum(system.matrix[f] for f in folds)
-    right = sum(system.right[f] for f in folds)
+def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
+    """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`)."""
+    matrix = system.matrix
     nx, ny = system.elements
-    right = right - matrix @ system.start
+    right = system.right - matrix @ system.start
     if basis is not None:
         both = np.kron(np.eye(2), basis)
         solution = both @ _solve(both.T @ matrix @ both, both.T @ right)

@@ -74,7 +74,7 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     basis = np.eye(2 * p) if model.basis is None else np.kron(np.eye(2), model.basis)
     used = int(np.count_nonzero(np.any(scores != 0, axis=1)))
     scores = scores @ basis
-    matrix = basis.T @ system.matrix[0] @ basis
+    matrix = basis.T @ system.matrix @ basis
     ridge = 1e-9 * np.trace(matrix) / len(matrix)
     factor = cho_factor(matrix + ridge * np.eye(len(matrix)))
     spread = cho_solve(factor, scores.T)

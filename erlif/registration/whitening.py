@@ -16,7 +16,7 @@ Array = NDArray[Any]
 
 SIDE: Final = 64
 """Side of the blocks whose spectra are averaged. [px]"""
-MOST_BLOCKS: Final = 256
+MOST_BLOCKS: Final = 160
 REACH: Final = 4
 """Pixels next to an edge or a hole that the filter changes noticeably. [px]"""
 
@@ -54,29 +54,34 @@ def measure_spectra(a: Array, weight: Array, b: Array) -> Spectra:
     every = -(-len(corners) // MOST_BLOCKS)
     taper = np.hanning(side + 2)[1:-1].astype(np.float32)
     taper = taper[:, None] * taper[None, :]
-    first = []
-    second = []
+    first, second, tapers = [], [], []
     for y, x in corners[::every]:
         part = (slice(y, y + side), slice(x, x + side))
-        p, q, g = a[part], b[part], weight[part]
-        ok = np.isfinite(q) & (g > 0)
-        if ok.mean() < 0.9:
+        ok = (weight[part] > 0) & (np.abs(b[part]) < np.inf)
+        if np.count_nonzero(ok) < 0.9 * side * side:
             continue
-        g = taper * ok
-        p, q = np.where(ok, p, np.float32(0)), np.where(ok, q, np.float32(0))
-        first.append((p - p.mean()) * g)
-        second.append((q - q.mean()) * g)
+        first.append(a[part])
+        second.append(b[part])
+        tapers.append(ok)
     shape = (side, side // 2 + 1)
     if not first:
         return Spectra(np.zeros(shape), np.zeros(shape), np.zeros(shape), 0)
-    f = fft.rfft2(np.stack(first))
-    s = fft.rfft2(np.stack(second))
+    sound = np.stack(tapers)
+    f = fft.rfft2(_tapered(np.stack(first), sound, taper))
+    s = fft.rfft2(_tapered(np.stack(second), sound, taper))
     return Spectra(
         (np.abs(f) ** 2).sum(0).astype(float),
         (np.abs(s) ** 2).sum(0).astype(float),
         (f * np.conj(s)).real.sum(0).astype(float),  # the aligned textures are in phase
         len(first),
     )
+
+
+def _tapered(blocks: Array, sound: Array, taper: Array) -> Array:
+    """Blocks (n, y, x) without their mean and without what is not sound, faded out towards their edges."""
+    blocks[~sound] = 0
+    mean = blocks.sum((1, 2), keepdims=True) / sound.sum((1, 2), keepdims=True).astype(np.float32)
+    return np.asarray((blocks - mean) * (taper * sound))
 
 
 @dataclass(frozen=True)
@@ -141,6 +146,35 @@ def make_filter(spectra: Spectra) -> Filter | None:
     return Filter(amplitude / amplitude.max(), 1.0 / side, coherence)
 
 
+def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
+    """By how much the five-point derivative falls short of the slope with which a score answers to a displacement.
+
+    A texture of wave number k answers with k D(k), D the response of the derivative, where the sums hold D(k)^2; both
+    weighted by the texture common to the cameras. 1 for smooth texture, more for a fine one.
+    """
+    if spectra.blocks == 0:
+        return 1.0
+    side = spectra.first.shape[0]
+    ky = 2 * np.pi * fft.fftfreq(side)[:, None]
+    kx = 2 * np.pi * fft.rfftfreq(side)[None, :]
+    common = np.maximum(spectra.cross, 0)
+    common[0, 0] = 0
+    if filter_ is not None:
+        radius = np.hypot(ky, kx) / (2 * np.pi)
+        common = common * np.interp(radius, filter_.spacing * np.arange(len(filter_.amplitude)), filter_.amplitude) ** 2
+    answer, held = 0.0, 0.0
+    for k in (kx, ky):
+        derivative = (8 * np.sin(k) - np.sin(2 * k)) / 6
+        answer += float((k * derivative * common).sum())
+        held += float((derivative**2 * common).sum())
+    return max(answer / held, 1.0) if held > 0 else 1.0
+
+
+def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Size at least as large as the frame that the Fourier transform is fast at."""
+    return fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
+
+
 def whiten(texture: Array, weight: Array, amplitude: Array, *, threads: int = 1) -> tuple[Array, Array]:
     """Filter a texture; its weight becomes 0 near the frame's edge and around holes, where the filter saw no light.
 
@@ -149,12 +183,13 @@ def whiten(texture: Array, weight: Array, amplitude: Array, *, threads: int = 1)
     texture, weight : array, (y, x)
         As from `normalise`.
     amplitude : array
-        From `Filter.on_grid` of the same shape.
+        From `Filter.on_grid` of the `padded_size` of the texture.
     """
     h, w = texture.shape
-    spectrum = fft.rfft2(texture, workers=threads)
+    size = padded_size((h, w))
+    spectrum = fft.rfft2(texture, size, workers=threads)
     spectrum *= amplitude
-    filtered = fft.irfft2(spectrum, (h, w), overwrite_x=True, workers=threads)
+    filtered = np.ascontiguousarray(fft.irfft2(spectrum, size, overwrite_x=True, workers=threads)[:h, :w])
     scale = float(np.sqrt(np.mean(filtered**2)))
     if scale > 0:
         filtered *= np.float32(1 / scale)
