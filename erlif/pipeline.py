@@ -58,19 +58,19 @@ MAPS = [
             "long_name": "oil-film thickness",
             "ancillary_variables": "thickness_std thickness_std_shared flags",
         },
-        bits=12,
+        bits=11,
     ),
     MapVariable(
         "thickness_std",
         "float32",
         {"units": "um", "long_name": "standard deviation of thickness, random part of each pixel"},
-        bits=8,
+        bits=6,
     ),
     MapVariable(
         "thickness_std_shared",
         "float32",
         {"units": "um", "long_name": "standard deviation of thickness, what all pixels share"},
-        bits=8,
+        bits=6,
     ),
     MapVariable("flags", "uint8", FLAG_ATTRS),
 ]
@@ -422,25 +422,32 @@ def _refuse_foreign_ratio(
     drift_of: dict[int, Array],
     calibration: Calibration,
 ) -> None:
-    """Recognise cameras swapped against the calibration: the ratio then lies where its inverse should."""
+    """Recognise cameras swapped against the calibration: the inverse of the ratio is possible, the ratio itself is not.
+
+    No film, however thick, has a ratio above K p/q.
+    """
     low, high = calibration.predict_log(calibration.thickness_range)
     margin = 0.1 * (high - low)
-
-    def share(values: Any) -> float:
-        return float(np.mean((values > low - margin) & (values < high + margin)))
-
-    inside, inverted = [], []
+    K, p, q = calibration.parameters
+    gradient = np.array([1 / K, 1 / p, -1 / q])
+    ceiling = np.log(K * p / q) + 2 * np.sqrt(gradient @ calibration.covariance @ gradient)
     chosen = [recording.frames[round(place)] for place in np.linspace(0, len(recording.frames) - 1, 3)]
+    shares = []
     for k in chosen:
         ratios = _ratio_of(recording, references, camera_map, [k], drift_of[k][None])
-        values = ratios.log_ratio.values[ratios.flags.values == 0]
-        if values.size:
-            inside.append(share(values))
-            inverted.append(share(-values))
-    if inside and np.median(inside) < 0.2 and np.median(inverted) > 0.6:
+        good = ratios.flags.values == 0
+        ratio, std = ratios.log_ratio.values[good], np.sqrt(ratios.log_ratio_var.values[good])
+        if ratio.size:
+            within = [(value > low - margin) & (value < high + margin) for value in (ratio, -ratio)]
+            shares.append([within[0].mean(), within[1].mean(), (ratio - 2 * std > ceiling).mean()])
+    if not shares:
+        return
+    inside, inverted, impossible = np.median(shares, axis=0)
+    if inverted > 0.6 and (inside < 0.2 or impossible > 0.15):
         raise CalibrationError(
-            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as calibrated; most pixels have the inverse. "
-            "The cameras look swapped: exchange the files of [camera1] and [camera2] in run.toml."
+            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as calibrated; {inverted:.0%} of the pixels "
+            f"have the inverse of such a ratio, and {impossible:.0%} one that no film has. The cameras look swapped: exchange the files of "
+            "[camera1] and [camera2] in run.toml."
         )
 
 
