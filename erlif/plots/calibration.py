@@ -19,7 +19,6 @@ from erlif.plots.style import (
     RETURN,
     add_colour_bar,
     colour_map,
-    frame_legend,
     given_or_new,
     letter,
     new_figure,
@@ -66,7 +65,18 @@ def fixture_profile(
     artists: list[Artist] = []
     if calibration is not None:
         low, high = calibration.thickness_range
-        artists.append(ax.axhspan(low, high, color=_SHADE, linewidth=0, zorder=0, label="calibrated range"))
+        artists.append(
+            ax.axhspan(
+                low,
+                high,
+                facecolor=_SHADE,
+                edgecolor=MUTED,
+                linestyle=":",
+                linewidth=0.5,
+                zorder=0,
+                label="calibrated range",
+            )
+        )
     bars = ax.errorbar(
         profile.position,
         profile.thickness,
@@ -81,7 +91,7 @@ def fixture_profile(
     )
     ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
     ax.margins(x=0.01)
-    frame_legend(ax, loc="upper left")
+    ax.legend(loc="upper left")
     return [bars.lines[0], *artists]
 
 
@@ -118,7 +128,15 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     ax = given_or_new(ax)
     t = _grid(calibration)
     ratio, share = calibration.predict(t), _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, color=_SHADE, linewidth=0, zorder=0, label="calibrated range")
+    ax.axvspan(
+        *calibration.thickness_range,
+        facecolor=_SHADE,
+        edgecolor=MUTED,
+        linestyle=":",
+        linewidth=0.5,
+        zorder=0,
+        label="calibrated range",
+    )
     band = ax.fill_between(
         t, ratio * np.exp(-share), ratio * np.exp(share), color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
     )
@@ -136,14 +154,14 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
             ecolor=MUTED,
             elinewidth=0.5,
             capsize=0,
-            label="fixture, bars 1 s.d. (CMM included)",
+            label="fixture, bars 1 s.d.",
             zorder=2,
         )
         artists.append(bars.lines[0])
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
-    frame_legend(ax, loc="lower right")
+    ax.legend(loc="lower right")
     ax.annotate(_parameters(calibration), (0.04, 0.97), xycoords="axes fraction", ha="left", va="top", fontsize=6.5)
     return artists
 
@@ -166,7 +184,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     ax = given_or_new(ax)
     t = _grid(calibration)
     share = 100 * _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, color=_SHADE, linewidth=0, zorder=0)
+    ax.axvspan(*calibration.thickness_range, facecolor=_SHADE, edgecolor=MUTED, linestyle=":", linewidth=0.5, zorder=0)
     band = ax.fill_between(t, -share, share, color=RETURN, alpha=0.35, linewidth=0)
     zero = ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3)
     artists: list[Artist] = [zero, band]

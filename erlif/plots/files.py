@@ -13,17 +13,17 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, read_profile
-from erlif.config import read_fixture_settings
-from erlif.core.errors import ErlifError, OutputError
+from erlif.config import read_fixture_settings, read_run_settings
+from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.store import open_film, refuse_existing
 from erlif.pipeline import open_calibration
 from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image, restore_frames
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
-from erlif.plots.maps import map_sheet_figure, thickness_figure
+from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
 from erlif.plots.products import calibration_of, check_trigger, describe_trigger, fastest_trigger, settings_of
 from erlif.plots.registration import registration_figure
-from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
+from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, settle, styled
 from erlif.plots.trend import speed_figure
 
 logger = logging.getLogger(__name__)
@@ -36,9 +36,10 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
     if given is not None:
         return given
     beside = film_path.parent
-    text = beside / "run.toml"
-    name = settings_of(film).name
-    return beside if text.is_file() and name in text.read_text(encoding="utf-8", errors="replace") else None
+    try:
+        return beside if read_run_settings(beside).name == settings_of(film).name else None
+    except ConfigError:
+        return None
 
 
 def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = None) -> Path | None:
@@ -104,12 +105,14 @@ class FigureSource:
             return group.load()
 
 
+@styled
 def _speed(source: FigureSource) -> Figure:
     figure = new_figure()
     speed_against_angle(source.film, ax=figure.add_subplot())
     return figure
 
 
+@styled
 def _profile(source: FigureSource) -> Figure:
     assert source.fixture_dir is not None
     settings = read_fixture_settings(source.fixture_dir)
@@ -119,8 +122,9 @@ def _profile(source: FigureSource) -> Figure:
     return figure
 
 
+@styled
 def _ratio(source: FigureSource) -> Figure:
-    figure = new_figure(ONE_COLUMN, 0.74 * ONE_COLUMN)
+    figure = new_figure(ONE_COLUMN, image_height(source.film, 0.75 * ONE_COLUMN) + 0.55)
     ax = figure.add_subplot()
     ratio_image(source.restored, source.film, ax=ax)
     ax.set_title(describe_trigger(source.film, source.trigger))
@@ -187,7 +191,6 @@ def find_source(
     return FigureSource(film_path, film, trigger, run, fixture)
 
 
-@styled
 def write_figures(
     film_path: str | Path,
     out_dir: str | Path,
@@ -245,6 +248,6 @@ def write_figures(
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
         for name in names:
-            figure = DRAWN[name](source)
+            figure = settle(DRAWN[name](source))
             written += [save_figure(figure, out_dir / f"{name}.{kind}") for kind in formats]
     return written

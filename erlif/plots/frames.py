@@ -15,7 +15,7 @@ from erlif.core.errors import FrameError
 from erlif.core.store import open_film
 from erlif.correction import correct_frames, measure_references
 from erlif.ingest import open_run, read_frames
-from erlif.plots.maps import bare_image, label_position, pixel_edges
+from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
 from erlif.plots.products import check_trigger, describe_trigger, settings_of
 from erlif.plots.style import (
     ONE_COLUMN,
@@ -131,7 +131,7 @@ def band_images(restored: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes
 @styled
 def band_images_figure(restored: xr.Dataset, film: xr.Dataset, *, trigger: int) -> Figure:
     """The processed images of both cameras on the grid of camera 1, two columns wide."""
-    figure = new_figure(TWO_COLUMNS, 0.385 * TWO_COLUMNS)
+    figure = new_figure(TWO_COLUMNS, image_height(film, 0.37 * TWO_COLUMNS) + 0.62)
     left, right = figure.subplots(1, 2, sharey=True)
     band_images(restored, film, camera=1, ax=left)
     band_images(restored, film, camera=2, ax=right)
@@ -145,7 +145,7 @@ def band_images_figure(restored: xr.Dataset, film: xr.Dataset, *, trigger: int) 
 @styled
 def ratio_image(restored: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
     """Draw the ratio camera 2 / camera 1; pixels without an answer are grey. Parameters as in `band_images`."""
-    ax = given_or_new(ax, height=0.72 * ONE_COLUMN)
+    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.5)
     ratio = restored.ratio.values
     low, high = np.nanpercentile(ratio, [0.5, 99.5])
     image = ax.imshow(

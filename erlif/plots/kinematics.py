@@ -157,7 +157,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     _label_crank(ax)
     ax.set_ylabel("film thickness [µm]")
     ax.set_ylim(0, None)
-    ax.legend(loc="lower center", ncols=2, title="bands 95 %, random and shared", title_fontsize=6.5)
+    frame_legend(ax, loc="lower center", ncols=2, title="bands 95 %, random and shared", title_fontsize=6.5)
     return artists
 
 

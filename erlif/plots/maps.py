@@ -14,7 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from erlif.core.flags import Flag
 from erlif.plots.products import (
@@ -67,6 +68,12 @@ def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
     return float(x[0]) - dx, float(x[-1]) + dx, float(y[-1]) + dy, float(y[0]) - dy
 
 
+def image_height(film: xr.Dataset, width: float) -> float:
+    """Height of the joint's image at a width, both in inches."""
+    left, right, bottom, top = pixel_edges(film)
+    return width * (bottom - top) / (right - left)
+
+
 def label_position(ax: Axes, film: xr.Dataset) -> None:
     """Name the axes of an image of the joint."""
     along = settings_of(film).optics.x_axis
@@ -107,7 +114,7 @@ def thickness_map(
         If there is no such trigger.
     """
     check_trigger(film, trigger)
-    ax = given_or_new(ax, height=0.92 * ONE_COLUMN)
+    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.65)
     low, high = limits or common_limits(film, [trigger])
     image = ax.imshow(
         film.thickness.isel(trigger=trigger).values,
@@ -128,7 +135,7 @@ def thickness_map(
             loc="upper center",
             bbox_to_anchor=(0.5, -0.17),
             ncols=2,
-            handlelength=1.2,
+            handlelength=1.8,
             handleheight=1.0,
             columnspacing=1.2,
             labelspacing=0.35,
@@ -152,7 +159,7 @@ def flag_title(flag: Flag) -> str:
     return str(flag.name).lower().replace("_", " ")
 
 
-def _draw_flags(ax: Axes, flags: npt.NDArray[np.uint8], film: xr.Dataset) -> list[Patch]:
+def _draw_flags(ax: Axes, flags: npt.NDArray[np.uint8], film: xr.Dataset) -> list[Artist]:
     shown = first_reason(flags)
     palette = ListedColormap(["none", *FLAG_COLOURS.values()])
     ax.imshow(
@@ -165,29 +172,22 @@ def _draw_flags(ax: Axes, flags: npt.NDArray[np.uint8], film: xr.Dataset) -> lis
     ]
 
 
-def _outline_region(ax: Axes, film: xr.Dataset) -> Rectangle:
+def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
+    """Outline the region of interest, black on white so that it shows on every colour; returns its key."""
     region = region_of(film)
-    outline = Rectangle(
-        (region.x[0], region.y[0]),
-        region.x[1] - region.x[0],
-        region.y[1] - region.y[0],
-        fill=False,
-        edgecolor="white",
-        linewidth=1.1,
-        label="region of interest",
-    )
-    dashes = Rectangle(
-        outline.get_xy(),
-        outline.get_width(),
-        outline.get_height(),
-        fill=False,
-        edgecolor="black",
+    x = [region.x[0], region.x[1], region.x[1], region.x[0], region.x[0]]
+    y = [region.y[0], region.y[0], region.y[1], region.y[1], region.y[0]]
+    ax.plot(x, y, color="white", linewidth=1.1, scalex=False, scaley=False)
+    (dashes,) = ax.plot(
+        x,
+        y,
+        color="black",
         linewidth=1.1,
         linestyle=(0, (4, 3)),
+        scalex=False,
+        scaley=False,
         label="region of interest",
     )
-    ax.add_patch(outline)
-    ax.add_patch(dashes)
     return dashes
 
 
@@ -220,11 +220,10 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     artists = _draw_profile(ax, profile, np.zeros_like(x))
     gap = rigid_gap(profile, film)
     if gap is not None:
-        label = f"rigid gap, $h_{{min}}$ = {gap.least:.2f} µm"
-        artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label=label)
+        artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
         words = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"rigid gap 1/R = {1 / gap.radius:.4f} µm/mm²"
+            f"rigid gap: {1 / gap.radius:.4f} µm/mm², least {gap.least:.2f} µm"
         )
         ax.annotate(words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5)
     if np.isfinite(h).any():
@@ -245,7 +244,7 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     x = profile.position.values
     artists = _draw_profile(ax, profile, np.zeros_like(x) if gap is None else gap.thickness(x))
     artists.append(ax.axhline(0, color=RETURN, linewidth=0.8))
-    ax.set_ylabel("less rigid gap [µm]")
+    ax.set_ylabel("minus rigid gap [µm]")
     return artists
 
 
@@ -267,7 +266,7 @@ def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
 @styled
 def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     """Map of film thickness at one trigger and the profile through it, two columns wide."""
-    figure = new_figure(TWO_COLUMNS, 0.49 * TWO_COLUMNS)
+    figure = new_figure(TWO_COLUMNS, image_height(film, 0.43 * TWO_COLUMNS) + 1.05)
     panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
     thickness_map(film, trigger=trigger, ax=panels["m"])
     sliding_profile(film, trigger=trigger, ax=panels["p"])
@@ -278,7 +277,7 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     if below_map is not None:
         handles = below_map.legend_handles
         below_map.remove()
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, handlelength=1.2, handleheight=1.0)
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, handlelength=1.8, handleheight=1.0)
     panels["m"].set_title("")
     figure.suptitle(describe_trigger(film, trigger))
     for name, text in (("m", "a"), ("p", "b"), ("r", "c")):

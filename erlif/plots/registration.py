@@ -113,8 +113,10 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
 @styled
 def registration_figure(registration: xr.Dataset, frames: xr.Dataset) -> Figure:
     """Displacement field above and drift per frame below, two columns wide."""
-    figure = new_figure(TWO_COLUMNS, 0.62 * TWO_COLUMNS)
-    panels = figure.subplot_mosaic("xy;dd", height_ratios=(1.5, 1))
+    height, width = registration.displacement_x.shape
+    tall = 0.36 * TWO_COLUMNS * height / width
+    figure = new_figure(TWO_COLUMNS, tall + 2.3)
+    panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, 1.5))
     displacement_map(registration, component="x", ax=panels["x"])
     displacement_map(registration, component="y", ax=panels["y"])
     drift_of_frames(frames, ax=panels["d"])

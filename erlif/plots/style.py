@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -151,6 +152,14 @@ def figure_of(ax: Axes) -> Figure | SubFigure:
 
 
 @styled
+def settle(figure: Figure) -> Figure:
+    """Lay a figure out once and for all, so that writing it several times does not do it again."""
+    figure.draw_without_rendering()
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
 def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
     """Write a figure as PNG, PDF or SVG by the suffix of `path`; the same figure gives the same bytes.
 
@@ -159,7 +168,17 @@ def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
     OutputError
         If it cannot be written; a previous file is then as it was.
     """
-    kind = path.suffix.removeprefix(".")
+    content = figure_bytes(figure, kind=path.suffix.removeprefix("."), dpi=dpi)
     with replacing(path) as scratch:
-        figure.savefig(scratch, format=kind, dpi=dpi, metadata=_METADATA.get(kind))
+        scratch.write_bytes(content)
     return path
+
+
+@styled
+def figure_bytes(figure: Figure, *, kind: str, dpi: float = 300.0) -> bytes:
+    """A figure as a file of kind ``"png"``, ``"pdf"`` or ``"svg"`` would hold it."""
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()  # what keeps its aspect needs a second round of the layout to fit its labels in
+    content = io.BytesIO()
+    figure.savefig(content, format=kind, dpi=dpi, metadata=_METADATA.get(kind))
+    return content.getvalue()

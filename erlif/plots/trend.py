@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.plots.style import (
@@ -51,7 +52,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     Returns
     -------
     list of Artist
-        For each of the two films the points of both strokes, then the fitted line.
+        The points of both strokes for mean and least film, then the two fitted lines.
     """
     ax = given_or_new(ax)
     ax.set(xscale="log", yscale="log")
@@ -59,6 +60,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     speed = np.abs(film.rocker_speed.values)
     fitted = speed >= SLOWEST * speed.max()
     artists: list[Artist] = []
+    lines: list[Line2D] = []
     for name, exponent, colour, dashes, words in (
         ("film_mean", "speed_exponent_mean", MEAN, (0, (3, 1.5)), "mean"),
         ("film_min", "speed_exponent", LEAST, "-", "least"),
@@ -77,27 +79,42 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
                     color=paint,
                     markerfacecolor=paint if sign > 0 else "white",
                     elinewidth=0.7,
-                    label=f"{words} film, {look['label']}" if used is fitted else None,
                 )
                 artists.append(bars.lines[0])
         power, scale = float(film[exponent]), film[exponent].attrs.get("log_scale", np.nan)
         if np.isfinite(power) and np.isfinite(scale):
             ends = np.geomspace(x[fitted].min(), x[fitted].max(), 50)
-            (line,) = ax.plot(
+            lines += ax.plot(
                 1e3 * ends,
                 np.exp(float(scale)) * ends**power,
                 color=colour,
                 linestyle=dashes,
                 linewidth=0.8,
-                label=f"{words} film ∝ (|ω|/F)ⁿ, n = {power:.3f} ± {float(film[exponent + '_std']):.3f}",
+                label=f"{words} film, n = {power:.3f} ± {float(film[exponent + '_std']):.3f}",
                 zorder=4,
             )
-            artists.append(line)
+    artists += lines
     ax.set_xlabel(_LABEL)
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
-    ax.legend(loc="lower right")
+    ax.legend(handles=[*lines, *_stroke_keys()], loc="best")
     return artists
+
+
+def _stroke_keys() -> list[Line2D]:
+    """Keys of the strokes' markers in the colour of neither film."""
+    return [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=str(look["marker"]),
+            color=MUTED,
+            markerfacecolor=MUTED if sign > 0 else "white",
+            label=str(look["label"]),
+        )
+        for sign, look in STROKES.items()
+    ]
 
 
 @styled
