@@ -37,7 +37,9 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
         As `frames`, with displacement_std (y, x), the standard deviation of one component of the map. [px]
     """
     require(frames, "signal", "signal_var", "flags")
-    signal, variance, flags = (frames[name].values.copy() for name in ("signal", "signal_var", "flags"))
+    signal, variance, flags = (np.empty_like(frames[name].values) for name in ("signal", "signal_var", "flags"))
+    for out, name in ((signal, "signal"), (variance, "signal_var"), (flags, "flags")):
+        out[0] = frames[name].values[0]
     turn = camera_map.settings.orientation
     offsets = np.zeros((signal.shape[1], 2)) if drift is None else np.asarray(drift, float)
     dx, dy = camera_map.displacement_x, camera_map.displacement_y
@@ -75,9 +77,26 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
 
 
 @numba.njit(nogil=True, cache=True)
+def _flags_of_four(flags, out):  # type: ignore[no-untyped-def]
+    """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
+    height, width = flags.shape
+    along = np.empty((height, width), flags.dtype)
+    for i in range(height):
+        for j in range(width):
+            before, after, far = max(j - 1, 0), min(j + 1, width - 1), min(j + 2, width - 1)
+            along[i, j] = flags[i, before] | flags[i, j] | flags[i, after] | flags[i, far]
+    for i in range(height):
+        before, after, far = max(i - 1, 0), min(i + 1, height - 1), min(i + 2, height - 1)
+        for j in range(width):
+            out[i, j] = along[before, j] | along[i, j] | along[after, j] | along[far, j]
+
+
+@numba.njit(nogil=True, cache=True)
 def _gather(variance, flags, displacement_x, displacement_y, drift_x, drift_y, factor, out_variance, out_flags):  # type: ignore[no-untyped-def]
     """Variance by bilinear interpolation times `factor`, and all flags of the 4 x 4 pixels about each point."""
     height, width = variance.shape
+    spread = np.empty((height, width), flags.dtype)
+    _flags_of_four(flags, spread)
     for i in range(out_variance.shape[0]):
         for j in range(out_variance.shape[1]):
             x = j + displacement_x[i, j] + drift_x
@@ -91,8 +110,4 @@ def _gather(variance, flags, displacement_x, displacement_y, drift_x, drift_y, f
             top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
             bottom = variance[k + 1, m] + u * (variance[k + 1, m + 1] - variance[k + 1, m])
             out_variance[i, j] = (top + v * (bottom - top)) * factor[i, j]
-            flag = 0
-            for a in range(max(k - 1, 0), min(k + 3, height)):
-                for b in range(max(m - 1, 0), min(m + 3, width)):
-                    flag |= flags[a, b]
-            out_flags[i, j] = flag
+            out_flags[i, j] = spread[k, m]

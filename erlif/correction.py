@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import cv2
 import numba
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy import ndimage
 
 from erlif.config import CameraSettings
 from erlif.core.errors import FrameError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import CorrectedFrames, Frames, References, require
-from erlif.ingest import Page, Recording, find_reference_pages, read_reference
+from erlif.ingest import Recording, find_reference_pages, read_reference
 
 Array = npt.NDArray[np.float64]
 Image = npt.NDArray[np.float32]
@@ -165,9 +165,8 @@ def _measure_camera(recording: Recording, settings: CameraSettings, *, camera: i
     flat = np.ones(shape)
     flat_var = np.zeros(shape)
     gain = settings.gain
-    flat_pages = _flat_pages(recording, settings, camera)
-    levels = _flat_levels(recording, settings, flat_pages, dark, camera) if flat_pages else []
-    measured = _photon_transfer(recording, settings, levels, dark, temporal_var, bad) if levels else None
+    levels = _read_flats(recording, settings, dark, camera)
+    measured = _photon_transfer(levels, settings, dark, temporal_var, bad)
     if measured is not None:
         notes.append(f"camera{camera}: gain measured from the flats, {measured[0]:.3f} ± {measured[1]:.3f} electron/DN")
         if gain is None:
@@ -198,7 +197,7 @@ def _measure_camera(recording: Recording, settings: CameraSettings, *, camera: i
             f'camera{camera} has no read noise: give read_noise = "9 electron", or darks with at least two pages to measure it.'
         )
     if levels:
-        flat, flat_var, dead = _reduce_flats(recording, settings, levels, dark, dark_var, bad, gain, read_noise)
+        flat, flat_var, dead = _reduce_flats(levels, dark_var, bad, gain, read_noise)
         bad = bad | dead
     else:
         notes.append(f"camera{camera}: no flat; vignetting and pixel response are not corrected")
@@ -225,65 +224,71 @@ def _reduce_darks(
     if settings.dark is None:
         assert settings.offset is not None  # the settings hold one or the other
         return np.full(shape, settings.offset), np.zeros(shape), None, np.zeros(shape, bool)
-    pages = find_reference_pages(recording.directory, settings.dark, what=f"camera{camera} dark")
-    mean, variance = _page_statistics(recording, settings, pages)
-    excess = mean - ndimage.median_filter(mean, size=5)
+    found = find_reference_pages(recording.directory, settings.dark, what=f"camera{camera} dark")
+    read = (read_reference(page, settings, directory=recording.directory, shape=shape).astype(float) for page in found)
+    pages: _Pages | None = None
+    for image in read:
+        pages = pages or _Pages(image)
+        pages.add(image)
+    assert pages is not None  # find_reference_pages refuses an empty file
+    mean, variance = pages.mean, pages.variance
+    excess = mean - _median_of_surroundings(mean)
     hot = np.abs(excess) > np.maximum(8 * _robust_std(excess), 8.0)
-    if len(pages) < 2:
+    if pages.count < 2:
         return mean, np.zeros(shape), None, hot
     typical = float(np.median(variance))
     # the variance of n pages scatters by sqrt(2/(n-1)) of itself: a noisy pixel stands far above that
-    noisy = variance > typical * (1 + 8 * np.sqrt(2 / (len(pages) - 1))) + 1.0
+    noisy = variance > typical * (1 + 8 * np.sqrt(2 / (pages.count - 1))) + 1.0
     bad = hot | noisy
     temporal_var = float(variance[~bad].mean())
-    return mean, np.full(shape, temporal_var / len(pages)), temporal_var, bad
+    return mean, np.full(shape, temporal_var / pages.count), temporal_var, bad
 
 
-def _page_statistics(
-    recording: Recording,
-    settings: CameraSettings,
-    pages: Sequence[Page],
-    *,
-    dark: Array | float = 0.0,
-    scales: Sequence[float] | None = None,
-) -> tuple[Array, Array]:
-    """Mean and temporal variance of each pixel over pages, read one at a time, less `dark` and times `scales`."""
-    shape = recording.shape
-    first = read_reference(pages[0], settings, directory=recording.directory, shape=shape) - dark
-    total, squares = np.zeros(shape), np.zeros(shape)
-    for page, scale in zip(pages, scales or [1.0] * len(pages), strict=True):
-        image = read_reference(page, settings, directory=recording.directory, shape=shape) - dark
-        difference = image * scale - first
-        total += difference
-        squares += difference**2
-    count = len(pages)
-    mean = total / count
-    variance = np.maximum(squares - count * mean**2, 0.0) / max(count - 1, 1)
-    return first + mean, variance
+class _Pages:
+    """Mean and temporal variance of each pixel over pages that come one at a time."""
+
+    def __init__(self, first: Array) -> None:
+        self.count = 0
+        self.first = first
+        self.total, self.squares = np.zeros(first.shape), np.zeros(first.shape)
+
+    def add(self, page: Array) -> None:
+        difference = page - self.first  # about the first page, so that squares do not cancel
+        self.count += 1
+        self.total += difference
+        self.squares += difference**2
+
+    @property
+    def mean(self) -> Array:
+        return self.first + self.total / self.count
+
+    @property
+    def variance(self) -> Array:
+        return np.maximum(self.squares - self.total**2 / self.count, 0.0) / max(self.count - 1, 1)
 
 
-def _flat_pages(recording: Recording, settings: CameraSettings, camera: int) -> list[Page]:
+def _median_of_surroundings(image: Array) -> Array:
+    """Median over 5 x 5 pixels."""
+    return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), float)
+
+
+def _read_flats(recording: Recording, settings: CameraSettings, dark: Array, camera: int) -> list[_Pages]:
+    """Flats above dark, level by level: consecutive pages of one light level, freed of the lamp's flicker.
+
+    Saturated pages are left out.
+    """
     if settings.flat is None:
         return []
-    return find_reference_pages(recording.directory, settings.flat, what=f"camera{camera} flat")
-
-
-def _flat_levels(
-    recording: Recording, settings: CameraSettings, pages: Sequence[Page], dark: Array, camera: int
-) -> list[tuple[list[Page], list[float]]]:
-    """Consecutive pages of one light level with their means above dark [DN]; saturated levels are left out."""
-    levels: list[tuple[list[Page], list[float]]] = []
-    for page in pages:
+    levels: list[_Pages] = []
+    for page in find_reference_pages(recording.directory, settings.flat, what=f"camera{camera} flat"):
         image = read_reference(page, settings, directory=recording.directory, shape=recording.shape)
         if np.mean(image >= settings.full_scale) > 1e-3:
             continue
-        mean = float((image - dark).mean())
-        if levels and abs(mean / np.mean(levels[-1][1]) - 1) < _SAME_LEVEL:
-            levels[-1][0].append(page)
-            levels[-1][1].append(mean)
-        else:
-            levels.append(([page], [mean]))
-    if not levels or max(np.mean(means) for _, means in levels) < settings.full_scale / 50:
+        light = image - dark
+        if not levels or abs(light.mean() / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
+            levels.append(_Pages(light))
+        levels[-1].add(light * (levels[-1].first.mean() / light.mean()))
+    if not levels or max(level.first.mean() for level in levels) < settings.full_scale / 50:
         raise FrameError(
             f"Expected flats of camera{camera} well above dark and below full scale ({settings.full_scale}); none is. Record flats "
             "with the light at a quarter to three quarters of full scale."
@@ -292,24 +297,22 @@ def _flat_levels(
 
 
 def _photon_transfer(
-    recording: Recording,
+    levels: Sequence[_Pages],
     settings: CameraSettings,
-    levels: Sequence[tuple[list[Page], list[float]]],
     dark: Array,
     dark_temporal_var: float | None,
     bad: npt.NDArray[np.bool_],
 ) -> tuple[float, float] | None:
     """Gain and its standard deviation [electron/DN] from the rise of temporal variance with light (EMVA 1288, sec. 6)."""
     light, noise, weight = [], [], []
-    for pages, means in levels:
-        if len(pages) < 2:
+    for level in levels:
+        if level.count < 2:
             continue
-        scales = [float(np.mean(means)) / mean for mean in means]
-        mean, variance = _page_statistics(recording, settings, pages, dark=dark, scales=scales)
+        mean, variance = level.mean, level.variance
         good = ~bad & (mean + dark < 0.95 * settings.full_scale)
         light.append(float(mean[good].mean()))
         noise.append(float(variance[good].mean()) - (dark_temporal_var if dark_temporal_var is not None else 0.0))
-        weight.append((len(pages) - 1) * good.sum() / (2 * float((variance[good] ** 2).mean())))
+        weight.append((level.count - 1) * good.sum() / (2 * float((variance[good] ** 2).mean())))
     if not light or sum(noise) <= 0:
         return None
     x, y, w = np.array(light), np.array(noise), np.array(weight)
@@ -319,23 +322,13 @@ def _photon_transfer(
 
 
 def _reduce_flats(
-    recording: Recording,
-    settings: CameraSettings,
-    levels: Sequence[tuple[list[Page], list[float]]],
-    dark: Array,
-    dark_var: Array,
-    bad: npt.NDArray[np.bool_],
-    gain: float,
-    read_noise: float,
+    levels: Sequence[_Pages], dark_var: Array, bad: npt.NDArray[np.bool_], gain: float, read_noise: float
 ) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
     """Response of each pixel relative to the mean, its variance, and the dead pixels."""
-    pages = [page for level, _ in levels for page in level]
-    total = np.zeros(recording.shape)
-    for page in pages:
-        total += read_reference(page, settings, directory=recording.directory, shape=recording.shape) - dark
-    count = len(pages)
+    count = sum(level.count for level in levels)
+    total = np.sum([level.count * level.mean for level in levels], axis=0)
     scale = float(total[~bad].mean())
-    surroundings = ndimage.median_filter(total, size=5)
+    surroundings = _median_of_surroundings(total)
     dead = (total < 0.5 * surroundings) | (total > 1.5 * surroundings) | (total < 0.02 * scale)
     flat = np.where(dead | bad, np.maximum(surroundings, 0.02 * scale), total) / scale
     page_var = (read_noise / gain) ** 2 + _QUANTISATION

@@ -140,18 +140,22 @@ def _mean_film(
     if good.sum() < 64:
         return _NOTHING
     thickness = maps.thickness.values[rows, columns][good].astype(float)
-    log_ratio = ratios.log_ratio.values[rows, columns][good].astype(float)
     variance = ratios.log_ratio_var.values[rows, columns][good].astype(float)
-    table = calibration.inverse
-    place = table.start + table.step * np.arange(table.thickness.size)
-    curvature = np.interp(log_ratio, place, np.gradient(table.per_log_ratio, table.step))
-    mean = float(np.mean(thickness - 0.5 * curvature * variance))
-    rate = 1 / calibration.slope(thickness)
-    gradient = -(calibration.parameter_gradient(thickness) * rate).mean(axis=1)
-    random = math.sqrt(float((rate**2 * variance).sum())) / thickness.size
-    registration = (
-        math.sqrt(float((rate**2 * ratios.log_ratio_var_shared.values[rows, columns][good]).sum())) / thickness.size
-    )
+    displaced = ratios.log_ratio_var_shared.values[rows, columns][good].astype(float)
+    # slope, curvature and gradient change slowly with thickness: evaluate them once per narrow bin
+    low, high = calibration.thickness_range
+    bins = 2000
+    place = np.minimum(((thickness - low) * (bins / (high - low))).astype(np.intp), bins - 1)
+    centre = low + (np.arange(bins) + 0.5) * (high - low) / bins
+    count = np.bincount(place, minlength=bins)
+    rate = 1 / calibration.slope(centre)
+    curvature = rate * np.gradient(rate, centre)  # of thickness over the logarithm of the ratio
+    noise = np.bincount(place, variance, bins)
+    size = thickness.size
+    mean = float(thickness.sum() - 0.5 * (curvature * noise).sum()) / size
+    gradient = -(calibration.parameter_gradient(centre) * rate * count).sum(axis=1) / size
+    random = math.sqrt(float((rate**2 * noise).sum())) / size
+    registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
     # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
     return mean, math.hypot(random, _BLOCK * registration), gradient
 
