@@ -1,7 +1,9 @@
 """How far the surface may be off, from the scatter of the scores themselves.
 
 The sandwich M^-1 (sum of s s') M^-1 takes the scores s of independent blocks as they are, so texture that one camera
-alone sees, correlated noise and unequal light all count (P. J. Huber, Proc. 5th Berkeley Symp. 1 (1967) 221).
+alone sees, correlated noise and unequal light all count (P. J. Huber, Proc. 5th Berkeley Symp. 1 (1967) 221). Residual
+scores are too small where the fit could follow them; dividing them by one less their leverage is the jackknife (J. G.
+MacKinnon, H. White, J. Econom. 29 (1985) 305).
 """
 
 from typing import Any
@@ -9,9 +11,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
-from erlif.registration.matching import BX, BY
+from erlif.registration.matching import BX, BY, GXX, GXY, GYY
 from erlif.registration.selection import Model
 from erlif.registration.surface import Box, Cells, equations, spline_weights
 
@@ -20,25 +21,44 @@ Array = NDArray[Any]
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _block_scores(
-    bx: Array,
-    by: Array,
+    sums: Array,
+    weight: Array,
     first_x: Array,
     weight_x: Array,
     first_y: Array,
     weight_y: Array,
     block: Array,
     nx: int,
+    inverse: Array,
     scores: Array,
+    leverage: Array,
 ) -> None:
+    """Add each cell to the scores (block, 2p) of its block and to its leverage, the trace of M_b M^-1."""
     p = scores.shape[1] // 2
-    for r in range(bx.shape[0]):
-        for c in range(bx.shape[1]):
+    phi = np.empty(16)
+    index = np.empty(16, np.int64)
+    for r in range(weight.shape[0]):
+        for c in range(weight.shape[1]):
+            w = weight[r, c]
+            if w <= 0:
+                continue
+            b = block[r, c]
+            k = 0
             for j in range(4):
                 for i in range(4):
-                    phi = weight_y[r, j] * weight_x[c, i]
-                    k = (first_y[r] + j) * nx + first_x[c] + i
-                    scores[block[r, c], k] += phi * bx[r, c]
-                    scores[block[r, c], p + k] += phi * by[r, c]
+                    phi[k] = weight_y[r, j] * weight_x[c, i]
+                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
+                    scores[b, index[k]] += phi[k] * w * sums[r, c, BX]
+                    scores[b, p + index[k]] += phi[k] * w * sums[r, c, BY]
+                    k += 1
+            xx, xy, yy = 0.0, 0.0, 0.0
+            for m in range(16):
+                for n in range(16):
+                    both = phi[m] * phi[n]
+                    xx += both * inverse[index[m], index[n]]
+                    xy += both * inverse[index[m], p + index[n]]
+                    yy += both * inverse[p + index[m], p + index[n]]
+            leverage[b] += w * (sums[r, c, GXX] * xx + 2 * sums[r, c, GXY] * xy + sums[r, c, GYY] * yy)
 
 
 def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
@@ -68,20 +88,20 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
     first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
     p = (nx + 3) * (ny + 3)
-    scores = np.zeros((int(block.max()) + 1, 2 * p))
-    bx, by = cells.weight * cells.sums[..., BX], cells.weight * cells.sums[..., BY]
-    _block_scores(bx, by, first_x, weight_x, first_y, weight_y, block, nx + 3, scores)
     basis = np.eye(2 * p) if model.basis is None else np.kron(np.eye(2), model.basis)
-    used = int(np.count_nonzero(np.any(scores != 0, axis=1)))
-    scores = scores @ basis
     matrix = basis.T @ system.matrix @ basis
     ridge = 1e-9 * np.trace(matrix) / len(matrix)
-    factor = cho_factor(matrix + ridge * np.eye(len(matrix)))
-    spread = cho_solve(factor, scores.T)
-    # each block gives two scores; the fit has used up as many of them as it has coefficients
-    free = max(1 - matrix.shape[0] / max(2 * used, 1), 0.1)
-    covariance = basis @ (spread @ spread.T / free) @ basis.T
-    return np.asarray(covariance)
+    inverse = np.linalg.inv(matrix + ridge * np.eye(len(matrix)))
+    inverse = basis @ inverse @ basis.T
+    blocks = int(block.max()) + 1
+    scores, leverage = np.zeros((blocks, 2 * p)), np.zeros(blocks)
+    _block_scores(
+        cells.sums, cells.weight, first_x, weight_x, first_y, weight_y, block, nx + 3, inverse, scores, leverage
+    )
+    # the fit has bent towards each block by its leverage on either component; without the block, it had not
+    scores /= np.maximum(1 - leverage / 2, 0.1)[:, None]
+    spread = scores @ inverse
+    return np.asarray(spread.T @ spread)
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
