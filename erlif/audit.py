@@ -97,9 +97,9 @@ def _look_at_counts(recording: Recording) -> list[Finding]:
     findings = []
     for camera, settings in enumerate(recording.cameras, 1):
         warning = depth_warning(settings, int(highest[camera - 1]), camera=camera)
-        text = f"highest count {highest[camera - 1]} of {settings.full_scale}, at most {saturated[camera - 1]:.2%} of a frame saturated"
+        text = f"camera{camera}: highest count {highest[camera - 1]} of {settings.full_scale}, at most {saturated[camera - 1]:.2%} of a frame saturated"
         bright = saturated[camera - 1] > 0.01
-        findings.append(Finding("warning" if warning or bright else "ok", f"camera{camera}", warning or text))
+        findings.append(Finding("warning" if warning or bright else "ok", "counts", warning or text))
     return findings
 
 

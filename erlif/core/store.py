@@ -7,7 +7,9 @@ files at the end and takes its name in one step: it is complete or it is the pre
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 import zipfile
 import zlib
@@ -140,6 +142,10 @@ class PartialFilm:
         with np.load(self._path(trigger)) as record:
             return bytes(record[f"map_{variable.name}"])
 
+    def size(self) -> int:
+        """Bytes of what was kept."""
+        return sum(path.stat().st_size for path in self.directory.glob("trigger_*.npz"))
+
     def numbers(self, trigger: int) -> dict[str, npt.NDArray[Any]]:
         """Small numbers of one trigger."""
         with np.load(self._path(trigger)) as record:
@@ -207,7 +213,7 @@ def _exchange(scratch: Path, output: Path) -> None:
 
 def _not_written(output: Path, error: OSError) -> OutputError:
     return OutputError(
-        f"{output} could not be written: {error.strerror or error}. What stood there before is as it was. Make room or choose another place "
+        f"{output} could not be written: {os.strerror(error.errno) if error.errno else error}. What stood there before is as it was. Make room or choose another place "
         "with -o, and start again."
     )
 
@@ -223,7 +229,7 @@ def _remove(path: Path) -> None:
 def write_dataset(dataset: xr.Dataset, output: Path) -> None:
     """Write a small dataset as netCDF-4, whole or not at all; raises OutputError."""
     with replacing(output) as scratch:
-        dataset.to_netcdf(scratch, engine="h5netcdf")
+        scratch.write_bytes(dataset.to_netcdf(engine="h5netcdf"))  # as a whole: HDF5 does not survive a full disk
 
 
 def write_film(
@@ -240,7 +246,17 @@ def write_film(
         if output.suffix == ".zarr":
             _write_zarr(scratch, film, groups, partial, variables)
         else:
+            _make_room(scratch, partial.size() + film.nbytes + sum(group.nbytes for group in groups.values()) + 2**20)
             _write_netcdf(scratch, film, groups, partial, variables)
+
+
+def _make_room(path: Path, size: int) -> None:
+    """Raise OSError where a file would not fit: HDF5 may crash when the disk fills up under it."""
+    if shutil.disk_usage(path.parent).free < size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    if hasattr(os, "posix_fallocate"):
+        with path.open("wb") as file:
+            os.posix_fallocate(file.fileno(), 0, size)  # sees a quota too
 
 
 def _write_netcdf(

@@ -1,0 +1,115 @@
+"""A small virtual rig for the tests that damage what it wrote, and the command line as a user meets it."""
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import erlif
+from erlif.cli import main
+from erlif.rig import RigSettings, simulate
+
+SMALL = RigSettings(width=128, height=96, spacing=8.0, fixture_frames=3, dark_pages=4, flat_pages=3, bubbles=0)
+"""Six triggers of 128 x 96 pixels."""
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """Directories as the rig wrote them; the fixture is calibrated."""
+
+    directory: Path
+
+    @property
+    def run(self) -> Path:
+        return self.directory / "run"
+
+    @property
+    def fixture(self) -> Path:
+        return self.directory / "fixture"
+
+    @property
+    def film(self) -> Path:
+        return self.run / "film.nc"
+
+    def edit(self, file: str, *changes: tuple[str, str]) -> None:
+        """Replace text in a file, each piece once."""
+        path = self.directory / file
+        text = path.read_text(encoding="utf-8")
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new, 1)
+        path.write_text(text, encoding="utf-8")
+
+    def frames(self, camera: int) -> list[Path]:
+        return sorted((self.run / f"camera{camera}").iterdir())
+
+
+@pytest.fixture(scope="session")
+def small_rig(tmp_path_factory) -> Laboratory:
+    """Never to be changed; take `lab` for a copy."""
+    lab = Laboratory(tmp_path_factory.mktemp("rig"))
+    simulate(lab.directory, seed=11, rig=SMALL)
+    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
+    return lab
+
+
+@pytest.fixture(scope="session")
+def two_cycles(tmp_path_factory) -> Laboratory:
+    """The same rig over two turns of the crank, not calibrated; never to be changed."""
+    lab = Laboratory(tmp_path_factory.mktemp("cycles"))
+    simulate(lab.directory, seed=12, rig=RigSettings(**{**vars(SMALL), "cycles": 2, "fixture_frames": 1}))
+    return lab
+
+
+@pytest.fixture
+def lab(small_rig, tmp_path) -> Laboratory:
+    """A copy of the rig's directories that a test may damage."""
+    for name in ("run", "fixture"):
+        shutil.copytree(small_rig.directory / name, tmp_path / "lab" / name)
+    return Laboratory(tmp_path / "lab")
+
+
+@pytest.fixture(scope="session")
+def film(small_rig, tmp_path_factory) -> Path:
+    """film.nc of the rig as a single thread makes it."""
+    path = tmp_path_factory.mktemp("film") / "film.nc"
+    erlif.process(small_rig.run, output=path, workers=1).close()
+    return path
+
+
+def snapshot(directory: Path) -> dict[str, str]:
+    """Every file below a directory with the hash of its bytes."""
+    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.is_symlink()]
+    return {str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture
+def command() -> Callable[..., Result]:
+    """Run an erlif command that must succeed."""
+
+    def run(*arguments: object) -> Result:
+        result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+        assert result.exit_code == 0, result.output
+        return result
+
+    return run
+
+
+@pytest.fixture
+def refused(tmp_path) -> Callable[..., str]:
+    """Run an erlif command on bad input: status 2, one message, and not a byte written; gives the message."""
+
+    def run(*arguments: object) -> str:
+        before = snapshot(tmp_path)
+        result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+        assert result.exit_code == 2, result.output
+        assert "Traceback" not in result.output
+        assert result.stderr.count("erlif: ") == 1
+        assert snapshot(tmp_path) == before
+        return result.stderr.partition("erlif: ")[2].strip()
+
+    return run
