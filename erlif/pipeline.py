@@ -295,13 +295,14 @@ def find_calibration(
 def _register(recording: Recording, references: References, progress: Progress) -> tuple[CameraMap, Array]:
     """Fixed map of the cameras, and the drift of each usable frame."""
     options = recording.settings.registration
+    large = recording.shape[0] * recording.shape[1] > 500_000
     settings = RegistrationSettings(
         window=options.window,
         step=options.step,
         model=options.model,
         orientation=options.orientation,
-        frames_for_map=options.frames,
-        threads=2 if recording.shape[0] * recording.shape[1] > 500_000 else 1,
+        frames_for_map=options.frames or (4 if large else 12),
+        threads=2 if large else 1,
     )
     frames = _LazyPairs(recording, references, progress)
     camera_map, drift = register_frames(frames, settings=settings)

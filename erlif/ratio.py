@@ -23,6 +23,8 @@ Mask = npt.NDArray[np.uint8]
 
 _DIM, _NO_FILM = int(Flag.DIM), int(Flag.NO_FILM)
 
+_BLOCK, _REACH = 8, 9  # surroundings of a bubble: the median of 9 x 9 blocks of 8 px
+
 
 def compute_ratio(frames: AlignedFrames, *, no_film_below: float = 0.25) -> RatioImages:
     """Logarithm of camera 2 / camera 1 with its variance and flags.
@@ -86,24 +88,32 @@ def _log_ratio(one, two, one_var, two_var, log_ratio, variance, flag):  # type: 
                     flag[i, j] |= _DIM
 
 
-def log_gradient(signal: Image) -> Image:
+@numba.njit(nogil=True, cache=True)
+def log_gradient(signal):  # type: ignore[no-untyped-def]
     """Size of the gradient of the logarithm of an image, by Sobel's operator. [1/px]
 
     Parameters
     ----------
     signal : array, (y, x)
-        Light; what is not positive or not finite counts as level.
+        Light; about a pixel that is not positive or not finite the image counts as level, and so it does at the border.
     """
-    lit = np.where(np.isfinite(signal) & (signal > 0), signal, 1.0).astype(np.float32)
-    logarithm = cv2.log(lit)
-    along_x = cv2.Sobel(logarithm, cv2.CV_32F, 1, 0, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
-    along_y = cv2.Sobel(logarithm, cv2.CV_32F, 0, 1, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(cv2.magnitude(along_x, along_y), np.float32)
+    height, width = signal.shape
+    size = np.zeros((height, width), np.float32)
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            a, b, c = signal[i - 1, j - 1], signal[i - 1, j], signal[i - 1, j + 1]
+            d, e, f = signal[i, j - 1], signal[i, j], signal[i, j + 1]
+            g, h, k = signal[i + 1, j - 1], signal[i + 1, j], signal[i + 1, j + 1]
+            along_x = (c - a) + 2 * (f - d) + (k - g)
+            along_y = (g - a) + 2 * (h - b) + (k - c)
+            # over a few pixels the light changes little, so its relative gradient is that of the logarithm
+            mean = (a + c + g + k + 2 * (b + d + f + h) + 4 * e) * np.float32(0.5)
+            if mean > 0:  # false for NaN
+                size[i, j] = np.sqrt(along_x * along_x + along_y * along_y) / mean
+    return size
 
 
-def find_bubbles(
-    one: Image, two: Image, *, share: float, block: int = 8, reach: int = 9, margin: int = 3
-) -> npt.NDArray[np.bool_]:
+def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> npt.NDArray[np.bool_]:
     """Find where fluorescence is missing from both cameras.
 
     Parameters
@@ -111,9 +121,7 @@ def find_bubbles(
     one, two : array, (y, x)
         Light of the two cameras on one grid; NaN counts as lit.
     share : float
-        A pixel counts as dark below this share of the median light about it.
-    block, reach : int
-        The surroundings are the median of `reach` x `reach` blocks of `block` px.
+        A pixel counts as dark below this share of the median light about it, taken over 9 x 9 blocks of 8 px.
     margin : int
         Pixels about a dark patch that are taken for its meniscus.
 
@@ -121,19 +129,56 @@ def find_bubbles(
     -------
     array of bool, (y, x)
     """
-    light = np.where(np.isfinite(two), one + two, np.nan)
-    light = np.where(np.isfinite(light), light, np.nanmedian(light) if np.isfinite(light).any() else 1.0)
-    height, width = light.shape
-    small = cv2.resize(
-        light.astype(np.float32), (max(width // block, 1), max(height // block, 1)), interpolation=cv2.INTER_AREA
-    )
-    surroundings = ndimage.median_filter(small, size=reach, mode="nearest")
-    expected = cv2.resize(surroundings, (width, height), interpolation=cv2.INTER_LINEAR)
-    dark = (light < share * expected).astype(np.uint8)
+    blocks = _block_light(one, two, _BLOCK)
+    known = np.isfinite(blocks)
+    if not known.any():
+        return np.zeros(one.shape, bool)
+    surroundings = ndimage.median_filter(np.where(known, blocks, np.median(blocks[known])), size=_REACH, mode="nearest")
+    dark = _below(one, two, share * surroundings, _BLOCK)
     if not dark.any():
-        return dark.astype(bool)
+        return np.asarray(dark, bool)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
     return cv2.dilate(dark, disc).astype(bool)
+
+
+@numba.njit(nogil=True, cache=True)
+def _block_light(one, two, block):  # type: ignore[no-untyped-def]
+    """Mean light of both cameras in each block; NaN where no pixel is known."""
+    height, width = one.shape
+    rows, columns = (height + block - 1) // block, (width + block - 1) // block
+    total = np.zeros((rows, columns), np.float32)
+    count = np.zeros((rows, columns), np.float32)
+    for i in range(height):
+        for j in range(width):
+            light = one[i, j] + two[i, j]
+            if np.isfinite(light):
+                total[i // block, j // block] += light
+                count[i // block, j // block] += 1
+    for i in range(rows):
+        for j in range(columns):
+            total[i, j] = total[i, j] / count[i, j] if count[i, j] > 0 else np.nan
+    return total
+
+
+@numba.njit(nogil=True, cache=True)
+def _below(one, two, limit, block):  # type: ignore[no-untyped-def]
+    """Pixels whose light is below `limit`, given per block and interpolated between the centres of blocks."""
+    height, width = one.shape
+    rows, columns = limit.shape
+    dark = np.zeros((height, width), np.uint8)
+    for i in range(height):
+        y = min(max((i + 0.5) / block - 0.5, 0.0), rows - 1.0)
+        k = min(int(y), rows - 2)
+        v = y - k
+        for j in range(width):
+            x = min(max((j + 0.5) / block - 0.5, 0.0), columns - 1.0)
+            m = min(int(x), columns - 2)
+            u = x - m
+            top = limit[k, m] + u * (limit[k, m + 1] - limit[k, m])
+            bottom = limit[k + 1, m] + u * (limit[k + 1, m + 1] - limit[k + 1, m])
+            if one[i, j] + two[i, j] < top + v * (bottom - top):
+                dark[i, j] = 1
+    return dark
 
 
 @dataclass
