@@ -1,0 +1,140 @@
+"""Quantities as people write them."""
+
+import contextlib
+import math
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from erlif.core.units import parse_quantity
+
+# definitions: BIPM SI brochure, 9th edition; NIST SP 811, appendix B (pound-force, inch); one rpm is 2 pi/60 rad/s
+KNOWN = [
+    ("50 lbf", "N", 50 * 4.4482216152605),
+    ("1 kgf", "N", 9.80665),
+    ("114 rpm", "rad/s", 114 * 2 * math.pi / 60),
+    ("2 rev/s", "rad/s", 4 * math.pi),
+    ("90 deg/s", "rad/s", math.pi / 2),
+    ("3 rad / s", "rad/s", 3.0),
+    ("5.5cm", "m", 0.055),
+    ("  5.5   cm ", "m", 0.055),
+    ("33.36 mm", "m", 0.03336),
+    ("1 inch", "m", 0.0254),
+    ("5 µm", "m", 5e-6),
+    ("5 μm", "m", 5e-6),
+    ("60 um", "m", 60e-6),
+    ("2.7 GPa", "Pa", 2.7e9),
+    ("12.4 1/GPa", "1/Pa", 12.4e-9),
+    ("22 GPa^-1", "1/Pa", 22e-9),
+    ("120 cP", "Pa s", 0.12),
+    ("120 mPa s", "Pa s", 0.12),
+    ("120 mPa*s", "Pa s", 0.12),
+    ("120 mPa·s", "Pa s", 0.12),
+    ("580 nm", "nm", 580.0),
+    ("0.58 um", "nm", 580.0),
+    ("4.4 electron/DN", "electron/DN", 4.4),
+    ("9 electrons", "electron", 9.0),
+    ("64 DN", "DN", 64.0),
+    ("25 degC", "degC", 25.0),
+    ("25 °C", "degC", 25.0),
+    ("298.15 K", "degC", 25.0),
+    ("-40 degF", "degC", -40.0),
+    ("1000 K", "delta_degC", 1000.0),
+    ("-1.5e1 deg", "rad", -math.pi / 12),
+    ("90°", "rad", math.pi / 2),
+    ("0.5 turn", "rad", math.pi),
+    ("1 rev", "rad", 2 * math.pi),
+]
+
+
+@pytest.mark.parametrize(("text", "unit", "value"), KNOWN)
+def test_a_quantity_is_read_in_its_unit(text, unit, value):
+    assert parse_quantity(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+REFUSED = [
+    (50, "N", "without one"),
+    (50.0, "N", "without one"),
+    (True, "N", "without one"),
+    (None, "N", "without one"),
+    (["50 N"], "N", "without one"),
+    ("50", "N", "number with a unit"),
+    ("N", "N", "number with a unit"),
+    ("", "N", "number with a unit"),
+    ("5,5 cm", "m", "decimal point, not a comma"),
+    ("1.000,5 cm", "m", "decimal point, not a comma"),
+    ("1 Hz", "rad/s", "rpm, rad/s, deg/s, rev/s"),
+    ("1 kHz", "rad/s", "rpm, rad/s, deg/s, rev/s"),
+    ("12 count", "rad", "an angle is given in"),
+    ("5 percent", "rad", "an angle is given in"),
+    ("50 lb", "N", "lbf"),
+    ("50 kg", "N", "kgf"),
+    ("3 px", "m", "pixel"),
+    ("3 pixel", "m", "pixel"),
+    ("5 s", "m", "cannot be read"),
+    ("5 foo", "m", "cannot be read"),
+    ("1000 degC", "delta_degC", "cannot be read"),
+    ("nan N", "N", "number with a unit"),
+    ("inf N", "N", "number with a unit"),
+    ("1e400 N", "N", "not finite"),
+    ("2**99999999 N", "N", "number with a unit"),
+    ("5 m**99", "m", "number with a unit"),
+    ("5 m/0", "m", "cannot be read"),
+    ("5 m; 6 m", "m", "number with a unit"),
+]
+
+
+@pytest.mark.parametrize(("text", "unit", "words"), REFUSED)
+def test_what_would_be_misread_is_refused(text, unit, words):
+    with pytest.raises(ValueError, match=re.escape(words)):
+        parse_quantity(text, unit)
+
+
+UNITS = ["m", "rad", "rad/s", "N", "Pa", "Pa s", "1/Pa", "nm", "DN", "electron/DN", "electron", "degC", "delta_degC"]
+
+
+@settings(deadline=None, database=None)
+@given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
+def test_a_number_in_the_wanted_unit_comes_back_unchanged(value, unit):
+    assert parse_quantity(f"{value!r} {unit}", unit) == value
+
+
+PIECES = [
+    "m",
+    "cm",
+    "/",
+    "*",
+    "**",
+    "^",
+    "(",
+    ")",
+    "-",
+    "N",
+    "Pa",
+    "s",
+    "1/",
+    "°",
+    "µ",
+    "·",
+    "²",
+    "K",
+    "0",
+    "if",
+    "px",
+    "'",
+    "\\",
+]
+
+
+@settings(deadline=None, database=None, max_examples=150)
+@given(
+    st.one_of(
+        st.text(max_size=12), st.lists(st.sampled_from([*PIECES, "5", ".5", "1e3", " "]), max_size=7).map("".join)
+    ),
+    st.sampled_from(UNITS),
+)
+def test_any_text_is_a_finite_number_or_a_value_error(text, unit):
+    with contextlib.suppress(ValueError):
+        assert math.isfinite(parse_quantity("5 " + text, unit))
