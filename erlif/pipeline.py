@@ -40,7 +40,7 @@ from erlif.correction import correct_frames, measure_references
 from erlif.ingest import Recording, depth_warning, hash_inputs, open_fixture, open_run, read_frames
 from erlif.kinematics import locate_frames
 from erlif.models.fluorescence import band_signal
-from erlif.ratio import RatioSum, compute_ratio
+from erlif.ratio import RatioSum, compute_ratio, is_steep
 from erlif.registration import CameraMap, RegistrationSettings, register_frames
 from erlif.thickness import measure_thickness
 from erlif.trend import fit_exponent, predict_film, region_mask, summarise_film
@@ -333,7 +333,7 @@ class _LazyPairs(Sequence[tuple[Any, Any, Any, Any]]):
         lit = (corrected.flags.values[:, 0] & (Flag.SATURATED | Flag.BAD_PIXEL)) == 0
         self.progress("registration", index + 1, len(self))
         one, two = corrected.signal.values[:, 0]
-        return one, two, lit[0].astype(np.float32), lit[1].astype(np.float32)
+        return one, two, *((lit[n] & ~is_steep(signal)).astype(np.float32) for n, signal in enumerate((one, two)))
 
 
 def _ratio_of(

@@ -141,6 +141,29 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> np
     return cv2.dilate(dark, disc).astype(bool)
 
 
+def is_steep(signal: Image, *, limit: float = 0.04) -> npt.NDArray[np.bool_]:
+    """Find where the film itself makes the light steep, as at the thin end of a wedge.
+
+    There the two bands rise differently, because the ratio does, and a registration that took the rise for texture would
+    shift one camera against the other.
+
+    Parameters
+    ----------
+    signal : array, (y, x)
+        Light of one camera.
+    limit : float
+        Relative rise over blocks of 8 px above which a block counts as steep. [1/px]
+
+    Returns
+    -------
+    array of bool, (y, x)
+    """
+    blocks = np.log(np.maximum(np.nan_to_num(_block_light(signal, signal, _BLOCK)), 1e-3))
+    rise = np.hypot(*np.gradient(ndimage.median_filter(blocks, size=3, mode="nearest"))) / _BLOCK
+    steep = np.repeat(np.repeat(rise > limit, _BLOCK, axis=0), _BLOCK, axis=1)
+    return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
+
+
 @numba.njit(nogil=True, cache=True)
 def _block_light(one, two, block):  # type: ignore[no-untyped-def]
     """Mean light of both cameras in each block; NaN where no pixel is known."""

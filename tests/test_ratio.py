@@ -8,7 +8,7 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages
-from erlif.ratio import RatioSum, combine_frames, compute_ratio, find_bubbles, log_gradient
+from erlif.ratio import RatioSum, combine_frames, compute_ratio, find_bubbles, is_steep, log_gradient
 
 GAIN = 4.4
 
@@ -134,3 +134,14 @@ def test_pixel_is_answered_by_the_frames_that_can_and_keeps_all_reasons_otherwis
 def test_a_skipped_stage_is_named(light):
     with pytest.raises(ErlifError, match="displacement_std is missing"):
         compute_ratio(aligned(*light).drop_vars("displacement_std"))
+
+
+def test_steep_light_is_found_and_texture_is_not():
+    """A film rising from nothing at the left edge: its light is steep there, its speckle nowhere."""
+    rng = np.random.default_rng(7)
+    film = 0.05 + 0.06 * np.arange(160)
+    light = 10000 * (1 - np.exp(-0.4 * film)) * (1 + 0.1 * rng.standard_normal((120, 160)))
+    steep = is_steep(light.astype(np.float32))
+    slope = 0.4 * 0.06 / np.expm1(0.4 * film)  # of the logarithm of 1 - exp(-0.4 film)
+    assert steep[:, slope > 0.08].all()
+    assert not steep[:, slope < 0.02].any()
