@@ -23,7 +23,7 @@ from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
 from erlif.plots.products import calibration_of, check_trigger, describe_trigger, fastest_trigger, settings_of
 from erlif.plots.registration import registration_figure
-from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, settle, styled
+from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure
 
 logger = logging.getLogger(__name__)
@@ -248,6 +248,6 @@ def write_figures(
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
         for name in names:
-            figure = settle(DRAWN[name](source))
+            figure = DRAWN[name](source)
             written += [save_figure(figure, out_dir / f"{name}.{kind}") for kind in formats]
     return written

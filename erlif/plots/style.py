@@ -151,15 +151,6 @@ def figure_of(ax: Axes) -> Figure | SubFigure:
     return figure
 
 
-@styled
-def settle(figure: Figure) -> Figure:
-    """Lay a figure out once and for all, so that writing it several times does not do it again."""
-    figure.draw_without_rendering()
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
-
-
 def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
     """Write a figure as PNG, PDF or SVG by the suffix of `path`; the same figure gives the same bytes.
 
@@ -176,9 +167,13 @@ def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
 
 @styled
 def figure_bytes(figure: Figure, *, kind: str, dpi: float = 300.0) -> bytes:
-    """A figure as a file of kind ``"png"``, ``"pdf"`` or ``"svg"`` would hold it."""
-    if figure.get_layout_engine() is not None:
-        figure.draw_without_rendering()  # what keeps its aspect needs a second round of the layout to fit its labels in
+    """A figure as a file of kind ``"png"``, ``"pdf"`` or ``"svg"`` would hold it. Its layout is then fixed."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        # what keeps its aspect needs a second round to fit its labels in
+        for _ in range(2 if any(ax.get_aspect() != "auto" for ax in figure.axes) else 1):
+            engine.execute(figure)
+        figure.set_layout_engine("none")
     content = io.BytesIO()
     figure.savefig(content, format=kind, dpi=dpi, metadata=_METADATA.get(kind))
     return content.getvalue()

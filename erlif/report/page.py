@@ -22,7 +22,7 @@ from erlif.core.store import open_film, refuse_existing, replacing
 from erlif.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.plots.maps import common_limits, flag_swatch, flag_title
 from erlif.plots.products import calibration_of, describe_trigger, region_of, settings_of
-from erlif.plots.style import FLAG_COLOURS, ONE_COLUMN, colour_map, figure_bytes, settle
+from erlif.plots.style import FLAG_COLOURS, ONE_COLUMN, colour_map, figure_bytes
 from erlif.report.maps import MapCoding, choose_coding, describe_coding, embed_map
 
 Array = npt.NDArray[np.float64]
@@ -354,7 +354,7 @@ def _figures(source: FigureSource) -> str:
         words = caption.words
         if name in ("processed_images", "ratio_image", "thickness_map"):
             words = f"{describe_trigger(source.film, source.trigger).capitalize()}. {words}"
-        figure = settle(draw(source))
+        figure = draw(source)
         image = figure_bytes(figure, kind=caption.kind, dpi=caption.dpi)
         width = "two" if figure.get_figwidth() > 1.5 * ONE_COLUMN else "one"
         media = {"svg": "image/svg+xml", "png": "image/png"}[caption.kind]
@@ -410,10 +410,9 @@ def _provenance(film: xr.Dataset) -> str:
 
 def _viewer(film: xr.Dataset, coding: MapCoding) -> str:
     last = film.sizes["trigger"] - 1
+    ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
     thinned = (
-        f" The page holds every {coding.stride}th pixel along each axis; the film file holds all."
-        if coding.stride > 1
-        else ""
+        f" The page holds every {ordinal} pixel along each axis; the film file holds all." if coding.stride > 1 else ""
     )
     key = "".join(
         f'<li><span class="swatch" style="background:{flag_swatch(flag)}"></span>{flag_title(flag)}</li>'
