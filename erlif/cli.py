@@ -233,3 +233,16 @@ def report(film: Path, output: Path | None, overwrite: bool) -> None:
     from erlif.report import write_report
 
     click.echo(str(write_report(film, output or film.parent / "report.html", overwrite=overwrite)))
+
+
+@main.command()
+def sources() -> None:
+    """Print the published numbers of the sources against what the models give.
+
+    \b
+    Example:
+      erlif sources > docs/sources.md
+    """
+    from erlif.models.sources import render_sources
+
+    click.echo(render_sources(), nl=False)
