@@ -26,6 +26,8 @@ import xarray as xr
 
 from erlif.core.errors import OutputError
 
+_OUR_FORMATS = (b"\x89HDF\r\n\x1a\n", b"\x89PNG\r\n\x1a\n", b"%PDF", b"<!DOCTYP", b"<!doctyp")
+
 _LEVEL = 1  # of zlib: higher ones cost much and gain little on noise
 
 
@@ -169,10 +171,11 @@ def refuse_existing(output: Path, *, overwrite: bool) -> None:
         ours = output.suffix == ".zarr" and ((output / "zarr.json").is_file() or not any(output.iterdir()))
     else:
         with output.open("rb") as file:
-            ours = file.read(8) in (b"", b"\x89HDF\r\n\x1a\n")
+            start = file.read(8)
+        ours = not start or start.startswith(_OUR_FORMATS)
     if not ours:
         raise OutputError(
-            f"Expected {output} to be a film or calibration of before; it is something else, which --overwrite does not replace. Use -o for "
+            f"Expected {output} to be an output of before; it is something else, which --overwrite does not replace. Use -o for "
             "another name."
         )
 
