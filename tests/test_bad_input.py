@@ -273,7 +273,7 @@ def test_an_angle_beyond_the_linkage_is_refused_with_the_reachable_range(lab, re
     log.write_text("\n".join(rows))
     message = refused("process", lab.run)
     assert "Frame 2, column angle_deg" in message
-    assert "47.410 to 71.836 deg" in message  # physics.md 1.3: 47.4095 and 71.8355
+    assert "47.410 to 71.836 deg" in message  # 47.4095 and 71.8355 by eq. A.1
 
 
 def test_a_log_that_swings_too_far_is_refused_where_no_zero_is_given(lab, refused):
