@@ -1,7 +1,7 @@
 """Camera 2 onto the pixels of camera 1."""
 
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.drift import Drift, estimate_drift
+from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 from erlif.registration.warp import interpolation_variance_factor, sample_spline, spline_coefficients, warp
@@ -11,6 +11,7 @@ __all__ = [
     "CameraMap",
     "Drift",
     "RegistrationSettings",
+    "check_map",
     "estimate_drift",
     "interpolation_variance_factor",
     "orient",

@@ -1,21 +1,41 @@
 """The translation of one frame against the fixed map: fast, for every frame of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from erlif.core.errors import RegistrationError
+from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS, cell_sums, correlation, move_sums, solve_shift
-from erlif.registration.pairs import Pair, laid_over, make_pair, textures
+from erlif.registration.matching import (
+    AB,
+    BX,
+    BY,
+    GXX,
+    GXY,
+    GYY,
+    SUMS,
+    WEIGHT,
+    cell_sums,
+    correlation,
+    move_sums,
+    solve_shift,
+    without_noise,
+)
+from erlif.registration.pairs import Pair, Pairs, laid_over, make_pair, open_frames, textures
+from erlif.registration.settings import RegistrationSettings
+from erlif.registration.surface import cell_weights
 
 Array = NDArray[Any]
 
 STEP: Final = 16
-LEAST_QUALITY: Final = 6.0
-"""Least correlation of the textures over its own standard error for a drift to be believed."""
+FARTHEST: Final = 8
+"""Largest drift looked for, in pixels binned by 2 or, for frames of 400 px and more, by 4."""
+CHANCE: Final = 6.0
+"""The mean product of the textures must be this many of its standard errors for a drift to be believed."""
 
 
 @dataclass(frozen=True)
@@ -67,26 +87,106 @@ def estimate_drift(
             f"The camera map was made for frames of {camera_map.shape}, this frame has {pair.reference.shape}; "
             "register the cameras again for this region of interest."
         )
-    return follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads)
+    found = follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads)
+    if np.isnan(found.dx):
+        raise RegistrationError(
+            f"This frame does not fit the camera map: laid over each other, the images of the two cameras have a "
+            f"correlation coefficient of {found.quality:.3f}, no more than chance gives. Leave the frame out if the "
+            "pulse misfired, or register the cameras again if they have been moved."
+        )
+    return found
+
+
+def check_map(
+    camera_map: CameraMap, pairs: Pairs, *, tolerance: float = 0.1, settings: RegistrationSettings | None = None
+) -> Array:
+    """Check on a few frames of a run that a map made before still fits it.
+
+    Parameters
+    ----------
+    camera_map : CameraMap
+        A stored map.
+    pairs : sequence, or callable that gives a fresh iterable
+        Frames of the run, as for `register_frames`; at most eight of them, evenly spaced, are used.
+    tolerance : float
+        Local displacement beyond the drift that is let pass. [px]
+    settings : RegistrationSettings, optional
+        Those of the map if missing.
+
+    Returns
+    -------
+    array, (frame, 2)
+        Drift ``(dx, dy)`` of the frames used. [px]
+
+    Raises
+    ------
+    RegistrationError
+        If a frame does not fit at all, or if more than a tenth of the field clearly needs another displacement.
+    """
+    settings = camera_map.settings if settings is None else settings
+    frames = open_frames(pairs, replace(settings, frames_for_map=min(8, settings.frames_for_map)))
+    drift = []
+    total = np.zeros((1, 1, SUMS))
+    for pair in frames.pick(frames.chosen):
+        found = estimate_drift(
+            replace(camera_map, settings=replace(settings, orientation="normal")),
+            pair.reference,
+            pair.moving,
+            weight_reference=pair.weight_reference,
+            weight_moving=pair.weight_moving,
+            threads=settings.threads,
+        )
+        drift.append((found.dx, found.dy))
+        views = textures(pair, 1, settings.threads)
+        field = camera_map.displacement_x, camera_map.displacement_y
+        b = laid_over(views.spline(settings.threads), *field, (found.dx, found.dy), settings.threads)
+        total = total + cell_sums(views.a, views.weight, b, STEP, threads=settings.threads)
+    total = without_noise(total)
+    off = local.still_off(total * cell_weights(total)[..., None], STEP, tolerance=tolerance)
+    lit = total[..., WEIGHT] > 0
+    if off[lit].mean() > 0.1:
+        raise RegistrationError(
+            f"The stored camera map fits no longer: {off[lit].mean():.0%} of the common field needs a displacement that "
+            f"differs by more than {tolerance} px even after the drift. Register the cameras again with this run."
+        )
+    return np.array(drift)
 
 
 def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, threads: int = 1) -> Drift:
-    """The same for a checked pair and a dense displacement (NaN where it is not known). [px]
+    """The same as `estimate_drift` for a checked pair and a dense displacement (NaN where it is not known). [px]
 
-    Binned images bring the drift within a fraction of a pixel, one step at full resolution does the rest.
+    The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them to a fraction of a
+    pixel, and one step at full resolution does the rest. NaN if the textures do not correlate beyond chance.
     """
     shift = np.zeros(2)
     sums = np.zeros((1, 1, SUMS))
-    for binning, passes in ((4, 4), (1, 1)) if min(pair.reference.shape) >= 256 else ((2, 4), (1, 2)):
+    for binning, passes in ((4 if min(pair.reference.shape) >= 400 else 2, 3), (1, 1)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)
         dx, dy = _thinned(displacement_x, binning), _thinned(displacement_y, binning)
+        if binning > 1:
+            shift = binning * _whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
         for _ in range(passes):
             here = (float(shift[0]) / binning, float(shift[1]) / binning)
             sums = cell_sums(views.a, views.weight, laid_over(spline, dx, dy, here, threads), STEP, threads=threads)
-            shift = shift + binning * np.array(solve_shift(sums))
+            shift = shift + binning * np.array(solve_shift(without_noise(sums)))
+    quality = correlation(sums)
+    products = sums[..., AB][sums[..., WEIGHT] > 0]
+    if products.size < 16 or not products.mean() > CHANCE * products.std() / np.sqrt(products.size):
+        return Drift(np.nan, np.nan, np.nan, np.nan, quality)
+    sums = without_noise(sums)
     std_dx, std_dy = _spread(move_sums(sums, *solve_shift(sums)))
-    return Drift(float(shift[0]), float(shift[1]), std_dx, std_dy, correlation(sums))
+    return Drift(float(shift[0]), float(shift[1]), std_dx, std_dy, quality)
+
+
+def _whole_pixels(a: Array, b: Array) -> Array:
+    """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation; NaN in ``b`` counts 0."""
+    size = (fft.next_fast_len(a.shape[0] + FARTHEST, real=True), fft.next_fast_len(a.shape[1] + FARTHEST, real=True))
+    product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
+    value = fft.irfft2(product, size)
+    near = np.r_[-FARTHEST : FARTHEST + 1]
+    j, i = np.unravel_index(int(np.argmax(value[np.ix_(near, near)])), (near.size, near.size))
+    return np.array([near[i], near[j]], float)
 
 
 def _thinned(field: Array, binning: int) -> Array:

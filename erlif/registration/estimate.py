@@ -32,7 +32,6 @@ from erlif.registration.matching import (
 from erlif.registration.pairs import Frames, Pair, Pairs, Textures, laid_over, open_frames, textures
 from erlif.registration.selection import (
     FINE_LADDER,
-    LEFT_OVER,
     Model,
     choose_model,
     left_over,
@@ -56,6 +55,8 @@ Array = NDArray[Any]
 CUBIC: Final = Model((1, 1), 3)
 BEYOND: Final = 8.0
 """How far beyond the frame of camera 2 the displacement is still given, for frames that drift. [px]"""
+UNRESOLVED: Final = 2.0
+"""What the best surface leaves, in units of what makes finer ones worth a trial, from which on windows take over."""
 POOR_STD: Final = 0.25
 """Standard deviation of the displacement from which on a pixel counts as poorly registered. [px]"""
 POOR_RESIDUAL: Final = 0.3
@@ -107,7 +108,8 @@ def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = Non
     camera_map : CameraMap
         The fixed map; the drift over all frames has mean 0 against it.
     drift : array, (frame, 2)
-        Translation of camera 2 in each frame, ``(dx, dy)``, to be added to the map. [px]
+        Translation of camera 2 in each frame, ``(dx, dy)``, to be added to the map; NaN for a frame in which the
+        cameras share no texture, such as a pulse that misfired. [px]
 
     Raises
     ------
@@ -147,8 +149,11 @@ def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = Non
     camera_map = finish_map(solution, views, cells, quality)
     if frames.count == 1:
         return camera_map, np.zeros((1, 2))
-    drift = np.array([measure_drift(camera_map, pair) for pair in frames.pick(range(frames.count))])
-    mean = drift.mean(0)
+    drift = np.empty((frames.count, 2))
+    for number, pair in enumerate(frames.pick(range(frames.count))):
+        found = follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=settings.threads)
+        drift[number] = found.dx, found.dy
+    mean = np.nanmean(drift, axis=0)
     moved = replace(solution, dx=solution.dx + np.float32(mean[0]), dy=solution.dy + np.float32(mean[1]))
     return finish_map(moved, views, cells, quality), drift - mean
 
@@ -266,16 +271,18 @@ class Views:
         b, wb = whiten(plain.b, plain.weight_b, grid, threads=self.settings.threads)
         return Textures(a, wa, b, wb)
 
-    def _each(self, dx: Array, dy: Array) -> Iterator[Textures]:
+    def _each(self, dx: Array, dy: Array) -> Iterator[tuple[int, Textures]]:
         if self._single is not None:
-            yield self._single
+            yield 0, self._single
             return
         for number, pair in enumerate(self.frames.pick(self.frames.chosen)):
             if not self._drift_known:
                 found = follow_drift(dx, dy, pair, threads=self.settings.threads)
                 self.drift[number] = found.dx, found.dy
+            if np.isnan(self.drift[number]).any():
+                continue
             plain = textures(pair, 1, self.settings.threads)
-            yield plain if self._whitening is None else self._filtered(plain)
+            yield number, plain if self._whitening is None else self._filtered(plain)
         self._drift_known = True
 
     def sums(self, dx: Array, dy: Array, scale: Array | None) -> tuple[Array, Spectra | None, Array]:
@@ -284,7 +291,7 @@ class Views:
         total: Array | None = None
         spectra: Spectra | None = None
         threads = self.settings.threads
-        for number, view in enumerate(self._each(dx, dy)):
+        for number, view in self._each(dx, dy):
             here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
             b = laid_over(view.spline(threads), dx, dy, here, threads)
             sums = cell_sums(view.a, view.weight, b, self.settings.step, scale=scale, threads=threads)
@@ -296,8 +303,12 @@ class Views:
                 self.drift[number] += shift
                 sums = move_sums(sums, *shift)
             total = sums if total is None else total + sums
-        assert total is not None
-        mean = self.drift.mean(0)
+        if total is None:
+            raise RegistrationError(
+                f"None of the {len(self.frames.chosen)} frames from which the map is to be made shows texture that both "
+                "cameras share. Check the exposure, the focus and that the frames of the two cameras belong together."
+            )
+        mean = np.nanmean(self.drift, axis=0)
         self.drift -= mean
         return total, spectra, mean
 
@@ -337,13 +348,12 @@ def choose_surface(cells: Cells) -> tuple[Model, bool]:
     """The model for the surface, and whether it leaves distortion that none of the models resolves."""
     model = choose_model(cells)
     rest = moved_to(cells, solve_surface(equations(cells, model.elements), basis=model.basis))
-    if left_over(rest) < LEFT_OVER:
+    if left_over(rest) < 1:
         return model, False
     finer = choose_model(cells, FINE_LADDER, model)
-    if finer == model:
-        return model, left_over(rest) > 5 * LEFT_OVER
-    rest = moved_to(cells, solve_surface(equations(cells, finer.elements), basis=finer.basis))
-    return finer, left_over(rest) > 5 * LEFT_OVER
+    if finer != model:
+        rest = moved_to(cells, solve_surface(equations(cells, finer.elements), basis=finer.basis))
+    return finer, left_over(rest) > UNRESOLVED
 
 
 @dataclass(frozen=True)
@@ -414,7 +424,11 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     far = (px < -BEYOND) | (px > width - 1 + BEYOND) | (py < -BEYOND) | (py > height - 1 + BEYOND)
     poor = std > POOR_STD
     if solution.model.startswith("surface"):
-        poor |= still_off(cells, views.shape)
+        pitch = round(float(cells.x[1] - cells.x[0]))
+        off = local.still_off(cells.sums * cells.weight[..., None], pitch, tolerance=POOR_RESIDUAL)
+        row = np.minimum(np.arange(h) // pitch, len(cells.y) - 1)
+        column = np.minimum(np.arange(w) // pitch, len(cells.x) - 1)
+        poor |= off[np.ix_(row, column)]
     if not overlap.any() or poor[overlap].mean() > 0.5:
         part = float(poor[overlap].mean()) if overlap.any() else 1.0
         raise RegistrationError(
@@ -425,28 +439,6 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     for field in (dx, dy, std):
         field[far] = np.nan
     return CameraMap(dx, dy, std, overlap, poor, quality, solution.model, views.settings)
-
-
-def still_off(cells: Cells, shape: tuple[int, int]) -> Array:
-    """Pixels whose surroundings of some 64 px still ask clearly for another displacement than the surface has."""
-    pitch = float(cells.x[1] - cells.x[0])
-    sigma = local.window_sigma(64, int(pitch))
-    weighted = cells.sums * cells.weight[..., None]
-    step, _, sound = local.solve_windows(weighted, sigma)
-    std = local.window_std(weighted, sigma, 1)
-    length = np.hypot(step[0], step[1])
-    off = sound & (length > POOR_RESIDUAL) & (length > 5 * std)
-    j = np.clip(np.arange(shape[0]) / pitch, 0, len(cells.y) - 1).astype(int)
-    i = np.clip(np.arange(shape[1]) / pitch, 0, len(cells.x) - 1).astype(int)
-    return np.asarray(off[np.ix_(j, i)])
-
-
-def measure_drift(camera_map: CameraMap, pair: Pair) -> tuple[float, float]:
-    """Translation (dx, dy) of one frame of the run against the map. [px]"""
-    found = follow_drift(
-        camera_map.displacement_x, camera_map.displacement_y, pair, threads=camera_map.settings.threads
-    )
-    return found.dx, found.dy
 
 
 def _bilinear(coarse: Array, shape: tuple[int, int]) -> Array:

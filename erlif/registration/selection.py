@@ -26,7 +26,9 @@ LEAST_ELEMENT: Final = 36.0
 CLEAR: Final = 2.0
 """The gain of a finer surface must exceed what it needs by this many standard deviations of a gain by chance."""
 LEFT_OVER: Final = 4.0
-"""Significance of what a surface leaves from which on finer ones are tried."""
+"""Finer surfaces are tried where the best of the coarse leaves something of this many standard errors."""
+LEFT_BETWEEN: Final = 0.6
+"""The same for neighbouring cells: excess of their joint disagreement, which reaches 3 if they move together."""
 
 
 @dataclass(frozen=True)
@@ -89,18 +91,23 @@ def disagreement(cells: Cells, factor: int) -> Array:
 
 
 def left_over(cells: Cells) -> float:
-    """Significance of what remains to be moved, in standard errors.
+    """How clearly something remains to be moved; 1 where finer surfaces are worth a trial.
 
     The scores of noise add up like noise, so s' M^-1 s has one mean whatever the size of a tile; what a surface has
-    missed adds up in proportion. Tiles of four and eight cells are compared with the single cells.
+    missed adds up in proportion. Tiles of four and eight cells are compared with the single cells, where chance alone
+    decides, and tiles of two for distortion too fine for those, where the texture may reach from cell to cell.
     """
     small = disagreement(cells, 1)
+    if not len(small) or not small.mean() > 0:
+        return 0.0
     largest = 0.0
-    for factor in (4, 8):
+    for factor in (2, 4, 8):
         large = disagreement(cells, factor)
-        if len(large) >= 8 and len(small) and small.mean() > 0:
-            excess = float(large.mean() / small.mean()) - 1
-            largest = max(largest, excess * float(np.sqrt(len(large))))
+        if len(large) < 8:
+            continue
+        excess = float(large.mean() / small.mean()) - 1
+        limit = LEFT_BETWEEN if factor == 2 else LEFT_OVER / float(np.sqrt(len(large)))
+        largest = max(largest, excess / limit)
     return largest
 
 
