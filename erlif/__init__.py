@@ -18,7 +18,7 @@ _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
-    "audit": "erlif.audit",
+    "audit": "erlif.inspection",
     "calibrate": "erlif.pipeline",
     "open_calibration": "erlif.pipeline",
     "open_film": "erlif.core.store",
@@ -90,11 +90,11 @@ if TYPE_CHECKING:
         thickness,
         trend,
     )
-    from erlif.audit import audit
     from erlif.calibration import Calibration
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.core.store import open_film
+    from erlif.inspection import audit
     from erlif.pipeline import calibrate, open_calibration, process, save_calibration
     from erlif.rig import simulate
     from erlif.summary import summarise

@@ -119,7 +119,7 @@ def check(directory: Path) -> None:
     Example:
       erlif check data_samples/straight_bushing
     """
-    from erlif.audit import audit
+    from erlif.inspection import audit
 
     findings = audit(directory)
     for finding in findings:
