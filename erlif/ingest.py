@@ -514,7 +514,8 @@ def _tiff_headers(path: Path, size: int) -> list[_Kind]:
                 page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
                 ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
                 whole = ends and max(ends) <= size
-                kinds.append((tuple(page.shape), np.dtype(page.dtype).name) if whole else _UNREADABLE)
+                shape = tuple(int(n) for n in page.shape)
+                kinds.append((shape, np.dtype(page.dtype).name) if whole else _UNREADABLE)
     except OSError:
         raise
     except Exception as error:  # tifffile raises whatever the damaged bytes lead it to

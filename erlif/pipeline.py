@@ -32,6 +32,7 @@ from erlif.core.store import (
     PartialFilm,
     describe_hashes,
     open_film,
+    open_netcdf,
     refuse_existing,
     write_dataset,
     write_film,
@@ -152,7 +153,7 @@ def open_calibration(path: str | Path) -> Calibration:
         with warnings.catch_warnings():
             # the file format allows covariance (parameter, parameter), which xarray reads with a warning
             warnings.filterwarnings("ignore", "Duplicate dimension names", UserWarning)
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            with open_netcdf(path) as dataset:
                 return Calibration.from_dataset(dataset.load())
     except ErlifError:
         raise

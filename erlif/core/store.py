@@ -318,6 +318,16 @@ def _write_zarr(
             array[trigger] = decompress(partial.chunk(trigger, variable), variable.dtype, shape[1:])
 
 
+def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
+    """Open a netCDF-4 file or one of its groups with xarray."""
+    import h5py
+
+    with h5py.File(path, "r") as file:  # where this fails, h5netcdf would leave a complaint of its own on the terminal
+        list(file.attrs.items())
+        file.visititems(lambda name, item: None)
+    return xr.open_dataset(path, engine="h5netcdf", group=group)
+
+
 def _free_text(dataset: xr.Dataset) -> xr.Dataset:
     """Text as strings of any length: zarr's format 3 does not know text of a fixed length."""
     return dataset.assign({name: dataset[name].astype(object) for name in dataset if dataset[name].dtype.kind == "U"})
@@ -345,8 +355,8 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
         if path.suffix == ".zarr":
             dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
         else:
-            dataset = xr.open_dataset(path, engine="h5netcdf", group=group)
-    except (OSError, ValueError, KeyError) as error:
+            dataset = open_netcdf(path, group=group)
+    except Exception as error:  # HDF5 and zarr raise whatever the damaged bytes lead them to
         raise OutputError(
             f"Expected a film as erlif process writes it; {path} cannot be read as one ({error})."
         ) from error
