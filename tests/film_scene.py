@@ -119,6 +119,16 @@ def make_run(directory: Path) -> RunSettings:
     return read_run_settings(directory)
 
 
+def without_answers(film: xr.Dataset) -> xr.Dataset:
+    """The same film, every pixel of it beyond the range."""
+    mute = film.load().copy(deep=True)
+    mute.flags.values[:] = 32
+    for name, variable in mute.data_vars.items():
+        if str(name).startswith(("thickness", "film_m", "film_p", "speed_exponent")):
+            mute[name] = variable * np.nan
+    return mute
+
+
 def make_film(directory: Path) -> Path:
     """Write a run directory and the film made of it, noise drawn with a fixed seed; returns the path of film.nc."""
     settings = make_run(directory)

@@ -260,7 +260,7 @@ def _results_table(film: xr.Dataset, tally: Array) -> str:
             )
     theory = film.film_theory
     rows.append(("Theory", escape(str(theory.attrs.get("long_name", "")))))
-    rows.append(("Its range", f"{_span(theory.values)} µm; measured least film is {_share(film)} of it"))
+    rows.append(("Its range", f"{_span(theory.values)} µm; measured least film over it: {_share(film)}"))
     rows.append(("Why this theory", escape(str(theory.attrs.get("reason", "")))))
     rows.append(("2.65 line-contact formula", f"{_span(film.film_hamrock_dowson.values)} µm"))
     if "film_parameter" in film:
@@ -272,13 +272,21 @@ def _results_table(film: xr.Dataset, tally: Array) -> str:
 
 
 def _span(values: Array) -> str:
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return "not known"
+    low, high = float(known.min()), float(known.max())
     return f"{low:.4g} to {high:.4g}" if f"{low:.4g}" != f"{high:.4g}" else f"{low:.4g}"
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "not known"
 
 
 def _share(film: xr.Dataset) -> str:
     share = film.film_min.values / film.film_theory.values
-    return f"{float(np.nanmedian(share)):.2g} (median)"
+    known = share[np.isfinite(share)]
+    return f"{float(np.median(known)):.2g} (median)" if known.size else "not known"
 
 
 def _calibration_table(source: FigureSource) -> str:
@@ -386,8 +394,8 @@ def _trigger_table(film: xr.Dataset, valid: Array) -> str:
         row += [f"{one['temperature']:.2f}"] if "temperature" in film else []
         row += [f"{int(one['frames_used'])}"]
         row += [with_error(float(one[name]), float(one[f"{name}_std"])) for name in ("film_mean", "film_min")]
-        row += [f"{one['film_theory']:.1f}", f"{one['film_hamrock_dowson']:.3f}"]
-        row += [f"{one['film_parameter']:.1f}"] if "film_parameter" in film else []
+        row += [_number(one["film_theory"], 1), _number(one["film_hamrock_dowson"], 3)]
+        row += [_number(one["film_parameter"], 1)] if "film_parameter" in film else []
         rows.append([*row, f"{100 * valid[k]:.1f} %"])
     table = _table(rows, head=head, numbers=[0, *range(2, len(head))])
     return f'<div class="wide" tabindex="0" role="region" aria-label="Table of the triggers">{table}</div>'
