@@ -288,6 +288,7 @@ def test_all_axes_name_their_units(film_path, film, calibration):
         assert all("[" in label and "]" in label for label in labels), labels
 
 
+@pytest.mark.slow
 def test_figures_are_written_twice_alike(film_path, tmp_path):
     first = plots.write_figures(film_path, tmp_path / "a", formats=("png",))
     assert [path.stem for path in first] == [
