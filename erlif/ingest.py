@@ -60,8 +60,9 @@ class Page:
 
     @property
     def name(self) -> str:
-        """File name, with the page from the second on."""
-        return self.path.name if self.index == 0 else f"{self.path.name}[{self.index}]"
+        """File name, with the page from the second on; bytes that are no UTF-8 are replaced, for the files that name it."""
+        name = os.fsencode(self.path.name).decode(errors="replace")
+        return name if self.index == 0 else f"{name}[{self.index}]"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import shutil
+from pathlib import Path, PurePath
 
 import imageio.v3 as iio
 import numpy as np
@@ -16,6 +17,7 @@ import erlif
 from erlif.core.errors import EncoderError, ErlifError, FrameError
 from erlif.correction import measure_references
 from erlif.ingest import (
+    Page,
     hash_inputs,
     natural_key,
     open_fixture,
@@ -64,8 +66,6 @@ def test_frames_are_taken_in_natural_order(lab, expected):
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=9, unique=True))
 @settings(deadline=None, database=None)
 def test_natural_order_is_that_of_the_numbers(numbers):
-    from pathlib import Path
-
     names = sorted((Path(f"a{number}b.tif") for number in numbers), key=natural_key)
     assert names == [Path(f"a{number}b.tif") for number in sorted(numbers)]
 
@@ -73,8 +73,6 @@ def test_natural_order_is_that_of_the_numbers(numbers):
 @given(st.lists(st.text(min_size=1), max_size=5))
 @settings(deadline=None, database=None)
 def test_any_names_can_be_ordered(names):
-    from pathlib import PurePath
-
     sorted((PurePath(name) for name in [*names, "²", "x²3", "٣"]), key=natural_key)
 
 
@@ -148,6 +146,11 @@ def test_absolute_patterns_and_strange_directory_names_are_found(lab, expected):
     (lab.directory / "camera1" / "frame_0003.tif").write_bytes(b"")
     with pytest.raises(FrameError, match=r"frame_0003\.tif: the file is empty"):
         open_run(strange)
+
+
+def test_a_name_that_is_no_utf_8_can_be_written_down(tmp_path):
+    assert Page(Path(os.fsdecode(b"frame_\xff.tif")), 0).name == "frame_\N{REPLACEMENT CHARACTER}.tif"
+    assert Page(tmp_path / "größe.tif", 3).name == "größe.tif[3]"
 
 
 def test_hashes_change_with_every_input(lab):
