@@ -6,7 +6,7 @@ blocks must agree on. What does not agree is refused, and said to be mirrored or
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -174,17 +174,17 @@ def _match_blocks(
                     out[r, c, j, i] = total / np.sqrt(saa * sbb)
 
 
-def _block_vectors(a: Array, b: Array, wb: Array) -> tuple[Array, Array, Array]:
+def _block_vectors(a: Array, b: Array, wb: Array, reach: int) -> tuple[Array, Array, Array]:
     """Centres (n, 2), vectors (n, 2) and peak heights over chance (n,) of all blocks that overlap enough. [px]"""
     h, w = a.shape
     rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
-    n = 2 * REACH + 1
+    n = 2 * reach + 1
     scores = np.empty((rows, cols, n, n), np.float32)
     energy_a, energy_b, area = (np.empty((h + 1, w + 1)) for _ in range(3))
     _integral(a, a, energy_a)
     _integral(b, b, energy_b)
     _integral(wb, wb, area)
-    _match_blocks(a, b, energy_a, energy_b, area, BLOCK, STRIDE, REACH, scores)
+    _match_blocks(a, b, energy_a, energy_b, area, BLOCK, STRIDE, reach, scores)
     flat = scores.reshape(rows, cols, n * n)
     usable = (flat > -1.5).mean(-1) > 0.6
     best = np.argmax(flat, axis=-1)
@@ -204,7 +204,7 @@ def _block_vectors(a: Array, b: Array, wb: Array) -> tuple[Array, Array, Array]:
         bend = 2 * middle - low - high
         ok = inner & (bend > 0) & (low > -1.5) & (high > -1.5)
         sub[..., axis] = np.where(ok, np.clip((high - low) / (2 * np.where(bend > 0, bend, 1)), -0.5, 0.5), 0)
-    vectors = np.stack([i - REACH, j - REACH], axis=-1) + sub
+    vectors = np.stack([i - reach, j - reach], axis=-1) + sub
     half = (min(BLOCK, w, h) - 1) / 2
     centres = np.stack([x * STRIDE + half, y * STRIDE + half], axis=-1).astype(float)
     strength = height[usable] / np.maximum(chance, 1e-6)
@@ -272,12 +272,15 @@ class _Coarse:
         return _turned(self.coefficients, self.bad, linear, shift, (self.a.shape[0], self.a.shape[1]))
 
 
+def _second(b: Array, wb: Array) -> dict[str, Any]:
+    """The part of `_Coarse` that belongs to camera 2."""
+    b = np.clip(b, -4, 4)
+    return {"b": b, "wb": wb, "coefficients": spline_coefficients(b), "bad": NOTHING_BAD if wb.all() else wb == 0}
+
+
 def _prepare(reference: Array, moving: Array, wr: Array | None, wm: Array | None, factor: int) -> _Coarse:
     a, wa = _textures(reference, wr, factor)
-    b, wb = _textures(moving, wm, factor)
-    a, b = np.clip(a, -4, 4), np.clip(b, -4, 4)
-    bad = NOTHING_BAD if (wb > 0).all() else wb == 0
-    return _Coarse(a, wa, b, wb, spline_coefficients(b), bad, factor)
+    return _Coarse(a=np.clip(a, -4, 4), wa=wa, factor=factor, **_second(*_textures(moving, wm, factor)))
 
 
 def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
@@ -286,9 +289,9 @@ def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
     centre = np.array([(w - 1) / 2, (h - 1) / 2])
     linear, shift = peak.linear, peak.shift
     agreement, blocks = 0.0, 0
-    for _ in range(2):
+    for reach in (REACH, REACH // 2):
         b, wb = coarse.turned(linear, shift)
-        centres, vectors, strength = _block_vectors(coarse.a, b, wb)
+        centres, vectors, strength = _block_vectors(coarse.a, b, wb, reach)
         matrix, offset, agreement = _agree(centres - centre, vectors, strength)
         blocks = len(centres)
         if agreement * blocks < 4:
@@ -305,9 +308,8 @@ def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
     return Start(matrix, f * shift - matrix @ middle, agreement, blocks)
 
 
-def _search(coarse: _Coarse, search: float) -> tuple[Start | None, Peak]:
-    """Try the frame as it is, then the bank of rotations and scales."""
-    correlator = _Correlator(coarse.a, coarse.wa, search)
+def _search_still(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None, Peak]:
+    """Try the frame as it is, without the bank of rotations and scales."""
     still = np.eye(2)
     b, wb = coarse.turned(still, np.zeros(2)) if coarse.a.shape != coarse.b.shape else (coarse.b, coarse.wb)
     best = Peak(0.0, still, np.zeros(2))
@@ -315,11 +317,18 @@ def _search(coarse: _Coarse, search: float) -> tuple[Start | None, Peak]:
         significance, offset = correlator.peak(b, wb, blur)
         if significance > best.significance:
             best = Peak(significance, still, offset)
+        if best.significance > 3 * SIGNIFICANT:
+            break
     if best.significance > SIGNIFICANT:
         start = _refine(coarse, best)
         if start is not None and start.agreement > 0.6:
             return start, best
-    peaks = [best]
+    return None, best
+
+
+def _search_bank(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None, Peak]:
+    """Try the bank of rotations and scales."""
+    peaks = []
     for rotation, scale in _bank():
         linear = _linear(rotation, scale)
         b, wb = coarse.turned(linear, np.zeros(2))
@@ -367,10 +376,14 @@ def find_start(
             f"camera {1 if not (coarse.wa > 0).mean() > 0.05 else 2} is both lit and sound. "
             "Check the exposure, the dark frames and the masks."
         )
-    start, best = _search(coarse, settings.search)
-    if start is not None:
-        return start
-    _explain(reference, moving, weight_reference, weight_moving, settings, coarse)
+    correlator = _Correlator(coarse.a, coarse.wa, settings.search)
+    best = Peak(0.0, np.eye(2), np.zeros(2))
+    for search in (_search_still, _search_bank):
+        start, peak = search(coarse, correlator)
+        if start is not None:
+            return start
+        best = max(best, peak, key=lambda p: p.significance)
+    _explain(reference, moving, weight_moving, settings, coarse)
     raise RegistrationError(
         "No common texture found in the images of the two cameras: the highest peak of their cross-correlation stands "
         f"{best.significance:.1f} times above chance, {SIGNIFICANT:.0f} are needed, within an offset of "
@@ -382,18 +395,20 @@ def find_start(
 def _explain(
     reference: Array,
     moving: Array,
-    weight_reference: Array | None,
     weight_moving: Array | None,
     settings: RegistrationSettings,
     coarse: _Coarse,
 ) -> None:
     """Raise what is known about why the frames do not fit: turned, mirrored, or too far off."""
-    for other in ORIENTATIONS[1:]:
-        turned = np.ascontiguousarray(orient(moving, other))
-        weight = None if weight_moving is None else np.ascontiguousarray(orient(weight_moving, other))
-        trial = _prepare(reference, turned, weight_reference, weight, coarse.factor)
-        start, peak = _search(trial, settings.search)
-        if start is not None and start.agreement > 0.5 and peak.significance > SIGNIFICANT:
+    for search in (_search_still, _search_bank):
+        for other in ORIENTATIONS[1:]:
+            turned = np.ascontiguousarray(orient(moving, other))
+            weight = None if weight_moving is None else np.ascontiguousarray(orient(weight_moving, other))
+            b, wb = _textures(turned, weight, coarse.factor)
+            trial = replace(coarse, **_second(b, wb))
+            start, peak = search(trial, _Correlator(coarse.a, coarse.wa, settings.search))
+            if start is None or start.agreement < 0.5 or peak.significance < SIGNIFICANT:
+                continue
             total = combined_orientation(settings.orientation, other)
             raise RegistrationError(
                 f"Camera 2 is expected in orientation {settings.orientation!r} but its image fits that of camera 1 when "

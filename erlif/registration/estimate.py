@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -38,7 +39,7 @@ from erlif.registration.selection import (
     moved_to,
 )
 from erlif.registration.settings import RegistrationSettings
-from erlif.registration.surface import Cells, Surface, cell_weights, equations, solve_surface
+from erlif.registration.surface import Cells, Surface, bilinear, cell_weights, equations, solve_surface
 from erlif.registration.uncertainty import surface_covariance, surface_std
 from erlif.registration.whitening import (
     Filter,
@@ -178,7 +179,7 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
     binning = coarse_binning((min(h, pair.moving.shape[0]), min(w, pair.moving.shape[1])))
     surface = start.surface((0.0, float(w), 0.0, float(h)))
     degrees: tuple[int, ...] = (1, 1, 3, 3)
-    while binning >= 2 or len(degrees) == 4:
+    while binning >= 2 or len(degrees) > 2:
         views = textures(pair, binning, settings.threads)
         spline = views.spline(settings.threads)
         shape = (views.a.shape[0], views.a.shape[1])
@@ -188,8 +189,8 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
             sums = cell_sums(views.a, views.weight, b, settings.step, threads=settings.threads)
             cells = make_cells(sums, settings.step, surface, binning=binning)
             surface = solve_surface(equations(cells, (1, 1), box=surface.box), basis=Model((1, 1), degree).basis)
-        degrees = (3, 3)
         binning //= 2
+        degrees = (3, 3) if binning > 2 else (3,)
     return surface
 
 
@@ -370,7 +371,10 @@ def describe_surface(cells: Cells, surface: Surface, model: Model, shape: tuple[
     """The surface on every pixel, with the uncertainty of its coefficients carried along."""
     covariance = surface_covariance(cells, model, surface.box)
     x, y = np.linspace(0, shape[1] - 1, 81), np.linspace(0, shape[0] - 1, 65)
-    std = _bilinear(surface_std(covariance, model, surface.box, x, y), shape)
+    std = surface_std(covariance, model, surface.box, x, y)
+    zoom = ((shape[0] - 1) / 64, (shape[1] - 1) / 80)
+    row, column = (np.arange(n, dtype=np.float32) / np.float32(z) for n, z in zip(shape, zoom, strict=True))
+    std = bilinear(std.astype(np.float32), row, column)
     dx, dy = surface.on_pixels(shape)
     return Solution(dx, dy, std, str(model))
 
@@ -418,10 +422,8 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     h, w = views.shape
     height, width = views.shape_moving
     dx, dy, std = solution.dx.copy(), solution.dy.copy(), solution.std.copy()
-    px = np.arange(w, dtype=np.float32)[None, :] + dx
-    py = np.arange(h, dtype=np.float32)[:, None] + dy
-    overlap = (px >= 0) & (px <= width - 1) & (py >= 0) & (py <= height - 1)
-    far = (px < -BEYOND) | (px > width - 1 + BEYOND) | (py < -BEYOND) | (py > height - 1 + BEYOND)
+    overlap = np.empty((h, w), np.bool_)
+    _find_overlap(dx, dy, std, height, width, overlap)
     poor = std > POOR_STD
     if solution.model.startswith("surface"):
         pitch = round(float(cells.x[1] - cells.x[0]))
@@ -436,21 +438,19 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
             f"than {POOR_STD} px or does not agree with its neighbourhood. Give more frames, more light or a wall "
             "with more texture, and check the focus."
         )
-    for field in (dx, dy, std):
-        field[far] = np.nan
     return CameraMap(dx, dy, std, overlap, poor, quality, solution.model, views.settings)
 
 
-def _bilinear(coarse: Array, shape: tuple[int, int]) -> Array:
-    """Interpolate values on an equidistant grid over the frame, corners included, to every pixel; float32."""
-
-    def matrix(n: int, size: int) -> Array:
-        t = np.linspace(0, n - 1, size)
-        i = np.minimum(t.astype(int), n - 2)
-        m = np.zeros((size, n), np.float32)
-        m[np.arange(size), i] = 1 - (t - i)
-        m[np.arange(size), i + 1] = t - i
-        return m
-
-    across = np.ascontiguousarray(matrix(coarse.shape[1], shape[1]).T)
-    return np.asarray(matrix(coarse.shape[0], shape[0]) @ coarse.astype(np.float32) @ across)
+@njit(nogil=True, cache=True, error_model="numpy")
+def _find_overlap(dx: Array, dy: Array, std: Array, height: int, width: int, overlap: Array) -> None:
+    """Mark the pixels whose point camera 2 sees; NaN into the fields far beyond its frame."""
+    for y in range(dx.shape[0]):
+        for x in range(dx.shape[1]):
+            px = x + dx[y, x]
+            py = y + dy[y, x]
+            beyond = max(max(-px, px - (width - 1)), max(-py, py - (height - 1)))
+            overlap[y, x] = beyond <= 0
+            if not beyond <= BEYOND:
+                dx[y, x] = np.nan
+                dy[y, x] = np.nan
+                std[y, x] = np.nan

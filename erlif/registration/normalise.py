@@ -194,6 +194,8 @@ def normalise(
 
 def _average(cells: Array, weight: Array, sigma: float) -> Array:
     """Weighted Gaussian average of the cells, edges mirrored; the plain mean where no weight is near."""
+    if float(weight.min()) == float(weight.max()):  # nothing is missing
+        return np.asarray(ndimage.gaussian_filter(cells, sigma, mode="reflect", truncate=3.0), np.float32)
     near = ndimage.gaussian_filter(weight, sigma, mode="reflect", truncate=3.0)
     total = ndimage.gaussian_filter(cells * weight, sigma, mode="reflect", truncate=3.0)
     overall = float((cells * weight).sum() / max(float(weight.sum()), 1e-30))

@@ -53,6 +53,43 @@ def design(positions: Array, start: float, stop: float, elements: int) -> Array:
     return matrix
 
 
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
+def _evaluate(
+    coefficients: Array, first_x: Array, weight_x: Array, first_y: Array, weight_y: Array, out: Array
+) -> None:
+    """Tensor spline at the grid of positions; ``weight_x`` is (4, x), ``weight_y`` (y, 4)."""
+    line = np.empty(coefficients.shape[1])
+    for y in range(out.shape[0]):
+        j = first_y[y]
+        for i in range(line.size):
+            line[i] = 0.0
+            for k in range(4):
+                line[i] += weight_y[y, k] * coefficients[j + k, i]
+        for x in range(out.shape[1]):
+            i = first_x[x]
+            value = weight_x[0, x] * line[i] + weight_x[1, x] * line[i + 1]
+            out[y, x] = value + weight_x[2, x] * line[i + 2] + weight_x[3, x] * line[i + 3]
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def bilinear(values: Array, row: Array, column: Array) -> Array:
+    """Bilinear interpolation of a small float32 table at fractional rows and columns, constant beyond it."""
+    rows, cols = values.shape
+    out = np.empty((row.size, column.size), np.float32)
+    line = np.empty(cols, np.float32)
+    for y in range(row.size):
+        t = min(max(row[y], np.float32(0)), np.float32(rows - 1))
+        j = min(int(t), rows - 2)
+        v = t - np.float32(j)
+        for i in range(cols):
+            line[i] = values[j, i] + v * (values[j + 1, i] - values[j, i])
+        for x in range(column.size):
+            t = min(max(column[x], np.float32(0)), np.float32(cols - 1))
+            i = min(int(t), cols - 2)
+            out[y, x] = line[i] + (t - np.float32(i)) * (line[i + 1] - line[i])
+    return out
+
+
 @dataclass(frozen=True)
 class Surface:
     """A displacement surface on a box of camera-1 pixels."""
@@ -80,10 +117,14 @@ class Surface:
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         centre = (binning - 1) / 2
-        across = np.ascontiguousarray(design(np.arange(shape[1]) * binning + centre, x0, x1, nx).T, np.float32)
-        down = design(np.arange(shape[0]) * binning + centre, y0, y1, ny)
-        dx, dy = ((down @ c / binning).astype(np.float32) @ across for c in self.coefficients)
-        return dx, dy
+        first_x, weight_x = spline_weights(np.arange(shape[1]) * binning + centre, x0, x1, nx)
+        first_y, weight_y = spline_weights(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+        fields = []
+        for c in self.coefficients:
+            field = np.empty(shape, np.float32)
+            _evaluate(np.ascontiguousarray(c / binning), first_x, weight_x.T.copy(), first_y, weight_y, field)
+            fields.append(field)
+        return fields[0], fields[1]
 
     def moved(self, dx: float, dy: float) -> "Surface":
         """The surface with a translation added. [px]"""
@@ -260,7 +301,7 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     on = cells.weight > 0
     terms = np.stack([np.ones(on.sum()), x[on], y[on]], axis=1)
     here = np.stack([cells.here_x[on], cells.here_y[on]], axis=1)
-    fit = np.linalg.lstsq(terms, here, rcond=None)[0]
+    fit = np.linalg.solve(terms.T @ terms + 1e-9 * len(terms) * np.eye(3), terms.T @ here)
     gx, gy = np.meshgrid(*(np.arange(-1, n + 2) / n for n in elements))
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
@@ -285,5 +326,5 @@ def _solve(matrix: Array, right: Array) -> Array:
     ridge = 1e-9 * np.trace(matrix) / n
     if not ridge > 0:
         return np.zeros(n)
-    solution: Array = cho_solve(cho_factor(matrix + ridge * np.eye(n)), right)
+    solution: Array = cho_solve(cho_factor(matrix + ridge * np.eye(n), overwrite_a=True, check_finite=False), right)
     return solution
