@@ -8,13 +8,14 @@ from typing import Literal
 
 import numpy as np
 
+from erlif.assembly import describe_triggers, group_frames
 from erlif.calibration import check_bands, read_profile
 from erlif.config import FixtureSettings, RunSettings
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.correction import measure_references
 from erlif.ingest import Recording, depth_warning, open_fixture, open_run, read_frames
 from erlif.kinematics import locate_frames
-from erlif.pipeline import describe_triggers, group_frames, open_calibration
+from erlif.pipeline import open_calibration
 
 
 @dataclass(frozen=True)

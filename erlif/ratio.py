@@ -17,6 +17,7 @@ from scipy import ndimage
 
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, RatioImages, require
+from erlif.sharpness import BlurDifference, take_out_ghost
 
 Image = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.uint8]
@@ -26,7 +27,9 @@ _DIM, _NO_FILM = int(Flag.DIM), int(Flag.NO_FILM)
 _BLOCK, _REACH = 8, 9  # surroundings of a bubble: the median of 9 x 9 blocks of 8 px
 
 
-def compute_ratio(frames: AlignedFrames, *, no_film_below: float = 0.25) -> RatioImages:
+def compute_ratio(
+    frames: AlignedFrames, *, no_film_below: float = 0.25, blur: BlurDifference | None = None
+) -> RatioImages:
     """Logarithm of camera 2 / camera 1 with its variance and flags.
 
     The logarithm of a noisy signal is too small by half its relative variance; each camera's share is put back, so that the
@@ -39,6 +42,8 @@ def compute_ratio(frames: AlignedFrames, *, no_film_below: float = 0.25) -> Rati
     no_film_below : float
         Where the light of both cameras is below this share of its surroundings, the pixel and its neighbours are flagged
         no_film: a bubble, or a bare wall.
+    blur : BlurDifference, optional
+        By how much camera 2 is less sharp; the ghost of the speckle that this leaves in the ratio is taken out.
 
     Returns
     -------
@@ -54,6 +59,8 @@ def compute_ratio(frames: AlignedFrames, *, no_film_below: float = 0.25) -> Rati
     displacement_std = frames.displacement_std.values
     for n in range(shape[0]):
         _log_ratio(signal[0, n], signal[1, n], variance[0, n], variance[1, n], log_ratio[n], random[n], flag[n])
+        if blur is not None and blur.significant:
+            take_out_ghost(log_ratio[n], signal[0, n], signal[1, n], blur.x, blur.y)
         flag[n][find_bubbles(signal[0, n], signal[1, n], share=no_film_below)] |= _NO_FILM
         shared[n] = (displacement_std * log_gradient(signal[1, n])) ** 2
     dims = ("frame", "y", "x")
