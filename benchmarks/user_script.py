@@ -19,6 +19,7 @@ def corrected(directory: Path, camera: int):
     dark = tifffile.imread(directory / f"camera{camera}_dark.tif").mean(axis=0)
     flat = tifffile.imread(directory / f"camera{camera}_flat.tif").mean(axis=0) - dark
     flat /= flat.mean()
+    flat[flat < 0.1] = 1.0  # dead pixels
     for path in sorted((directory / f"camera{camera}").glob("*.tif")):
         yield (tifffile.imread(path) - dark) / flat
 
@@ -57,7 +58,7 @@ def calibrate(fixture: Path):
     pitch = float(settings["optics"]["pixel_pitch"].split()[0]) / 1e3
     mean = np.mean([ratio(a, b) for a, b in zip(corrected(fixture, 1), corrected(fixture, 2), strict=True)], axis=0)
     profile = np.genfromtxt(fixture / "profile.csv", delimiter=",", names=True)
-    columns = np.median(mean, axis=0)[16:-16]
+    columns = np.nanmedian(mean, axis=0)[16:-16]
     thickness = np.interp(np.arange(mean.shape[1]) * pitch, profile["x_mm"], profile["thickness_um"])[16:-16]
 
     def model(t, K, p, q):
