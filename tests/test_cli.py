@@ -155,7 +155,7 @@ def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
     def fail(*arguments, **options):
         raise ZeroDivisionError("a slip")
 
-    monkeypatch.setattr(erlif.pipeline, "open_run", fail)
+    monkeypatch.setattr(erlif.pipeline, "process", fail)
     result = CliRunner().invoke(main, ["process", str(lab.run)])
     assert result.exit_code == 1
     assert "a slip" in result.stderr
