@@ -36,30 +36,21 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
     AlignedFrames
         As `frames`, with displacement_std (y, x), the standard deviation of one component of the map. [px]
     """
-    require(frames, "signal", "signal_var", "flags")
-    signal, variance, flags = (np.empty_like(frames[name].values) for name in ("signal", "signal_var", "flags"))
-    for out, name in ((signal, "signal"), (variance, "signal_var"), (flags, "flags")):
+    names = ("signal", "signal_var", "signal_var_fixed", "flags")
+    require(frames, *names)
+    signal, variance, fixed, flags = (np.empty_like(frames[name].values) for name in names)
+    for out, name in zip((signal, variance, fixed, flags), names, strict=True):
         out[0] = frames[name].values[0]
     turn = camera_map.settings.orientation
     offsets = np.zeros((signal.shape[1], 2)) if drift is None else np.asarray(drift, float)
     dx, dy = camera_map.displacement_x, camera_map.displacement_y
     for n, (x, y) in enumerate(offsets.tolist()):
-        own = (
-            np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in ("signal", "signal_var", "flags")
-        )
-        moving, moving_var, moving_flags = own
+        moving, *noise, moving_flags = (np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names)
         signal[1, n] = warp(moving, dx, dy, (x, y))
-        _gather(
-            moving_var,
-            moving_flags,
-            dx,
-            dy,
-            x,
-            y,
-            interpolation_variance_factor(dx, dy, (x, y)),
-            variance[1, n],
-            flags[1, n],
-        )
+        factor = interpolation_variance_factor(dx, dy, (x, y))
+        _gather_flags(moving_flags, dx, dy, x, y, flags[1, n])
+        for own, out in zip(noise, (variance, fixed), strict=True):
+            _gather(own, dx, dy, x, y, factor, out[1, n])
         flags[1, n][~camera_map.overlap] |= _OUTSIDE
         flags[1, n][camera_map.poor] |= _POOR
     dims = ("camera", "frame", "y", "x")
@@ -68,6 +59,7 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
             {
                 "signal": (dims, signal, frames.signal.attrs),
                 "signal_var": (dims, variance, frames.signal_var.attrs),
+                "signal_var_fixed": (dims, fixed, frames.signal_var_fixed.attrs),
                 "flags": (dims, flags, FLAG_ATTRS),
                 "displacement_std": (("y", "x"), camera_map.displacement_std, {"units": "px"}),
             },
@@ -92,22 +84,34 @@ def _flags_of_four(flags, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _gather(variance, flags, displacement_x, displacement_y, drift_x, drift_y, factor, out_variance, out_flags):  # type: ignore[no-untyped-def]
-    """Variance by bilinear interpolation times `factor`, and all flags of the 4 x 4 pixels about each point."""
-    height, width = variance.shape
+def _gather_flags(flags, displacement_x, displacement_y, drift_x, drift_y, out):  # type: ignore[no-untyped-def]
+    """All flags of the 4 x 4 pixels about each point."""
+    height, width = flags.shape
     spread = np.empty((height, width), flags.dtype)
     _flags_of_four(flags, spread)
-    for i in range(out_variance.shape[0]):
-        for j in range(out_variance.shape[1]):
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            x = j + displacement_x[i, j] + drift_x
+            y = i + displacement_y[i, j] + drift_y
+            if x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1:
+                out[i, j] = spread[min(int(y), height - 2), min(int(x), width - 2)]
+            else:
+                out[i, j] = _OUTSIDE
+
+
+@numba.njit(nogil=True, cache=True)
+def _gather(variance, displacement_x, displacement_y, drift_x, drift_y, factor, out):  # type: ignore[no-untyped-def]
+    """Variance about each point by bilinear interpolation, times `factor`."""
+    height, width = variance.shape
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
             x = j + displacement_x[i, j] + drift_x
             y = i + displacement_y[i, j] + drift_y
             if not (x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1):
-                out_variance[i, j] = np.nan
-                out_flags[i, j] = _OUTSIDE
+                out[i, j] = np.nan
                 continue
             k, m = min(int(y), height - 2), min(int(x), width - 2)
             v, u = y - k, x - m
             top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
             bottom = variance[k + 1, m] + u * (variance[k + 1, m + 1] - variance[k + 1, m])
-            out_variance[i, j] = (top + v * (bottom - top)) * factor[i, j]
-            out_flags[i, j] = spread[k, m]
+            out[i, j] = (top + v * (bottom - top)) * factor[i, j]

@@ -377,7 +377,7 @@ def fit_calibration(
     CalibrationError
         If too little of the profile lies in the image, or the ratio falls with thickness (cameras swapped).
     """
-    require(ratios, "log_ratio", "log_ratio_var", "flags")
+    require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "flags")
     points, notes = _pair_profile_with_image(
         ratios, profile, pixel_pitch=pixel_pitch, origin=origin, direction=direction
     )
@@ -427,7 +427,8 @@ class _Points:
     thickness_std: Array  # [um]
     log_ratio: Array
     log_ratio_std: Array
-    pixel_var: Array  # variance of a single pixel of the mean image
+    pixel_var: Array  # variance of a pixel that is new in every frame, in the mean image
+    fixed_var: Array  # variance of a pixel that all frames share
     steepness: Array  # of the thickness along the profile [um/mm]
 
 
@@ -459,6 +460,7 @@ def _pair_profile_with_image(
     row, column = np.nonzero(good)
     log_ratio = ratios.log_ratio.values[good].astype(float)
     variance = ratios.log_ratio_var.values[good].astype(float)
+    fixed = ratios.log_ratio_var_fixed.values[good].astype(float)
     dx, dy = (column - origin[0]) * pixel_pitch, (row - origin[1]) * pixel_pitch
     along = math.cos(direction) * dx + math.sin(direction) * dy
     across = -math.sin(direction) * dx + math.cos(direction) * dy
@@ -469,7 +471,7 @@ def _pair_profile_with_image(
     distance, cell = (np.asarray(found) for found in tree.query(place))
     near = distance <= 0.51 * spacing * math.sqrt(place.shape[1])
     covered = float(near.mean()) if near.size else 0.0
-    cell, place, log_ratio, variance = cell[near], place[near], log_ratio[near], variance[near]
+    cell, place, log_ratio, variance, fixed = (values[near] for values in (cell, place, log_ratio, variance, fixed))
     count = np.bincount(cell, minlength=len(position))
     used = count >= _LEAST_PIXELS
     if used.sum() < _LEAST_POINTS:
@@ -487,13 +489,16 @@ def _pair_profile_with_image(
     )
     gradient = _gradient_along(position, centre, mean, used)
     mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
-    pixel_var = np.bincount(cell, variance, len(position)) / np.maximum(count, 1)
-    std = np.sqrt(np.maximum(scatter, pixel_var) / np.maximum(count, 1))
+    total_var, fixed_var = (
+        np.bincount(cell, values, len(position)) / np.maximum(count, 1) for values in (variance, fixed)
+    )
+    std = np.sqrt(np.maximum(scatter, total_var) / np.maximum(count, 1))
     if uncertainty is None:
         notes.append("the profile has no uncertainty_um; it was estimated from the scatter about the curve")
         uncertainty = np.full(len(position), math.nan)
     steepness = _steepness(position, thickness, uncertainty)
-    points = _Points(thickness[used], uncertainty[used], mean[used], std[used], pixel_var[used], steepness[used])
+    columns = (thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, steepness)
+    points = _Points(*(column[used] for column in columns))
     return points, notes
 
 
@@ -697,7 +702,9 @@ def _answering_range(fit: _Fit, points: _Points, kept: npt.NDArray[np.bool_], fr
     low, high = max(float(covered.min()), 0.0), float(covered.max())
     order = np.argsort(points.thickness[kept])
     grid = np.linspace(low, high, 2001)[1:]
-    noise = np.interp(grid, points.thickness[kept][order], np.sqrt(frames * points.pixel_var[kept])[order])
+    noise = np.interp(
+        grid, points.thickness[kept][order], np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order]
+    )
     useful = noise / fit.slope(grid) <= _USEFUL * grid
     # thin films are told badly too in proportion to themselves, but averages over pixels make them good
     beyond = np.nonzero(~useful & (grid > 1 / fit.parameters[1]))[0]

@@ -59,7 +59,8 @@ def measure_references(recording: Recording) -> References:
 def correct_frames(frames: Frames, references: References, *, least_signal: float = 100.0) -> CorrectedFrames:
     """Subtract the dark, divide by the flat, and give every pixel its variance and flags.
 
-    The variance holds shot noise, read noise and rounding of the pixel and the noise of its dark and flat. Bad pixels are
+    The variance holds shot noise, read noise and rounding of the pixel; the noise of its dark and flat, which does not average
+    out over frames, stands beside it. Bad pixels are
     filled from their neighbours, so that an interpolation does not ring about them, and stay flagged.
 
     Parameters
@@ -73,13 +74,14 @@ def correct_frames(frames: Frames, references: References, *, least_signal: floa
     Returns
     -------
     CorrectedFrames
-        signal [DN], signal_var [DN2] and flags, each (camera, frame, y, x).
+        signal [DN], signal_var and signal_var_fixed [DN2] and flags, each (camera, frame, y, x).
     """
     require(frames, "counts")
     require(references, "dark", "flat", "bad", "gain", "read_noise", "full_scale")
     counts = frames.counts.values
     signal = np.empty(counts.shape, np.float32)
     variance = np.empty(counts.shape, np.float32)
+    fixed = np.empty(counts.shape, np.float32)
     flags = np.empty(counts.shape, np.uint8)
     for camera in range(counts.shape[0]):
         reference = references.isel(camera=camera)
@@ -99,6 +101,7 @@ def correct_frames(frames: Frames, references: References, *, least_signal: floa
                 least_signal,
                 signal[camera, n],
                 variance[camera, n],
+                fixed[camera, n],
                 flags[camera, n],
             )
             _fill_from_neighbours(signal[camera, n], bad, rows, columns)
@@ -108,6 +111,7 @@ def correct_frames(frames: Frames, references: References, *, least_signal: floa
             {
                 "signal": (dims, signal, {"units": "DN", "ancillary_variables": "signal_var flags"}),
                 "signal_var": (dims, variance, {"units": "DN2"}),
+                "signal_var_fixed": (dims, fixed, {"units": "DN2"}),
                 "flags": (dims, flags, FLAG_ATTRS),
             },
             frames.coords,
@@ -117,7 +121,20 @@ def correct_frames(frames: Frames, references: References, *, least_signal: floa
 
 @numba.njit(nogil=True, cache=True)
 def _correct(  # type: ignore[no-untyped-def]
-    counts, dark, dark_var, flat, flat_var, bad, gain, read_noise, full_scale, least_signal, signal, variance, flags
+    counts,
+    dark,
+    dark_var,
+    flat,
+    flat_var,
+    bad,
+    gain,
+    read_noise,
+    full_scale,
+    least_signal,
+    signal,
+    variance,
+    fixed,
+    flags,
 ):
     read_var = (read_noise / gain) ** 2 + _QUANTISATION
     least = least_signal / gain
@@ -126,9 +143,10 @@ def _correct(  # type: ignore[no-untyped-def]
             light = counts[i, j] - dark[i, j]
             per_flat = 1.0 / flat[i, j]
             value = light * per_flat
-            own = max(light, 0.0) / gain + read_var + dark_var[i, j]
+            square = per_flat * per_flat
             signal[i, j] = value
-            variance[i, j] = (own + value * value * flat_var[i, j]) * per_flat * per_flat
+            variance[i, j] = (max(light, 0.0) / gain + read_var) * square
+            fixed[i, j] = (dark_var[i, j] + value * value * flat_var[i, j]) * square
             flag = 0
             if counts[i, j] >= full_scale:
                 flag |= _SATURATED

@@ -48,27 +48,42 @@ def compute_ratio(
     Returns
     -------
     RatioImages
-        log_ratio (frame, y, x) [1], log_ratio_var (random part), log_ratio_var_shared (registration), flags, and
+        log_ratio (frame, y, x) [1], log_ratio_var (random part), log_ratio_var_fixed (what of it dark and flat bring, the same
+        in every frame), log_ratio_var_shared (registration), flags, and
         signal_camera1 [DN], from which the pulse energy is judged.
     """
-    require(frames, "signal", "signal_var", "flags", "displacement_std")
+    require(frames, "signal", "signal_var", "signal_var_fixed", "flags", "displacement_std")
     signal, variance, flags = frames.signal.values, frames.signal_var.values, frames.flags.values
+    variance_fixed = frames.signal_var_fixed.values
     shape = signal.shape[1:]
-    log_ratio, random, shared = (np.empty(shape, np.float32) for _ in range(3))
+    log_ratio, random, fixed, shared = (np.empty(shape, np.float32) for _ in range(4))
     flag = flags[0] | flags[1]
     displacement_std = frames.displacement_std.values
     for n in range(shape[0]):
-        _log_ratio(signal[0, n], signal[1, n], variance[0, n], variance[1, n], log_ratio[n], random[n], flag[n])
+        one, two = signal[:, n]
+        _log_ratio(
+            one,
+            two,
+            variance[0, n],
+            variance[1, n],
+            variance_fixed[0, n],
+            variance_fixed[1, n],
+            log_ratio[n],
+            random[n],
+            fixed[n],
+            flag[n],
+        )
         if blur is not None and blur.significant:
-            take_out_ghost(log_ratio[n], signal[0, n], signal[1, n], blur.x, blur.y)
-        flag[n][find_bubbles(signal[0, n], signal[1, n], share=no_film_below)] |= _NO_FILM
-        shared[n] = (displacement_std * log_gradient(signal[1, n])) ** 2
+            take_out_ghost(log_ratio[n], one, two, blur.x, blur.y)
+        flag[n][find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
+        shared[n] = (displacement_std * log_gradient(two)) ** 2
     dims = ("frame", "y", "x")
     return RatioImages(
         xr.Dataset(
             {
                 "log_ratio": (dims, log_ratio, {"units": "1", "ancillary_variables": "log_ratio_var flags"}),
                 "log_ratio_var": (dims, random, {"units": "1"}),
+                "log_ratio_var_fixed": (dims, fixed, {"units": "1"}),
                 "log_ratio_var_shared": (dims, shared, {"units": "1"}),
                 "flags": (dims, flag, FLAG_ATTRS),
                 "signal_camera1": (dims, signal[0], {"units": "DN"}),
@@ -79,18 +94,20 @@ def compute_ratio(
 
 
 @numba.njit(nogil=True, cache=True)
-def _log_ratio(one, two, one_var, two_var, log_ratio, variance, flag):  # type: ignore[no-untyped-def]
+def _log_ratio(one, two, one_var, two_var, one_fixed, two_fixed, log_ratio, variance, fixed, flag):  # type: ignore[no-untyped-def]
     for i in range(one.shape[0]):
         for j in range(one.shape[1]):
             a, b = one[i, j], two[i, j]
             if a > 0.0 and b > 0.0:
-                relative_one = one_var[i, j] / (a * a)
-                relative_two = two_var[i, j] / (b * b)
+                relative_one = (one_var[i, j] + one_fixed[i, j]) / (a * a)
+                relative_two = (two_var[i, j] + two_fixed[i, j]) / (b * b)
                 log_ratio[i, j] = np.log(b / a) + 0.5 * (relative_two - relative_one)
                 variance[i, j] = relative_one + relative_two
+                fixed[i, j] = one_fixed[i, j] / (a * a) + two_fixed[i, j] / (b * b)
             else:
                 log_ratio[i, j] = np.nan
                 variance[i, j] = np.nan
+                fixed[i, j] = np.nan
                 if flag[i, j] == 0:
                     flag[i, j] |= _DIM
 
@@ -215,7 +232,7 @@ def _below(one, two, limit, block):  # type: ignore[no-untyped-def]
 class RatioSum:
     """Frames of one trigger, added up with inverse-variance weights without keeping them.
 
-    Every cycle sees the trigger anew; its random errors average out, the registration error does not. A pixel is answered
+    Every cycle sees the trigger anew; shot and read noise average out, the noise of dark and flat and the registration error do not. A pixel is answered
     if any of its frames is; one that none answers keeps the flags of all.
     """
 
@@ -223,27 +240,30 @@ class RatioSum:
     frames: int = 0
     weight: npt.NDArray[np.float64] = field(init=False)
     total: npt.NDArray[np.float64] = field(init=False)
+    fixed: npt.NDArray[np.float64] = field(init=False)
     shared: npt.NDArray[np.float64] = field(init=False)
     flags: Mask = field(init=False)
     answered: npt.NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         """Start from nothing."""
-        self.weight, self.total, self.shared = (np.zeros(self.shape) for _ in range(3))
+        self.weight, self.total, self.fixed, self.shared = (np.zeros(self.shape) for _ in range(4))
         self.flags = np.zeros(self.shape, np.uint8)
         self.answered = np.zeros(self.shape, bool)
 
     def add(self, ratios: RatioImages) -> None:
         """Add ratio images (frame, y, x) of the same trigger."""
-        require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
+        require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
         for n in range(ratios.sizes["frame"]):
             _add_frame(
                 ratios.log_ratio.values[n],
                 ratios.log_ratio_var.values[n],
+                ratios.log_ratio_var_fixed.values[n],
                 ratios.log_ratio_var_shared.values[n],
                 ratios.flags.values[n],
                 self.weight,
                 self.total,
+                self.fixed,
                 self.shared,
                 self.flags,
                 self.answered,
@@ -253,31 +273,34 @@ class RatioSum:
     def mean(self) -> RatioImages:
         """Weighted mean of what was added, as RatioImages without a frame dimension."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            log_ratio = (self.total / self.weight).astype(np.float32)
-            variance = (1 / self.weight).astype(np.float32)
-            shared = (self.shared / self.weight).astype(np.float32)
+            means = {
+                "log_ratio": self.total / self.weight,
+                "log_ratio_var": (1 + self.fixed) / self.weight,
+                "log_ratio_var_fixed": self.fixed / self.weight,
+                "log_ratio_var_shared": self.shared / self.weight,
+            }
         dims = ("y", "x")
-        return RatioImages(
-            xr.Dataset(
-                {
-                    "log_ratio": (dims, log_ratio, {"units": "1"}),
-                    "log_ratio_var": (dims, np.where(self.weight > 0, variance, np.nan), {"units": "1"}),
-                    "log_ratio_var_shared": (dims, shared, {"units": "1"}),
-                    "flags": (dims, np.where(self.answered, 0, self.flags).astype(np.uint8), FLAG_ATTRS),
-                }
-            )
-        )
+        images = {
+            name: (dims, np.where(self.weight > 0, image, np.nan).astype(np.float32), {"units": "1"})
+            for name, image in means.items()
+        }
+        flags = np.where(self.answered, 0, self.flags).astype(np.uint8)
+        return RatioImages(xr.Dataset(images | {"flags": (dims, flags, FLAG_ATTRS)}))
 
 
 @numba.njit(nogil=True, cache=True)
-def _add_frame(log_ratio, variance, variance_shared, flag, weight, total, shared, flags, answered):  # type: ignore[no-untyped-def]
+def _add_frame(  # type: ignore[no-untyped-def]
+    log_ratio, variance, variance_fixed, variance_shared, flag, weight, total, fixed, shared, flags, answered
+):
+    """Weight each frame by what is new in it; the fixed part is weighted along and divided out at the end."""
     for i in range(log_ratio.shape[0]):
         for j in range(log_ratio.shape[1]):
             flags[i, j] |= flag[i, j]
             if flag[i, j] == 0:
-                w = 1.0 / variance[i, j]
+                w = 1.0 / (variance[i, j] - variance_fixed[i, j])
                 weight[i, j] += w
                 total[i, j] += w * log_ratio[i, j]
+                fixed[i, j] += w * variance_fixed[i, j]
                 shared[i, j] += w * variance_shared[i, j]
                 answered[i, j] = True
 

@@ -57,11 +57,12 @@ class BlurMoments:
         feigns, twice its relative variance, is known and taken off. The square of the texture is that of camera 1 times
         camera 2, which share no noise.
         """
-        require(frames, "signal", "signal_var", "flags")
+        require(frames, "signal", "signal_var", "signal_var_fixed", "flags")
         flags = (frames.flags.values[0] | frames.flags.values[1]) != 0
         for n in range(frames.sizes["frame"]):
             one, two = frames.signal.values[:, n]
-            matrix, vector, noise, pixels = _moments(one, two, frames.signal_var.values[0, n], flags[n], _APART)
+            variance = frames.signal_var.values[0, n] + frames.signal_var_fixed.values[0, n]
+            matrix, vector, noise, pixels = _moments(one, two, variance, flags[n], _APART)
             self.matrix += matrix
             self.vector += vector
             self.noise += noise
@@ -85,7 +86,7 @@ def measure_blur_difference(frames: AlignedFrames) -> BlurDifference:
     Parameters
     ----------
     frames : AlignedFrames
-        signal, signal_var and flags (camera, frame, y, x).
+        signal, signal_var, signal_var_fixed and flags (camera, frame, y, x).
 
     Returns
     -------

@@ -35,6 +35,7 @@ def corrected(images, variance=1.0, flags=None):
             {
                 "signal": (dims, signal),
                 "signal_var": (dims, np.full(signal.shape, variance, np.float32)),
+                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
                 "flags": (dims, np.zeros(signal.shape, np.uint8) if flags is None else np.stack([flags * 0, flags])),
             },
             {"camera": [1, 2]},

@@ -35,6 +35,7 @@ def ratio_image(rng, *, noise=0.004, ratio=RATIO, shape=SHAPE):
             {
                 "log_ratio": (dims, values.astype(np.float32)),
                 "log_ratio_var": (dims, np.full(shape, noise**2, np.float32)),
+                "log_ratio_var_fixed": (dims, np.zeros(shape, np.float32)),
                 "log_ratio_var_shared": (dims, np.zeros(shape, np.float32)),
                 "flags": (dims, np.zeros(shape, np.uint8)),
             }

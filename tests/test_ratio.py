@@ -23,6 +23,7 @@ def aligned(one, two, one_var=None, two_var=None, displacement_std=0.0):
             {
                 "signal": (dims, signal),
                 "signal_var": (dims, variance.astype(np.float32)),
+                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
                 "flags": (dims, np.zeros(signal.shape, np.uint8)),
                 "displacement_std": (("y", "x"), np.full(signal.shape[-2:], displacement_std, np.float32)),
             },
@@ -93,13 +94,14 @@ def test_bubbles_are_found_with_their_rim_and_a_dim_corner_is_not():
     assert not dark[near > 5].any()
 
 
-def ratio_images(values, variances, flags=None):
+def ratio_images(values, variances, flags=None, fixed=0.0):
     dims = ("frame", "y", "x")
     return RatioImages(
         xr.Dataset(
             {
                 "log_ratio": (dims, values),
                 "log_ratio_var": (dims, variances),
+                "log_ratio_var_fixed": (dims, np.full(values.shape, fixed)),
                 "log_ratio_var_shared": (dims, np.full(values.shape, 1e-6)),
                 "flags": (dims, np.zeros(values.shape, np.uint8) if flags is None else flags),
             }
@@ -115,6 +117,16 @@ def test_frames_are_combined_with_inverse_variance_weights():
     npt.assert_allclose(combined.log_ratio, (weights * values).sum(0) / weights.sum(0), rtol=1e-5)
     npt.assert_allclose(combined.log_ratio_var, 1 / weights.sum(0), rtol=1e-5)
     npt.assert_allclose(combined.log_ratio_var_shared, 1e-6, rtol=1e-5)  # the same error in every frame
+
+
+def test_noise_of_dark_and_flat_does_not_average_out():
+    """A hundred frames that share the noise of their flat: what is left is that noise and a hundredth of the rest."""
+    rng = np.random.default_rng(6)
+    shape = (100, 100, 120)
+    values = rng.normal(0, 0.02, shape) + rng.normal(0, 0.005, shape[1:])
+    combined = combine_frames(ratio_images(values, np.full(shape, 0.02**2 + 0.005**2), fixed=0.005**2))
+    npt.assert_allclose(combined.log_ratio_var, 0.02**2 / 100 + 0.005**2, rtol=1e-4)
+    npt.assert_allclose(combined.log_ratio.values.var(), combined.log_ratio_var.mean(), rtol=0.04)
 
 
 def test_pixel_is_answered_by_the_frames_that_can_and_keeps_all_reasons_otherwise():

@@ -41,6 +41,7 @@ def frames(one, two, rng, *, level=1500.0, noise=True):
             {
                 "signal": (dims, signal),
                 "signal_var": (dims, (signal / GAIN * noise).astype(np.float32)),
+                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
                 "flags": (dims, np.zeros(signal.shape, np.uint8)),
                 "displacement_std": (("y", "x"), np.zeros(SHAPE, np.float32)),
             },

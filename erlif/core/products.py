@@ -22,14 +22,15 @@ References = NewType("References", xr.Dataset)
 read_noise [electron], full_scale [DN], each (camera)."""
 
 CorrectedFrames = NewType("CorrectedFrames", xr.Dataset)
-"""signal (camera, frame, y, x) [DN]: dark subtracted, divided by the flat; signal_var [DN2]; flags [bit mask]."""
+"""signal (camera, frame, y, x) [DN]: dark subtracted, divided by the flat; signal_var, what is new in every frame, and
+signal_var_fixed, the noise of dark and flat, the same in every frame [DN2]; flags [bit mask]."""
 
 AlignedFrames = NewType("AlignedFrames", xr.Dataset)
 """CorrectedFrames with camera 2 on the pixel grid of camera 1; displacement_std (y, x) [px] of that grid."""
 
 RatioImages = NewType("RatioImages", xr.Dataset)
-"""log_ratio (.., y, x): natural logarithm of camera 2 over camera 1 [1]; log_ratio_var, the random part;
-log_ratio_var_shared, what the registration adds to neighbours and frames alike; flags."""
+"""log_ratio (.., y, x): natural logarithm of camera 2 over camera 1 [1]; log_ratio_var, the random part of a pixel, of which
+log_ratio_var_fixed is the same in every frame; log_ratio_var_shared, what the registration adds to neighbours and frames alike; flags."""
 
 ThicknessMaps = NewType("ThicknessMaps", xr.Dataset)
 """thickness (.., y, x) [um], thickness_std (random), thickness_std_shared, flags; NaN exactly where flags is not 0."""
