@@ -75,32 +75,38 @@ def _textures(image: Array, weight: Array | None, factor: int) -> tuple[Array, A
 class _Correlator:
     """Cross-correlation of camera 1 with whatever camera 2 is turned into, at every offset at once."""
 
-    def __init__(self, texture: Array, weight: Array, search: float) -> None:
-        self.shape = texture.shape
-        h, w = texture.shape
-        self.size = (fft.next_fast_len(2 * h, real=True), fft.next_fast_len(2 * w, real=True))
-        self.spectrum = np.conj(fft.rfft2(texture, self.size))
-        self.weight_spectrum = np.conj(fft.rfft2(weight, self.size))
+    def __init__(self, coarse: "_Coarse", search: float) -> None:
+        h, w = self.shape = coarse.a.shape
+        larger = (max(a, b) for a, b in zip(coarse.a.shape, coarse.b.shape, strict=True))
+        rows, cols = (fft.next_fast_len(2 * n, real=True) for n in larger)
+        self.size = (rows, cols)
+        self.spectrum = np.conj(fft.rfft2(coarse.a, self.size))
         self.search = search
         self.offset_y = fft.fftfreq(self.size[0], 1 / self.size[0])[:, None]
         self.offset_x = fft.fftfreq(self.size[1], 1 / self.size[1])[None, :]
+        # pixels that both cameras see at each offset; turning by a few degrees changes them little
+        weights = fft.rfft2(coarse.wb, self.size) * np.conj(fft.rfft2(coarse.wa, self.size))
+        shared = fft.irfft2(weights, self.size)
+        self.enough = shared > 0.25 * h * w
+        self.scale = np.where(self.enough, 1 / np.sqrt(np.maximum(shared, 1)), 0).astype(np.float32)
 
-    def peak(self, texture: Array, weight: Array, blur: float, *, everywhere: bool = False) -> tuple[float, Array]:
+    def peak(self, texture: Array, blur: float, *, everywhere: bool = False) -> tuple[float, Array]:
         """Significance and offset (x, y) of the best alignment; ``blur`` [px] gathers a peak that a slight
         rotation smears."""
         h, w = self.shape
-        ky = np.exp(-0.5 * (2 * np.pi * fft.fftfreq(self.size[0]) * blur) ** 2)[:, None]
-        kx = np.exp(-0.5 * (2 * np.pi * fft.rfftfreq(self.size[1]) * blur) ** 2)[None, :]
-        product = fft.rfft2(texture, self.size) * self.spectrum * (ky * kx).astype(np.float32)
-        value = fft.irfft2(product, self.size)
-        shared = fft.irfft2(fft.rfft2(weight, self.size) * self.weight_spectrum, self.size)
-        enough = shared > 0.25 * h * w
-        value = np.where(enough, value / np.sqrt(np.maximum(shared, 1)), 0)
+        ky = np.exp(-0.5 * (2 * np.pi * fft.fftfreq(self.size[0]) * blur) ** 2)[:, None].astype(np.float32)
+        kx = np.exp(-0.5 * (2 * np.pi * fft.rfftfreq(self.size[1]) * blur) ** 2)[None, :].astype(np.float32)
+        product = fft.rfft2(texture, self.size)
+        product *= self.spectrum
+        product *= ky
+        product *= kx
+        value = fft.irfft2(product, self.size, overwrite_x=True)
+        value *= self.scale
         reach = 0.75 if everywhere else self.search
-        inside = enough & (np.abs(self.offset_x) <= reach * w) & (np.abs(self.offset_y) <= reach * h)
+        inside = self.enough & (np.abs(self.offset_x) <= reach * w) & (np.abs(self.offset_y) <= reach * h)
         if not inside.any():
             return 0.0, np.zeros(2)
-        chance = 1.4826 * float(np.median(np.abs(value[enough])))
+        chance = 1.4826 * float(np.median(np.abs(value[self.enough][::5])))
         j, i = np.unravel_index(int(np.argmax(np.where(inside, value, -np.inf))), value.shape)
         if not chance > 0:
             return 0.0, np.zeros(2)
@@ -311,10 +317,9 @@ def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
 def _search_still(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None, Peak]:
     """Try the frame as it is, without the bank of rotations and scales."""
     still = np.eye(2)
-    b, wb = coarse.turned(still, np.zeros(2)) if coarse.a.shape != coarse.b.shape else (coarse.b, coarse.wb)
     best = Peak(0.0, still, np.zeros(2))
     for blur in (0.7, 2.0):
-        significance, offset = correlator.peak(b, wb, blur)
+        significance, offset = correlator.peak(coarse.b, blur)
         if significance > best.significance:
             best = Peak(significance, still, offset)
         if best.significance > 3 * SIGNIFICANT:
@@ -331,8 +336,8 @@ def _search_bank(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None
     peaks = []
     for rotation, scale in _bank():
         linear = _linear(rotation, scale)
-        b, wb = coarse.turned(linear, np.zeros(2))
-        significance, offset = correlator.peak(b, wb, 0.7)
+        b, _ = coarse.turned(linear, np.zeros(2))
+        significance, offset = correlator.peak(b, 0.7)
         peaks.append(Peak(significance, linear, linear @ offset))
     peaks.sort(key=lambda p: -p.significance)
     for peak in peaks[:4]:
@@ -376,7 +381,7 @@ def find_start(
             f"camera {1 if not (coarse.wa > 0).mean() > 0.05 else 2} is both lit and sound. "
             "Check the exposure, the dark frames and the masks."
         )
-    correlator = _Correlator(coarse.a, coarse.wa, settings.search)
+    correlator = _Correlator(coarse, settings.search)
     best = Peak(0.0, np.eye(2), np.zeros(2))
     for search in (_search_still, _search_bank):
         start, peak = search(coarse, correlator)
@@ -406,7 +411,7 @@ def _explain(
             weight = None if weight_moving is None else np.ascontiguousarray(orient(weight_moving, other))
             b, wb = _textures(turned, weight, coarse.factor)
             trial = replace(coarse, **_second(b, wb))
-            start, peak = search(trial, _Correlator(coarse.a, coarse.wa, settings.search))
+            start, peak = search(trial, _Correlator(trial, settings.search))
             if start is None or start.agreement < 0.5 or peak.significance < SIGNIFICANT:
                 continue
             total = combined_orientation(settings.orientation, other)
@@ -415,12 +420,12 @@ def _explain(
                 f'it is taken as {total!r}. Set orientation = "{total}" in the settings of the registration, or mount '
                 "the camera the other way."
             )
-    correlator = _Correlator(coarse.a, coarse.wa, settings.search)
+    correlator = _Correlator(coarse, settings.search)
     best = Peak(0.0, np.eye(2), np.zeros(2))
     for rotation, scale in _bank():
         linear = _linear(rotation, scale)
-        b, wb = coarse.turned(linear, np.zeros(2))
-        significance, offset = correlator.peak(b, wb, 0.7, everywhere=True)
+        b, _ = coarse.turned(linear, np.zeros(2))
+        significance, offset = correlator.peak(b, 0.7, everywhere=True)
         if significance > best.significance:
             best = Peak(significance, linear, linear @ offset)
     reach = settings.search * np.array(coarse.a.shape[::-1])
