@@ -88,6 +88,10 @@ def assemble_film(
             stacked[f"{source}_std"],
             {"units": "um", "long_name": "its standard deviation, random and shared"},
         )
+    film.film_mean.attrs["share_beyond_range"] = stacked["censored"]
+    film.film_mean.attrs["comment"] = (
+        "over the pixels that were answered; share_beyond_range tells by trigger how much of the region was too thin or too thick"
+    )
     film = film.merge(predict_film(film, settings), combine_attrs="drop_conflicts")
     for suffix, source in (("", "minimum"), ("_mean", "mean")):
         exponent = fit_exponent(
@@ -131,6 +135,16 @@ def assemble_film(
             ]
         ),
     )
+
+
+def _censoring_notes(censored: Array) -> list[str]:
+    worst = int(np.argmax(censored))
+    if censored[worst] < 0.01:
+        return []
+    return [
+        f"up to {censored[worst]:.0%} of the region of interest (trigger {worst}) is too thin or too thick to be answered: film_mean is that "
+        "of the rest; film_min, a fit to the ratio, is not touched"
+    ]
 
 
 def describe_triggers(recording: Recording, located: xr.Dataset, frames_of: list[list[int]]) -> xr.Dataset:

@@ -13,6 +13,7 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.config import RunSettings
 from erlif.core.errors import ConfigError
+from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.kinematics import entrained_stroke
 from erlif.models.contact import conformal_radius, contact_modulus
@@ -43,6 +44,9 @@ class FilmStatistics:
         Part of minimum_std that is not the calibration's. [um]
     mean_random_std : float
         Likewise of the mean. [um]
+    censored : float
+        Share of the region whose film is too thin or too thick to be answered. The mean is that of the rest and leans to the
+        other side; the minimum is not touched. [1]
     """
 
     mean: float
@@ -53,6 +57,7 @@ class FilmStatistics:
     minimum_std: float
     minimum_random_std: float
     minimum_gradient: Array
+    censored: float
 
 
 def region_mask(settings: RunSettings, x: Array, y: Array) -> tuple[slice, slice]:
@@ -127,7 +132,15 @@ def summarise_film(
         math.sqrt(minimum_random**2 + float(minimum_gradient @ covariance @ minimum_gradient)),
         minimum_random,
         minimum_gradient,
+        _share_beyond_range(maps.flags.values[rows, columns]),
     )
+
+
+def _share_beyond_range(flags: npt.NDArray[np.uint8]) -> float:
+    """Share of the pixels with light and without other fault whose film lies beyond the range of the calibration."""
+    beyond = (flags == Flag.BELOW_RANGE) | (flags == Flag.ABOVE_RANGE)
+    sound = int((flags == 0).sum()) + int(beyond.sum())
+    return float(beyond.sum()) / sound if sound else 0.0
 
 
 _NOTHING = (math.nan, math.nan, np.full(3, math.nan))

@@ -82,6 +82,14 @@ def test_mean_film_is_freed_of_the_bias_of_a_curved_inverse(calibration):
     assert abs(result.mean - 6.0) < 0.25 * raw
 
 
+def test_share_beyond_the_range_is_told(calibration):
+    """A gap of which a known part is thicker than the calibration answers for."""
+    film = gap(14.0)
+    result = statistics(film, 0.0001, np.random.default_rng(4), calibration)
+    npt.assert_allclose(result.censored, (film > 16.0).mean(), atol=0.01)
+    assert statistics(gap(2.0), 0.0001, np.random.default_rng(4), calibration).censored == 0
+
+
 def test_dust_does_not_move_the_gap(calibration):
     rng = np.random.default_rng(4)
     film = gap(3.0)
