@@ -393,8 +393,8 @@ def fit_calibration(
     low, high, limited = _answering_range(fit, points, kept, frames)
     if limited:
         notes.append(
-            f"the profile reaches {points.thickness.max():.1f} um, but a single pixel tells thickness to {_USEFUL:.0%} only up to "
-            f"{high:.1f} um: the calibration answers up to there"
+            f"the profile reaches {points.thickness.max():.1f} um, but beyond {high:.1f} um a single pixel of one frame no longer tells "
+            f"thickness to {_USEFUL:.0%}, or to what this light allows: the calibration answers up to there"
         )
     notes += _identifiability(fit)
     residual = np.exp(points.log_ratio) - np.exp(fit.predict(points.thickness, points.steepness))
@@ -705,12 +705,12 @@ def _answering_range(fit: _Fit, points: _Points, kept: npt.NDArray[np.bool_], fr
     noise = np.interp(
         grid, points.thickness[kept][order], np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order]
     )
-    useful = noise / fit.slope(grid) <= _USEFUL * grid
-    # thin films are told badly too in proportion to themselves, but averages over pixels make them good
-    beyond = np.nonzero(~useful & (grid > 1 / fit.parameters[1]))[0]
-    if beyond.size and beyond[0] > 0 and grid[beyond[0]] < high:
-        return low, float(grid[beyond[0]]), True
-    return low, high, False
+    relative = noise / (fit.slope(grid) * grid)
+    # in dim light no single pixel may tell so much; then the range ends where pixels are a quarter worse than their best
+    useful = relative <= max(_USEFUL, 1.25 * float(relative.min()))
+    thickest = float(grid[useful][-1])
+    # thin films too are told badly in proportion to themselves, but averages over pixels make them good: they stay
+    return low, thickest, thickest < grid[-1]
 
 
 def _identifiability(fit: _Fit) -> list[str]:
