@@ -84,7 +84,7 @@ def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Datase
     return xr.Dataset(
         {
             "signal": (("camera", "y", "x"), aligned.signal.values[:, 0], {"units": "DN"}),
-            "ratio": (("y", "x"), np.where(good, np.exp(ratios.log_ratio.values[0]), np.nan), {"units": "1"}),
+            "ratio": (("y", "x"), np.exp(np.where(good, ratios.log_ratio.values[0], np.nan)), {"units": "1"}),
         },
         attrs={"frame": number},
     )
