@@ -156,15 +156,17 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
     """The same as `estimate_drift` for a checked pair and a dense displacement (NaN where it is not known). [px]
 
     The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them to a fraction of a
-    pixel, and one step at full resolution does the rest. NaN if the textures do not correlate beyond chance.
+    pixel, and one or two steps at full resolution, or at half of it for large frames, do the rest. NaN if the textures
+    do not correlate beyond chance.
     """
     shift = np.zeros(2)
     sums = np.zeros((1, 1, SUMS))
-    for binning, passes in ((4 if min(pair.reference.shape) >= 400 else 2, 3), (1, 1)):
+    last = 2 if min(pair.reference.shape) >= 400 else 1  # large frames have texture enough for a shift when binned
+    for binning, passes in ((2 * last, 3), (last, last)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)
         dx, dy = _thinned(displacement_x, binning), _thinned(displacement_y, binning)
-        if binning > 1:
+        if binning > last:
             shift = binning * _whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
         for _ in range(passes):
             here = (float(shift[0]) / binning, float(shift[1]) / binning)
@@ -176,7 +178,7 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
         return Drift(np.nan, np.nan, np.nan, np.nan, quality)
     sums = without_noise(sums)
     std_dx, std_dy = _spread(move_sums(sums, *solve_shift(sums)))
-    return Drift(float(shift[0]), float(shift[1]), std_dx, std_dy, quality)
+    return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
 
 
 def _whole_pixels(a: Array, b: Array) -> Array:
