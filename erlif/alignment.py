@@ -29,7 +29,8 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
     camera_map : CameraMap
         The fixed map from camera 1 to camera 2.
     drift : array, (frame, 2), optional
-        Translation (x, y) of camera 2 in each frame, on top of the map. [px]
+        Translation (x, y) of camera 2 in each frame, on top of the map; NaN where it is not known, which flags the frame
+        poor_registration. [px]
 
     Returns
     -------
@@ -52,7 +53,7 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
         for own, out in zip(noise, (variance, fixed), strict=True):
             _gather(own, dx, dy, x, y, factor, out[1, n])
         flags[1, n][~camera_map.overlap] |= _OUTSIDE
-        flags[1, n][camera_map.poor] |= _POOR
+        flags[1, n][camera_map.poor | np.isnan(x)] |= _POOR
     dims = ("camera", "frame", "y", "x")
     return AlignedFrames(
         xr.Dataset(

@@ -230,13 +230,18 @@ def describe_frames(
     return group.reset_coords(drop=True)
 
 
-def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
-    """The registration group of the film."""
+def describe_map(camera_map: CameraMap) -> xr.Dataset:
+    """A camera map as a group of a file."""
     compress = {"zlib": True, "complevel": 1, "shuffle": True}
     dataset = camera_map.to_dataset()
     for name in dataset:
         dataset[name].encoding.update(compress)
-    return dataset.assign_attrs(
+    return dataset
+
+
+def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
+    """The registration group of the film."""
+    return describe_map(camera_map).assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
         blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x and y [px2]",

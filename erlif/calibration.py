@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from scipy.spatial import cKDTree
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages, require
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
+from erlif.registration import CameraMap
 
 Array = npt.NDArray[np.float64]
 
@@ -83,6 +84,8 @@ class Calibration:
     input_hashes : dict of str to str
     date : str
         When the fixture was photographed.
+    camera_map : CameraMap or None
+        Map from camera 1 to camera 2 on the fixture, for runs of the same rig.
     """
 
     ratio_at_zero: float
@@ -97,6 +100,7 @@ class Calibration:
     notes: tuple[str, ...] = ()
     input_hashes: dict[str, str] = field(default_factory=dict, repr=False)
     date: str = ""
+    camera_map: CameraMap | None = field(default=None, repr=False)
 
     @property
     def parameters(self) -> Array:
@@ -745,10 +749,3 @@ def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
         f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got one of {calibration.bands[0]:g} and "
         f"{calibration.bands[1]:g} nm.{swapped} Calibrate with the filters of the run."
     )
-
-
-def with_history(
-    calibration: Calibration, *, input_hashes: dict[str, str], date: str, notes: tuple[str, ...]
-) -> Calibration:
-    """The same calibration with the record of where it came from."""
-    return replace(calibration, input_hashes=input_hashes, date=date, notes=(*calibration.notes, *notes))

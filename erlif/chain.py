@@ -16,12 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.alignment import align_frames
+from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.correction import correct_frames
 from erlif.ingest import Recording, depth_warning, read_frames
 from erlif.ratio import compute_ratio, is_steep
-from erlif.registration import CameraMap, RegistrationSettings, register_frames
+from erlif.registration import CameraMap, RegistrationSettings, check_map, estimate_drift, register_frames
 from erlif.sharpness import BlurDifference, BlurMoments
 
 Array = npt.NDArray[np.float64]
@@ -55,9 +56,26 @@ class Chain:
         return compute_ratio(self.aligned(frame), no_film_below=share, blur=self.blur)
 
 
-def prepare_chain(recording: Recording, references: References, progress: Progress) -> Chain:
-    """Register the cameras, and compare their sharpness on a few frames."""
-    camera_map, drift = _register(recording, references, progress)
+def prepare_chain(
+    recording: Recording, references: References, progress: Progress, *, stored: CameraMap | None = None
+) -> Chain:
+    """Register the cameras, and compare their sharpness on a few frames.
+
+    Parameters
+    ----------
+    recording, references
+    progress : callable
+    stored : CameraMap, optional
+        A map found before, to be used in place of a new one.
+
+    Raises
+    ------
+    RegistrationError
+        If the cameras cannot be laid over each other, or the stored map fits no longer.
+    """
+    pairs = _LazyPairs(recording, references, progress)
+    camera_map, drift = _register(pairs) if stored is None else _follow(pairs, stored)
+    _note_what_was_seen(pairs, drift)
     chain = Chain(recording, references, camera_map, dict(zip(recording.frames, drift, strict=True)))
     moments = BlurMoments.empty()
     with one_thread_per_frame():
@@ -72,10 +90,10 @@ def some_frames(recording: Recording, count: int) -> list[int]:
     return [recording.frames[place] for place in places]
 
 
-def _register(recording: Recording, references: References, progress: Progress) -> tuple[CameraMap, Array]:
+def _register(pairs: _LazyPairs) -> tuple[CameraMap, Array]:
     """Fixed map of the cameras, and the drift of each usable frame."""
-    options = recording.settings.registration
-    large = recording.shape[0] * recording.shape[1] > 500_000
+    options = pairs.recording.settings.registration
+    large = pairs.recording.shape[0] * pairs.recording.shape[1] > 500_000
     settings = RegistrationSettings(
         window=options.window,
         step=options.step,
@@ -84,13 +102,47 @@ def _register(recording: Recording, references: References, progress: Progress) 
         frames_for_map=options.frames or (4 if large else 12),
         threads=2 if large else 1,
     )
-    frames = _LazyPairs(recording, references, progress)
-    camera_map, drift = register_frames(frames, settings=settings)
-    for camera, (camera_settings, highest) in enumerate(zip(recording.cameras, frames.highest, strict=True), 1):
-        warning = depth_warning(camera_settings, highest, camera=camera)
-        if warning:
-            references.attrs["notes"] = "\n".join(filter(None, [references.attrs.get("notes", ""), warning]))
-    return camera_map, drift
+    return register_frames(pairs, settings=settings)
+
+
+def _follow(pairs: _LazyPairs, stored: CameraMap) -> tuple[CameraMap, Array]:
+    """A stored map, checked on some frames, and the drift of each against it; the map takes up the mean drift."""
+    if stored.shape != pairs.recording.shape:
+        raise RegistrationError(
+            f"Expected a stored camera map for frames of {pairs.recording.shape}; the calibration's is for {stored.shape}. Calibrate with "
+            "the region of interest of the run, or set reuse = false in [registration]."
+        )
+    check_map(stored, pairs)
+    drift = np.full((len(pairs), 2), np.nan)
+    for index, (one, two, weight_one, weight_two) in enumerate(pairs):
+        try:
+            found = estimate_drift(stored, one, two, weight_reference=weight_one, weight_moving=weight_two)
+        except RegistrationError:
+            continue  # no common texture in this frame: it has no drift, and no film
+        drift[index] = found.dx, found.dy
+    mean = np.nanmean(drift, axis=0)
+    moved = replace(
+        stored,
+        displacement_x=(stored.displacement_x + mean[0]).astype(np.float32),
+        displacement_y=(stored.displacement_y + mean[1]).astype(np.float32),
+        model=f"{stored.model}, stored with the calibration; the run's mean drift against it is ({mean[0]:.3f}, {mean[1]:.3f}) px",
+    )
+    return moved, drift - mean
+
+
+def _note_what_was_seen(pairs: _LazyPairs, drift: Array) -> None:
+    """Add to the notes what reading every frame has shown."""
+    seen = [
+        depth_warning(settings, highest, camera=camera)
+        for camera, (settings, highest) in enumerate(zip(pairs.recording.cameras, pairs.highest, strict=True), 1)
+    ]
+    lost = [str(k) for k, (x, _) in zip(pairs.numbers, drift, strict=True) if np.isnan(x)]
+    if lost:
+        seen.append(
+            f"frame pairs {', '.join(lost)}: no common texture, as of a misfired pulse; flagged poor_registration"
+        )
+    notes = [pairs.references.attrs.get("notes", ""), *seen]
+    pairs.references.attrs["notes"] = "\n".join(note for note in notes if note)
 
 
 class _LazyPairs(Sequence[tuple[Any, Any, Any, Any]]):
@@ -100,7 +152,6 @@ class _LazyPairs(Sequence[tuple[Any, Any, Any, Any]]):
         self.recording, self.references, self.progress = recording, references, progress
         self.numbers = recording.frames
         self.highest = [0, 0]
-        self.good = ~references.bad.values
 
     def __len__(self) -> int:
         return len(self.numbers)

@@ -184,6 +184,9 @@ class RegistrationOptions(Settings):
     orientation: Literal["normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"] = Field(
         "normal", description="how camera 2 is mounted against camera 1"
     )
+    reuse: bool = Field(
+        False, description="use the camera map stored with the calibration, once it is checked on this run's frames"
+    )
     frames: int | None = Field(
         None, ge=1, description="frames used together for the fixed part of the map; default: 12 small or 4 large ones"
     )

@@ -8,7 +8,7 @@ import os
 import tempfile
 import warnings
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from erlif.assembly import (
     MAPS,
     assemble_film,
     describe_frames,
+    describe_map,
     describe_registration,
     describe_triggers,
     group_frames,
@@ -28,7 +29,7 @@ from erlif.assembly import (
     reference_notes,
     skipped_notes,
 )
-from erlif.calibration import Calibration, check_bands, fit_calibration, read_profile, with_history
+from erlif.calibration import Calibration, check_bands, fit_calibration, read_profile
 from erlif.chain import Chain, Progress, one_thread_per_frame, prepare_chain, silent, some_frames
 from erlif.config import FixtureSettings, RunSettings, to_toml
 from erlif.core.errors import CalibrationError, ErlifError
@@ -37,6 +38,7 @@ from erlif.core.products import RatioImages
 from erlif.core.store import (
     PartialFilm,
     describe_hashes,
+    has_group,
     open_film,
     open_netcdf,
     refuse_existing,
@@ -48,6 +50,7 @@ from erlif.ingest import Recording, hash_inputs, open_fixture, open_run
 from erlif.kinematics import locate_frames
 from erlif.models.fluorescence import band_signal
 from erlif.ratio import RatioSum
+from erlif.registration import CameraMap
 from erlif.thickness import measure_thickness
 from erlif.trend import region_mask, summarise_film
 
@@ -94,11 +97,12 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
         frames=total.frames,
         fixture=settings.name,
     )
-    return with_history(
+    return replace(
         calibration,
         input_hashes=hash_inputs(recording),
         date=_date_of(recording),
-        notes=(*reference_notes(references), *skipped_notes(recording)),
+        notes=(*calibration.notes, *reference_notes(references), *skipped_notes(recording)),
+        camera_map=chain.camera_map,
     )
 
 
@@ -109,7 +113,8 @@ def save_calibration(calibration: Calibration, output: str | Path, *, overwrite:
     dataset = calibration.to_dataset().assign_attrs(
         Conventions="CF-1.11", title="ERLIF calibration", erlif_version=erlif.__version__, **calibration.attributes
     )
-    write_dataset(dataset, output)
+    groups = {} if calibration.camera_map is None else {"registration": describe_map(calibration.camera_map)}
+    write_dataset(dataset, output, groups=groups)
     return output
 
 
@@ -125,7 +130,11 @@ def open_calibration(path: str | Path) -> Calibration:
             # the file format allows covariance (parameter, parameter), which xarray reads with a warning
             warnings.filterwarnings("ignore", "Duplicate dimension names", UserWarning)
             with open_netcdf(path) as dataset:
-                return Calibration.from_dataset(dataset.load())
+                calibration = Calibration.from_dataset(dataset.load())
+        if not has_group(path, "registration"):
+            return calibration
+        with open_netcdf(path, group="registration") as dataset:
+            return replace(calibration, camera_map=CameraMap.from_dataset(dataset.load()))
     except ErlifError:
         raise
     except Exception as error:  # HDF5 raises whatever the damaged bytes lead it to
@@ -210,7 +219,7 @@ def _process_to(
     references = measure_references(recording)
     hashes = hash_inputs(recording)
     with PartialFilm(output, _job_key(settings, hashes, calibration, recording)) as partial:
-        chain = prepare_chain(recording, references, progress)
+        chain = prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings))
         _refuse_foreign_ratio(chain, calibration)
         _run_tasks(_TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress)
         film = assemble_film(recording, triggers, partial, calibration, settings, hashes, references)
@@ -220,6 +229,18 @@ def _process_to(
         }
         write_film(output, film, groups, partial, MAPS)
         partial.discard()
+
+
+def _stored_map(calibration: Calibration, settings: RunSettings) -> CameraMap | None:
+    """The calibration's camera map where the settings ask for it."""
+    if not settings.registration.reuse:
+        return None
+    if calibration.camera_map is None:
+        raise CalibrationError(
+            "Expected a camera map in the calibration, because [registration] says reuse = true; there is none. Calibrate again, or set "
+            "reuse = false."
+        )
+    return calibration.camera_map
 
 
 def _run_tasks(task: _TriggerTask, frames_of: list[list[int]], workers: int | None, progress: Progress) -> None:

@@ -229,10 +229,11 @@ def _remove(path: Path) -> None:
             path.unlink()
 
 
-def write_dataset(dataset: xr.Dataset, output: Path) -> None:
-    """Write a small dataset as netCDF-4, whole or not at all; raises OutputError."""
+def write_dataset(dataset: xr.Dataset, output: Path, *, groups: Mapping[str, xr.Dataset] | None = None) -> None:
+    """Write a small dataset, and others as groups of the file, as netCDF-4, whole or not at all; raises OutputError."""
+    tree = xr.DataTree.from_dict({"/": dataset, **{f"/{name}": group for name, group in (groups or {}).items()}})
     with replacing(output) as scratch:
-        scratch.write_bytes(dataset.to_netcdf(engine="h5netcdf"))  # as a whole: HDF5 does not survive a full disk
+        scratch.write_bytes(tree.to_netcdf(engine="h5netcdf"))  # as a whole: HDF5 does not survive a full disk
 
 
 def write_film(
@@ -326,6 +327,14 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
     return xr.open_dataset(path, engine="h5netcdf", group=group)
+
+
+def has_group(path: Path, group: str) -> bool:
+    """Whether a netCDF-4 file has a group of this name."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        return isinstance(file.get(group), h5py.Group)
 
 
 def _free_text(dataset: xr.Dataset) -> xr.Dataset:
