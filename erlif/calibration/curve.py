@@ -1,0 +1,257 @@
+"""A finished calibration: ratio against thickness and back, and its file."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.optimize import brentq
+
+from erlif.core.errors import CalibrationError
+from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
+from erlif.registration import CameraMap
+
+Array = npt.NDArray[np.float64]
+
+DIRECTION = "camera2/camera1"
+"""The ratio that rises with thickness; the other way round is refused."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The reabsorption model fitted to a fixture: ratio against thickness and back.
+
+    Attributes
+    ----------
+    ratio_at_zero, attenuation_camera1, attenuation_camera2 : float
+        K [1], p and q [1/um] of `erlif.models.fluorescence.log_band_ratio`.
+    covariance : array, (3, 3)
+        Of K, p and q, in this order.
+    thickness_range : (float, float)
+        Where the calibration answers. [um]
+    bands : (float, float)
+        Filter bands of camera 1 and 2. [nm]
+    curve : xarray.Dataset
+        curve_thickness, curve_ratio, curve_ratio_std, curve_residual (bin): what was fitted.
+    reduced_chi_square : float
+    fixture : str
+    notes : tuple of str
+        What the fit has to say of itself.
+    input_hashes : dict of str to str
+    date : str
+        When the fixture was photographed.
+    camera_map : CameraMap or None
+        Map from camera 1 to camera 2 on the fixture, for runs of the same rig.
+    """
+
+    ratio_at_zero: float
+    attenuation_camera1: float
+    attenuation_camera2: float
+    covariance: Array
+    thickness_range: tuple[float, float]
+    bands: tuple[float, float]
+    curve: xr.Dataset = field(repr=False)
+    reduced_chi_square: float
+    fixture: str
+    notes: tuple[str, ...] = ()
+    input_hashes: dict[str, str] = field(default_factory=dict, repr=False)
+    date: str = ""
+    camera_map: CameraMap | None = field(default=None, repr=False)
+
+    @property
+    def parameters(self) -> Array:
+        """K [1], p and q [1/um]."""
+        return np.array([self.ratio_at_zero, self.attenuation_camera1, self.attenuation_camera2])
+
+    @property
+    def standard_deviations(self) -> Array:
+        """Of K, p and q."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def predict(self, thickness: npt.ArrayLike) -> Array:
+        """Ratio camera 2 / camera 1 of a film. `thickness` in um."""
+        return np.exp(self.predict_log(thickness))
+
+    def predict_log(self, thickness: npt.ArrayLike) -> Array:
+        """Natural logarithm of the ratio of a film. `thickness` in um."""
+        K, p, q = self.parameters
+        return np.asarray(log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
+
+    def slope(self, thickness: npt.ArrayLike) -> Array:
+        """Derivative of the logarithm of the ratio by thickness. [1/um]"""
+        _, p, q = self.parameters
+        return np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
+
+    def parameter_gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
+        K, p, q = self.parameters
+        return log_band_ratio_gradient(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+
+    def thickness_std(self, thickness: npt.ArrayLike) -> Array:
+        """Standard deviation that the calibration alone leaves in a thickness. [um]"""
+        gradient = self.parameter_gradient(thickness)
+        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.covariance, gradient)
+        return np.asarray(np.sqrt(variance) / self.slope(thickness))
+
+    @cached_property
+    def inverse(self) -> InverseTable:
+        """Table from the logarithm of the ratio to thickness, for whole images."""
+        return InverseTable.of(self)
+
+    def invert(self, log_ratio: npt.ArrayLike) -> Array:
+        """Thickness at which the model has this logarithm of the ratio, by root finding; NaN beyond the range. [um]"""
+        low, high = self.thickness_range
+        values = np.asarray(log_ratio, float)
+        limits = self.predict_log([low, high])
+        found = [
+            brentq(lambda t, goal=goal: float(self.predict_log(t)) - goal, low, high, xtol=1e-10)
+            if limits[0] <= goal <= limits[1]
+            else math.nan
+            for goal in values.ravel()
+        ]
+        return np.array(found).reshape(values.shape)
+
+    def to_dataset(self) -> xr.Dataset:
+        """The calibration as it is stored in ``calibration.nc``."""
+        K, p, q = self.parameters
+        low, high = self.thickness_range
+        dataset = self.curve.copy()
+        scalars = {
+            "ratio_at_zero": (K, "1", "ratio of a vanishing film, K"),
+            "attenuation_camera1": (p, "um-1", "attenuation in the band of camera 1, p"),
+            "attenuation_camera2": (q, "um-1", "attenuation in the band of camera 2, q"),
+            "reduced_chi_square": (self.reduced_chi_square, "1", "of the fit"),
+        }
+        for name, (value, unit, meaning) in scalars.items():
+            dataset[name] = ((), value, {"units": unit, "long_name": meaning})
+        dataset["covariance"] = (
+            ("parameter", "parameter2"),
+            self.covariance,
+            {"long_name": "covariance of K, p, q", "comment": "both dimensions in the order of parameter"},
+        )
+        dataset["thickness_range"] = (
+            "bound",
+            [low, high],
+            {"units": "um", "long_name": "where the calibration answers"},
+        )
+        dataset["parameter"] = ("parameter", ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"])
+        return dataset
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Global attributes of ``calibration.nc``."""
+        return {
+            "band_camera1_nm": self.bands[0],
+            "band_camera2_nm": self.bands[1],
+            "ratio_direction": DIRECTION,
+            "fixture": self.fixture,
+            "notes": "\n".join(self.notes),
+            "input_hashes": json.dumps(self.input_hashes, sort_keys=True),
+            "date": self.date,
+        }
+
+    @classmethod
+    def from_dataset(cls, dataset: xr.Dataset) -> Calibration:
+        """Rebuild a calibration from its file.
+
+        Raises
+        ------
+        CalibrationError
+            If a variable or attribute is missing, or the ratio is the other way round.
+        """
+        try:
+            if dataset.attrs["ratio_direction"] != DIRECTION:
+                raise CalibrationError(
+                    f"Expected a calibration of the ratio {DIRECTION}; this one is of {dataset.attrs['ratio_direction']}. "
+                    "Calibrate again with erlif, with the reabsorbed band on camera 1."
+                )
+            names = [name for name in dataset.variables if str(name).startswith("curve_")]
+            low, high = (float(bound) for bound in dataset.thickness_range.values)
+            return cls(
+                ratio_at_zero=float(dataset.ratio_at_zero),
+                attenuation_camera1=float(dataset.attenuation_camera1),
+                attenuation_camera2=float(dataset.attenuation_camera2),
+                covariance=np.asarray(dataset.covariance.values, float),
+                thickness_range=(low, high),
+                bands=(float(dataset.attrs["band_camera1_nm"]), float(dataset.attrs["band_camera2_nm"])),
+                curve=dataset[names].reset_coords(drop=True).drop_attrs(deep=False),
+                reduced_chi_square=float(dataset.reduced_chi_square),
+                fixture=str(dataset.attrs["fixture"]),
+                notes=tuple(note for note in str(dataset.attrs.get("notes", "")).split("\n") if note),
+                input_hashes=json.loads(dataset.attrs.get("input_hashes", "{}")),
+                date=str(dataset.attrs.get("date", "")),
+            )
+        except (KeyError, AttributeError) as error:
+            raise CalibrationError(
+                f"Expected a calibration as erlif calibrate writes it; {error} is missing from this file."
+            ) from error
+
+
+@dataclass(frozen=True)
+class InverseTable:
+    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio.
+
+    Attributes
+    ----------
+    start, step : float
+        Logarithm of the ratio at the first entry, and the distance of entries.
+    thickness : array, (entry,)
+        [um]
+    per_log_ratio : array, (entry,)
+        Derivative of thickness by the logarithm of the ratio. [um]
+    calibration_std : array, (entry,)
+        Standard deviation that the calibration leaves in the thickness. [um]
+    """
+
+    start: float
+    step: float
+    thickness: Array
+    per_log_ratio: Array
+    calibration_std: Array
+
+    @classmethod
+    def of(cls, calibration: Calibration, entries: int = 20001) -> InverseTable:
+        """Tabulate the inverse over the range of the calibration; linear interpolation is good to 1e-5 um."""
+        low, high = calibration.thickness_range
+        first, last = calibration.predict_log([low, high])
+        grid = np.linspace(first, last, entries)
+        # Newton's steps from a dense direct table: the curve is monotonic and smooth
+        dense = np.linspace(low, high, entries)
+        thickness = np.interp(grid, calibration.predict_log(dense), dense)
+        for _ in range(3):
+            thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)
+        thickness = np.clip(thickness, low, high)
+        return cls(
+            float(first),
+            float(grid[1] - grid[0]),
+            thickness,
+            1 / calibration.slope(thickness),
+            calibration.thickness_std(thickness),
+        )
+
+
+def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
+    """Refuse a calibration of other filter bands.
+
+    Raises
+    ------
+    CalibrationError
+        If a band differs by more than 1 nm, recognising exchanged cameras.
+    """
+    if np.allclose(calibration.bands, bands, atol=1.0):
+        return
+    swapped = (
+        " The bands are exchanged: the cameras look swapped."
+        if np.allclose(calibration.bands, bands[::-1], atol=1.0)
+        else ""
+    )
+    raise CalibrationError(
+        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got one of {calibration.bands[0]:g} and "
+        f"{calibration.bands[1]:g} nm.{swapped} Calibrate with the filters of the run."
+    )
