@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -127,6 +128,7 @@ def assemble_film(
         settings=to_toml(settings),
         input_hashes=describe_hashes(hashes),
         calibration=_describe_calibration(calibration),
+        **_describe_smoothing(settings.thickness.smoothing),
         notes="\n".join(
             [
                 *reference_notes(references),
@@ -264,6 +266,16 @@ def _describe_calibration(calibration: Calibration) -> str:
         },
         sort_keys=True,
     )
+
+
+def _describe_smoothing(resolution: int | None) -> dict[str, Any]:
+    if resolution is None:
+        return {}
+    comment = (
+        "full width at half maximum of the window [px] in which the ratio behind the maps was smoothed, steps kept; the noise of "
+        "pixels closer than that goes together; film_min, film_mean and their trend come from the ratio as it was measured"
+    )
+    return {"smoothing": resolution, "smoothing_comment": comment}
 
 
 def reference_notes(references: References) -> list[str]:

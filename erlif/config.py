@@ -216,6 +216,9 @@ class ThicknessOptions(Settings):
     no_film_below: float = Field(
         0.25, gt=0, lt=1, description="fluorescence below this share of its surroundings counts as a bubble"
     )
+    smoothing: int | None = Field(
+        None, ge=2, le=50, description="resolution in pixels of the smoothed ratio; default: not smoothed"
+    )
 
 
 class RunName(Settings):
@@ -292,7 +295,8 @@ def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     path = directory / name
     if not directory.is_dir():
-        raise ConfigError(f"Expected a directory with {name} in it; {directory} is not a directory.")
+        hint = f" Name the directory that holds it: {directory.parent}" if directory.name == name else ""
+        raise ConfigError(f"Expected a directory with {name} in it; {directory} is not a directory.{hint}")
     if not path.is_file():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
         hint = f" It holds {other}: is it meant for the other command?" if (directory / other).is_file() else ""

@@ -8,6 +8,7 @@ import os
 import tempfile
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -32,7 +33,7 @@ from erlif.assembly import (
 from erlif.calibration import Calibration, check_bands, fit_calibration, read_profile
 from erlif.chain import Chain, Progress, one_thread_per_frame, prepare_chain, silent, some_frames
 from erlif.config import FixtureSettings, RunSettings, to_toml
-from erlif.core.errors import CalibrationError, ErlifError
+from erlif.core.errors import CalibrationError, ErlifError, OutputError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.core.store import (
@@ -51,6 +52,7 @@ from erlif.kinematics import locate_frames
 from erlif.models.fluorescence import band_signal
 from erlif.ratio import RatioSum
 from erlif.registration import CameraMap
+from erlif.smoothing import smooth_ratio
 from erlif.thickness import measure_thickness
 from erlif.trend import region_mask, summarise_film
 
@@ -121,6 +123,10 @@ def save_calibration(calibration: Calibration, output: str | Path, *, overwrite:
 def open_calibration(path: str | Path) -> Calibration:
     """Read ``calibration.nc``; raises CalibrationError if it is none."""
     path = Path(path)
+    if path.is_dir():
+        raise CalibrationError(
+            f"Expected a calibration file; {path} is a directory. Name its file: {path / 'calibration.nc'}"
+        )
     if not path.is_file():
         raise CalibrationError(
             f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate FIXTURE_DIR"
@@ -139,7 +145,8 @@ def open_calibration(path: str | Path) -> Calibration:
         raise
     except Exception as error:  # HDF5 raises whatever the damaged bytes lead it to
         raise CalibrationError(
-            f"Expected a calibration as erlif calibrate writes it; {path} cannot be read ({error})."
+            f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something else ({error}). Make one with: erlif "
+            "calibrate FIXTURE_DIR"
         ) from error
 
 
@@ -263,7 +270,7 @@ def _run_tasks(task: _TriggerTask, frames_of: list[list[int]], workers: int | No
 def find_calibration(
     recording: Recording, given: Calibration | str | Path | None, *, progress: Progress = silent
 ) -> Calibration:
-    """The calibration of a run: the one given, else the one run.toml names, else fitted to the fixture beside that.
+    """The calibration of a run: the one given, else the one run.toml names, else made, and kept, from the fixture beside that.
 
     Raises
     ------
@@ -282,7 +289,10 @@ def find_calibration(
         )
     path = recording.directory / settings.calibration
     if not path.exists() and (path.parent / "fixture.toml").is_file():
-        return calibrate(path.parent, progress=progress)
+        made = calibrate(path.parent, progress=progress)
+        with suppress(OutputError):  # kept for the next run where the fixture's directory can be written
+            save_calibration(made, path)
+        return made
     return open_calibration(path)
 
 
@@ -322,6 +332,9 @@ class _TriggerTask:
             columns=columns,
             sliding_along_x=self.settings.optics.x_axis == "sliding",
         )
+        resolution = self.settings.thickness.smoothing
+        if resolution is not None:  # the statistics above count on pixels whose noise is independent
+            maps = measure_thickness(smooth_ratio(ratio, resolution=resolution), self.calibration)
         self.partial.put(
             trigger,
             {variable.name: maps[variable.name].values for variable in MAPS},
