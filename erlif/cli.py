@@ -110,6 +110,12 @@ def _progress() -> Iterator[Callable[[str, int, int], None]]:
                 bar.close()
 
 
+def _expect_suffix(output: Path, *suffixes: str) -> None:
+    """Refuse a name that promises another kind of file than is written."""
+    if output.suffix not in suffixes:
+        raise OutputError(f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}.")
+
+
 @main.command()
 @click.argument("directory", type=_DIRECTORY)
 def check(directory: Path) -> None:
@@ -145,6 +151,7 @@ def calibrate(fixture_dir: Path, output: Path | None, skip_bad_frames: bool, ove
     from erlif.summary import describe_calibration
 
     output = output or fixture_dir / "calibration.nc"
+    _expect_suffix(output, ".nc")
     refuse_existing(output, overwrite=overwrite)
     picture = output.with_suffix(".png")
     if picture.exists() and not overwrite:
@@ -187,6 +194,7 @@ def process(
     from erlif.summary import summarise
 
     output = output or run_dir / "film.nc"
+    _expect_suffix(output, ".nc", ".zarr")
     with _progress() as progress:
         film = pipeline.process(
             run_dir,
@@ -215,7 +223,10 @@ def figures(film: Path, output: Path | None, overwrite: bool) -> None:
     """
     from erlif.plots import write_figures
 
-    for path in write_figures(film, output or film.parent / "figures", overwrite=overwrite):
+    output = output or film.parent / "figures"
+    if output.is_file():
+        raise OutputError(f"Expected a directory for the figures; {output} is a file. Give another name with -o.")
+    for path in write_figures(film, output, overwrite=overwrite):
         click.echo(str(path))
 
 
@@ -232,7 +243,9 @@ def report(film: Path, output: Path | None, overwrite: bool) -> None:
     """
     from erlif.report import write_report
 
-    click.echo(str(write_report(film, output or film.parent / "report.html", overwrite=overwrite)))
+    output = output or film.parent / "report.html"
+    _expect_suffix(output, ".html")
+    click.echo(str(write_report(film, output, overwrite=overwrite)))
 
 
 @main.command()

@@ -94,7 +94,7 @@ def _trend_lines(film: xr.Dataset) -> list[str]:
     top = int(np.argmax(np.abs(film.rocker_speed.values)))
     lines.append(
         f"  {'theory':14s}{theory.attrs['regime']}: {float(theory[top]):.3g} um at top speed ({float(film.sliding_speed[top]):.3f} m/s, "
-        f"{float(film['load'][top]):.0f} N); the 2.65 line-contact formula gives {float(film.film_hamrock_dowson[top]):.3g} um"
+        f"{float(film['load'][top]):.0f} N); the Dowson-Higginson line-contact formula (2.65) gives {float(film.film_hamrock_dowson[top]):.3g} um"
     )
     lines.append(f"  {'':14s}{theory.attrs['reason']}")
     return lines

@@ -431,9 +431,12 @@ def test_an_existing_output_is_replaced_only_on_request(lab, film, refused, comm
     assert lab.film.read_bytes() == film.read_bytes()
 
 
-@pytest.mark.parametrize("target", ["run/encoder.csv", "run/run.toml", "fixture"])
-def test_overwrite_replaces_nothing_but_products_of_erlif(lab, refused, target):
-    message = refused("process", lab.run, "-o", lab.directory / target, "--overwrite")
+@pytest.mark.parametrize("precious", ["fixture", "run/encoder.csv", "run/run.toml"])
+def test_overwrite_replaces_nothing_but_products_of_erlif(lab, refused, precious):
+    target = lab.directory / "film.nc"
+    (lab.directory / precious).rename(target)
+    (shutil.copytree if target.is_dir() else shutil.copy)(target, lab.directory / precious)
+    message = refused("process", lab.run, "-o", target, "--overwrite")
     assert "does not replace" in message
 
 
@@ -617,3 +620,35 @@ def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
     assert "could not be written: No space left on device" in result.stderr
     assert [path.name for path in output.iterdir()] == ["zarr.json"]
     assert not list(lab.run.glob("**/*.unfinished*"))
+
+
+def test_a_second_process_on_the_same_output_is_told_so(lab, refused):
+    """The first is held by an open lock, as a process that is still at work holds it."""
+    from erlif.core.store import PartialFilm
+
+    with PartialFilm(lab.film, "key of the first"):
+        message = refused("process", lab.run)
+    assert "another erlif process is making it" in message
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (("process", "run", "-o", "film.txt"), "Expected a name in .nc or .zarr"),
+        (("calibrate", "fixture", "-o", "calibration.csv"), "Expected a name in .nc"),
+        (("process", "run", "--calibration", "fixture"), "is a directory. Name its file"),
+        (("process", "run/run.toml"), "Name the directory that holds it"),
+        (("figures", "run"), "is a directory"),
+        (("report", "run/run.toml"), "Make one with: erlif process"),
+    ],
+)
+def test_a_name_of_the_wrong_kind_is_answered_with_the_right_one(lab, refused, arguments, expected):
+    command, target, *rest = arguments
+    rest = [lab.directory / item if not item.startswith("-") else item for item in rest]
+    assert expected in refused(command, lab.directory / target, *rest)
+
+
+def test_a_calibration_made_on_the_way_is_kept(lab, command):
+    (lab.fixture / "calibration.nc").unlink()
+    command("process", lab.run)
+    assert erlif.open_calibration(lab.fixture / "calibration.nc").curve.sizes["bin"] > 20

@@ -293,7 +293,9 @@ def test_a_partial_film_forgets_what_was_half_written(tmp_path):
     partial = PartialFilm(tmp_path / "film.nc", "key")
     (partial.directory / "trigger_00001.npz").write_bytes(b"")  # as after a loss of power
     (partial.directory / "trigger_00002.unfinished").write_bytes(b"half")
+    partial.lock.release()  # as the end of its process does
     again = PartialFilm(tmp_path / "film.nc", "key")
     assert not again.has(1)
     assert not again.has(2)
     assert not list(again.directory.glob("*.unfinished"))
+    again.lock.release()

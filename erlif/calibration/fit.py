@@ -102,7 +102,7 @@ def fit_calibration(
             "curve_residual": ("bin", residual[kept], {"units": "1", "long_name": "ratio less fitted ratio"}),
         }
     )
-    K, p, q = fit.parameters
+    K, p, q = (float(value) for value in fit.parameters)
     return Calibration(
         K, p, q, fit.covariance, (low, high), bands, curve, fit.reduced_chi_square, fixture, (*profile.notes, *notes)
     )

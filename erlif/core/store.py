@@ -18,7 +18,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import IO, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -68,6 +68,42 @@ def decompress(chunk: bytes, dtype: str, shape: tuple[int, ...]) -> npt.NDArray[
     return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
 
 
+class _Lock:
+    """Keeps a second process off an output that is being made; it ends with its process, however that ends.
+
+    Where the system has no advisory locks, processes are not told apart.
+    """
+
+    def __init__(self, output: Path) -> None:
+        self.path = output.with_name(f".{output.name}.lock")
+        self.file: IO[str] | None = None
+        try:
+            import fcntl
+        except ImportError:
+            return
+        try:
+            with suppress(FileExistsError):  # where a file stands in the way, the next line says so
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            file = self.path.open("w")
+        except OSError as error:
+            raise _not_written(output, error) from error
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            file.close()
+            raise OutputError(
+                f"Expected {output} to be free; another erlif process is making it. Wait for it, or use -o for another name."
+            ) from error
+        self.file = file
+
+    def release(self) -> None:
+        """Let others come."""
+        if self.file is not None:
+            self.path.unlink(missing_ok=True)
+            self.file.close()
+            self.file = None
+
+
 class PartialFilm:
     """The triggers of a film that is being made, each in a file beside the output.
 
@@ -82,6 +118,7 @@ class PartialFilm:
     def __init__(self, output: Path, key: str) -> None:
         self.output = output
         self.directory = output.with_name(output.name + ".partial")
+        self.lock = _Lock(output)
         marker = self.directory / "key"
         try:
             if (
@@ -100,7 +137,11 @@ class PartialFilm:
             for stray in self.directory.glob("*.unfinished"):
                 _remove(stray)
         except OSError as error:
+            self.lock.release()
             raise _not_written(output, error) from error
+        except OutputError:
+            self.lock.release()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -111,6 +152,7 @@ class PartialFilm:
         """Leave nothing behind where no trigger was finished."""
         if not any(self.directory.glob("trigger_*.npz")):
             self.discard()
+        self.lock.release()
 
     def has(self, trigger: int) -> bool:
         """Whether this trigger is finished."""
@@ -360,6 +402,11 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     path = Path(path)
     if not path.exists():
         raise OutputError(f"Expected a film file; {path} does not exist. Make one with: erlif process RUN_DIR")
+    if path.is_dir() and path.suffix != ".zarr":
+        inside = f"; did you mean {path / 'film.nc'}?" if (path / "film.nc").is_file() else ""
+        raise OutputError(
+            f"Expected a film file; {path} is a directory{inside or '. Make a film with: erlif process RUN_DIR'}"
+        )
     try:
         if path.suffix == ".zarr":
             dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
@@ -367,7 +414,8 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
             dataset = open_netcdf(path, group=group)
     except Exception as error:  # HDF5 and zarr raise whatever the damaged bytes lead them to
         raise OutputError(
-            f"Expected a film as erlif process writes it; {path} cannot be read as one ({error})."
+            f"Expected a film as erlif process writes it; {path} is damaged or something else ({error}). Make one with: erlif process "
+            "RUN_DIR"
         ) from error
     if group is None and "thickness" not in dataset:
         raise OutputError(

@@ -223,7 +223,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
         words = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"rigid gap: {1 / gap.radius:.4f} µm/mm², least {gap.least:.2f} µm"
+            f"rigid gap: {1 / gap.radius:.4f} µm/mm², its least {gap.least:.2f} µm (mean over y)"
         )
         ax.annotate(words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5)
     if np.isfinite(h).any():
