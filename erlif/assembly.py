@@ -11,6 +11,7 @@ import xarray as xr
 
 import erlif
 from erlif.calibration import Calibration
+from erlif.chain import FrameRecord
 from erlif.config import RunSettings, to_toml
 from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS
@@ -22,6 +23,8 @@ from erlif.sharpness import BlurDifference
 from erlif.trend import fit_exponent, predict_film, region_mask
 
 Array = npt.NDArray[np.float64]
+
+_BY_FRAME = ("pulse_energy", "drift", "peaks")  # what is kept of a trigger for each of its frames
 
 MAPS = [
     MapVariable(
@@ -73,11 +76,11 @@ def assemble_film(
     calibration: Calibration,
     settings: RunSettings,
     hashes: dict[str, str],
-    references: References,
+    notes: list[str],
 ) -> xr.Dataset:
     """Everything of the film but its maps."""
     numbers = [partial.numbers(trigger) for trigger in range(triggers.sizes["trigger"])]
-    stacked = {name: np.stack([record[name] for record in numbers]) for name in numbers[0] if name != "pulse_energy"}
+    stacked = {name: np.stack([record[name] for record in numbers]) for name in numbers[0] if name not in _BY_FRAME}
     film = triggers.copy()
     film["frames_used"] = ("trigger", stacked["frames_used"], {"units": "1", "long_name": "frames of this trigger"})
     for name, meaning in (("mean", "mean film over the region of interest"), ("min", "least film of a smooth gap")):
@@ -131,7 +134,7 @@ def assemble_film(
         **_describe_smoothing(settings.thickness.smoothing),
         notes="\n".join(
             [
-                *reference_notes(references),
+                *notes,
                 *(f"calibration: {note}" for note in calibration.notes),
                 *skipped_notes(recording),
             ]
@@ -194,7 +197,7 @@ def _all_frames(located: xr.Dataset, trigger: int) -> list[int]:
 def describe_frames(
     recording: Recording,
     located: xr.Dataset,
-    drift_of: dict[int, Array],
+    record: FrameRecord,
     partial: PartialFilm,
     frames_of: list[list[int]],
 ) -> xr.Dataset:
@@ -202,10 +205,11 @@ def describe_frames(
     count = located.sizes["frame"]
     drift = np.full((count, 2), np.nan)
     energy = np.full(count, np.nan)
+    mean = record.mean_drift()
     for trigger, frames in enumerate(frames_of):
         values = partial.numbers(trigger)["pulse_energy"]
         for k, value in zip(frames, values, strict=True):
-            drift[k] = drift_of[k]
+            drift[k] = record.drift[k] - mean
             energy[k] = value
     log = recording.log
     assert log is not None

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from erlif.alignment import align_frames
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
-from erlif.core.products import AlignedFrames, RatioImages, References
+from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.correction import correct_frames
 from erlif.ingest import Recording, depth_warning, read_frames
 from erlif.ratio import compute_ratio, is_steep
@@ -26,6 +26,7 @@ from erlif.registration import CameraMap, RegistrationSettings, check_map, estim
 from erlif.sharpness import BlurDifference, BlurMoments
 
 Array = npt.NDArray[np.float64]
+Image = npt.NDArray[np.float32]
 Progress = Callable[[str, int, int], None]
 """Told what is being done, how many of it are done, and how many there are."""
 
@@ -36,24 +37,78 @@ def silent(what: str, done: int, total: int) -> None:
 
 @dataclass(frozen=True)
 class Chain:
-    """The stages from counts to ratio, with what the whole recording has to say to each of them."""
+    """The stages from counts to ratio, with what the whole recording has to say to each of them.
+
+    Every frame finds its own drift, so that frames depend on nothing but the map.
+    """
 
     recording: Recording
     references: References
     camera_map: CameraMap
-    drift_of: dict[int, Array]
     blur: BlurDifference = field(default_factory=BlurDifference)
 
     def aligned(self, frame: int) -> AlignedFrames:
-        """Both cameras of one frame, corrected and laid over each other."""
+        """Both cameras of one frame, corrected and laid over each other.
+
+        The coordinates drift_x, drift_y [px] and peak_camera1, peak_camera2 [DN] on dim frame tell the frame's drift, NaN where the
+        cameras have no texture in common, and its highest counts.
+        """
         frames = read_frames(self.recording, [frame])
         corrected = correct_frames(frames, self.references, least_signal=self.recording.settings.thickness.least_signal)
-        return align_frames(corrected, self.camera_map, drift=self.drift_of[frame][None])
+        one, two, *weights = registration_input(corrected)
+        try:
+            found = estimate_drift(
+                self.camera_map, one, two, weight_reference=weights[0], weight_moving=weights[1], threads=1
+            )
+            drift = np.array([[found.dx, found.dy]])
+        except RegistrationError:
+            drift = np.full((1, 2), np.nan)  # a misfired pulse: no drift, and no film
+        peaks = frames.counts.values.max(axis=(2, 3))
+        return AlignedFrames(
+            align_frames(corrected, self.camera_map, drift=drift).assign_coords(
+                drift_x=("frame", drift[:, 0]),
+                drift_y=("frame", drift[:, 1]),
+                peak_camera1=("frame", peaks[0]),
+                peak_camera2=("frame", peaks[1]),
+            )
+        )
 
     def ratio(self, frame: int) -> RatioImages:
-        """The ratio image of one frame."""
+        """The ratio image of one frame, with the coordinates of `aligned`."""
         share = self.recording.settings.thickness.no_film_below
         return compute_ratio(self.aligned(frame), no_film_below=share, blur=self.blur)
+
+
+@dataclass
+class FrameRecord:
+    """What single frames have shown: drift [px] and highest counts [DN], by frame number."""
+
+    drift: dict[int, tuple[float, float]] = field(default_factory=dict)
+    peaks: dict[int, tuple[int, int]] = field(default_factory=dict)
+
+    def add(self, frame: int, ratios: RatioImages) -> None:
+        """Keep what the ratio image of a frame says of it."""
+        self.drift[frame] = (float(ratios.drift_x[0]), float(ratios.drift_y[0]))
+        self.peaks[frame] = (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0]))
+
+    def mean_drift(self) -> Array:
+        """Mean over the frames whose drift is known; zero where none is."""
+        known = np.array([value for value in self.drift.values() if not np.isnan(value[0])])
+        return known.mean(axis=0) if known.size else np.zeros(2)
+
+    def notes(self, recording: Recording) -> list[str]:
+        """What of it deserves a word."""
+        highest = np.max(list(self.peaks.values()), axis=0) if self.peaks else [4095, 4095]
+        seen = [
+            depth_warning(settings, int(top), camera=camera)
+            for camera, (settings, top) in enumerate(zip(recording.cameras, highest, strict=True), 1)
+        ]
+        lost = [str(frame) for frame, (x, _) in sorted(self.drift.items()) if np.isnan(x)]
+        if lost:
+            seen.append(
+                f"frame pairs {', '.join(lost)}: no common texture, as of a misfired pulse; flagged poor_registration"
+            )
+        return [note for note in seen if note]
 
 
 def prepare_chain(
@@ -73,15 +128,27 @@ def prepare_chain(
     RegistrationError
         If the cameras cannot be laid over each other, or the stored map fits no longer.
     """
-    pairs = _LazyPairs(recording, references, progress)
-    camera_map, drift = _register(pairs) if stored is None else _follow(pairs, stored)
-    _note_what_was_seen(pairs, drift)
-    chain = Chain(recording, references, camera_map, dict(zip(recording.frames, drift, strict=True)))
+    large = recording.shape[0] * recording.shape[1] > 500_000
+    wanted = recording.settings.registration.frames or (4 if large else 12)
+    pairs = _LazyPairs(recording, references, some_frames(recording, wanted), progress)
+    camera_map = _register(pairs, threads=2 if large else 1) if stored is None else _check(pairs, stored)
+    chain = Chain(recording, references, camera_map)
     moments = BlurMoments.empty()
     with one_thread_per_frame():
         for frame in some_frames(recording, 4):
             moments.add(chain.aligned(frame))
     return replace(chain, blur=moments.solve())
+
+
+def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
+    """The same map with a translation taken up, so that the mean drift of its frames is zero. [px]"""
+    said = f"; the mean drift taken up is ({by[0]:.3f}, {by[1]:.3f}) px" if "stored" in camera_map.model else ""
+    return replace(
+        camera_map,
+        displacement_x=(camera_map.displacement_x + by[0]).astype(np.float32),
+        displacement_y=(camera_map.displacement_y + by[1]).astype(np.float32),
+        model=camera_map.model + said,
+    )
 
 
 def some_frames(recording: Recording, count: int) -> list[int]:
@@ -90,81 +157,57 @@ def some_frames(recording: Recording, count: int) -> list[int]:
     return [recording.frames[place] for place in places]
 
 
-def _register(pairs: _LazyPairs) -> tuple[CameraMap, Array]:
-    """Fixed map of the cameras, and the drift of each usable frame."""
+def _register(pairs: _LazyPairs, *, threads: int) -> CameraMap:
+    """Fixed map of the cameras from some frames together."""
     options = pairs.recording.settings.registration
-    large = pairs.recording.shape[0] * pairs.recording.shape[1] > 500_000
     settings = RegistrationSettings(
         window=options.window,
         step=options.step,
         model=options.model,
         orientation=options.orientation,
-        frames_for_map=options.frames or (4 if large else 12),
-        threads=2 if large else 1,
+        frames_for_map=len(pairs),
+        threads=threads,
     )
-    return register_frames(pairs, settings=settings)
+    camera_map, _ = register_frames(pairs, settings=settings)
+    return camera_map
 
 
-def _follow(pairs: _LazyPairs, stored: CameraMap) -> tuple[CameraMap, Array]:
-    """A stored map, checked on some frames, and the drift of each against it; the map takes up the mean drift."""
+def _check(pairs: _LazyPairs, stored: CameraMap) -> CameraMap:
+    """A stored map, if it fits the run."""
     if stored.shape != pairs.recording.shape:
         raise RegistrationError(
             f"Expected a stored camera map for frames of {pairs.recording.shape}; the calibration's is for {stored.shape}. Calibrate with "
             "the region of interest of the run, or set reuse = false in [registration]."
         )
     check_map(stored, pairs)
-    drift = np.full((len(pairs), 2), np.nan)
-    for index, (one, two, weight_one, weight_two) in enumerate(pairs):
-        try:
-            found = estimate_drift(stored, one, two, weight_reference=weight_one, weight_moving=weight_two)
-        except RegistrationError:
-            continue  # no common texture in this frame: it has no drift, and no film
-        drift[index] = found.dx, found.dy
-    mean = np.nanmean(drift, axis=0)
-    moved = replace(
-        stored,
-        displacement_x=(stored.displacement_x + mean[0]).astype(np.float32),
-        displacement_y=(stored.displacement_y + mean[1]).astype(np.float32),
-        model=f"{stored.model}, stored with the calibration; the run's mean drift against it is ({mean[0]:.3f}, {mean[1]:.3f}) px",
+    return replace(stored, model=f"{stored.model}, stored with the calibration")
+
+
+def registration_input(corrected: CorrectedFrames) -> tuple[Image, Image, Image, Image]:
+    """Light of both cameras in one frame, and the weights (0 or 1) of their pixels for a registration."""
+    lit = (corrected.flags.values[:, 0] & (Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    one, two = corrected.signal.values[:, 0]
+    weight_one, weight_two = (
+        (use & ~is_steep(signal)).astype(np.float32) for use, signal in zip(lit, (one, two), strict=True)
     )
-    return moved, drift - mean
+    return one, two, weight_one, weight_two
 
 
-def _note_what_was_seen(pairs: _LazyPairs, drift: Array) -> None:
-    """Add to the notes what reading every frame has shown."""
-    seen = [
-        depth_warning(settings, highest, camera=camera)
-        for camera, (settings, highest) in enumerate(zip(pairs.recording.cameras, pairs.highest, strict=True), 1)
-    ]
-    lost = [str(k) for k, (x, _) in zip(pairs.numbers, drift, strict=True) if np.isnan(x)]
-    if lost:
-        seen.append(
-            f"frame pairs {', '.join(lost)}: no common texture, as of a misfired pulse; flagged poor_registration"
-        )
-    notes = [pairs.references.attrs.get("notes", ""), *seen]
-    pairs.references.attrs["notes"] = "\n".join(note for note in notes if note)
-
-
-class _LazyPairs(Sequence[tuple[Any, Any, Any, Any]]):
+class _LazyPairs(Sequence[tuple[Image, Image, Image, Image]]):
     """Corrected frame pairs with the weights of their pixels, read when they are asked for."""
 
-    def __init__(self, recording: Recording, references: References, progress: Progress) -> None:
+    def __init__(self, recording: Recording, references: References, numbers: list[int], progress: Progress) -> None:
         self.recording, self.references, self.progress = recording, references, progress
-        self.numbers = recording.frames
-        self.highest = [0, 0]
+        self.numbers = numbers
 
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __getitem__(self, index: Any) -> tuple[Any, Any, Any, Any]:
+    def __getitem__(self, index: Any) -> Any:
         frames = read_frames(self.recording, [self.numbers[index]])
         corrected = correct_frames(frames, self.references, least_signal=self.recording.settings.thickness.least_signal)
-        peaks = frames.counts.max(("frame", "y", "x")).values
-        self.highest = [max(a, int(b)) for a, b in zip(self.highest, peaks, strict=True)]
-        lit = (corrected.flags.values[:, 0] & (Flag.SATURATED | Flag.BAD_PIXEL)) == 0
         self.progress("registration", index + 1, len(self))
-        one, two = corrected.signal.values[:, 0]
-        return one, two, *((lit[n] & ~is_steep(signal)).astype(np.float32) for n, signal in enumerate((one, two)))
+        return registration_input(corrected)
 
 
 @contextmanager

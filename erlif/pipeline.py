@@ -31,7 +31,16 @@ from erlif.assembly import (
     skipped_notes,
 )
 from erlif.calibration import Calibration, check_bands, fit_calibration, read_profile
-from erlif.chain import Chain, Progress, one_thread_per_frame, prepare_chain, silent, some_frames
+from erlif.chain import (
+    Chain,
+    FrameRecord,
+    Progress,
+    move_map,
+    one_thread_per_frame,
+    prepare_chain,
+    silent,
+    some_frames,
+)
 from erlif.config import FixtureSettings, RunSettings, to_toml
 from erlif.core.errors import CalibrationError, ErlifError, OutputError
 from erlif.core.flags import Flag
@@ -83,10 +92,12 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
     profile = read_profile(recording.directory / settings.fixture.profile)
     references = measure_references(recording)
     chain = prepare_chain(recording, references, progress)
-    total = RatioSum(recording.shape)
+    total, record = RatioSum(recording.shape), FrameRecord()
     with one_thread_per_frame():
         for done, k in enumerate(recording.frames, 1):
-            total.add(chain.ratio(k))
+            ratios = chain.ratio(k)
+            total.add(ratios)
+            record.add(k, ratios)
             progress("ratio", done, len(recording.frames))
     calibration = fit_calibration(
         total.mean(),
@@ -103,8 +114,8 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
         calibration,
         input_hashes=hash_inputs(recording),
         date=_date_of(recording),
-        notes=(*calibration.notes, *reference_notes(references), *skipped_notes(recording)),
-        camera_map=chain.camera_map,
+        notes=(*calibration.notes, *reference_notes(references), *record.notes(recording), *skipped_notes(recording)),
+        camera_map=move_map(chain.camera_map, record.mean_drift()),
     )
 
 
@@ -229,10 +240,13 @@ def _process_to(
         chain = prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings))
         _refuse_foreign_ratio(chain, calibration)
         _run_tasks(_TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress)
-        film = assemble_film(recording, triggers, partial, calibration, settings, hashes, references)
+        record = _read_record(partial, frames_of)
+        notes = [*reference_notes(references), *record.notes(recording)]
+        film = assemble_film(recording, triggers, partial, calibration, settings, hashes, notes)
+        camera_map = move_map(chain.camera_map, record.mean_drift())
         groups = {
-            "frames": describe_frames(recording, located, chain.drift_of, partial, frames_of),
-            "registration": describe_registration(chain.camera_map, chain.blur),
+            "frames": describe_frames(recording, located, record, partial, frames_of),
+            "registration": describe_registration(camera_map, chain.blur),
         }
         write_film(output, film, groups, partial, MAPS)
         partial.discard()
@@ -248,6 +262,17 @@ def _stored_map(calibration: Calibration, settings: RunSettings) -> CameraMap | 
             "reuse = false."
         )
     return calibration.camera_map
+
+
+def _read_record(partial: PartialFilm, frames_of: list[list[int]]) -> FrameRecord:
+    """What the frames of all triggers have shown."""
+    record = FrameRecord()
+    for trigger, frames in enumerate(frames_of):
+        numbers = partial.numbers(trigger)
+        for k, (x, y), (one, two) in zip(frames, numbers["drift"], numbers["peaks"], strict=True):
+            record.drift[k] = (float(x), float(y))
+            record.peaks[k] = (int(one), int(two))
+    return record
 
 
 def _run_tasks(task: _TriggerTask, frames_of: list[list[int]], workers: int | None, progress: Progress) -> None:
@@ -306,10 +331,11 @@ class _TriggerTask:
     partial: PartialFilm
 
     def run(self, trigger: int, frames: list[int]) -> None:
-        total = RatioSum(self.chain.recording.shape)
+        total, record = RatioSum(self.chain.recording.shape), FrameRecord()
         signals = []
         for k in frames:
             ratios = self.chain.ratio(k)
+            record.add(k, ratios)
             signals.append(ratios.signal_camera1.values[0])
             total.add(ratios)
             if len(frames) > 1:
@@ -339,7 +365,13 @@ class _TriggerTask:
             trigger,
             {variable.name: maps[variable.name].values for variable in MAPS},
             MAPS,
-            {**vars(film), "pulse_energy": np.array(signals), "frames_used": len(frames)},
+            {
+                **vars(film),
+                "pulse_energy": np.array(signals),
+                "frames_used": len(frames),
+                "drift": np.array(list(record.drift.values())).reshape(-1, 2),
+                "peaks": np.array(list(record.peaks.values())).reshape(-1, 2),
+            },
         )
 
     def _brightness(self, ratios: RatioImages) -> float:
