@@ -93,7 +93,7 @@ def speed(scratch: Path) -> None:
 
     import erlif
 
-    made = simulate(scratch / "speed", seed=7, width=1280, height=1024, spacing=2.4, fixture_frames=4)
+    made = simulate(scratch / "speed", seed=7, width=1280, height=1024, fixture_frames=4)
     calibration = erlif.calibrate(made / "fixture")
     times = []
     for _ in range(3):
