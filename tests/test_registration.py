@@ -170,6 +170,20 @@ def test_distortion_that_no_surface_resolves_falls_back_to_windows():
     assert vector_rms(found, truth) < 0.25  # the ripple alone has 0.42
 
 
+def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
+    """A star: no surface has elements for all of it, and over 64 px its finest waves average out."""
+    shape = (384, 512)
+
+    def star(x, y):
+        return 0 * x, 0.5 * np.cos(2 * np.pi * (y - 190) / (25 + 0.1 * x))
+
+    truth = Scene(shape, 4, private=0.0).photograph(star)
+    found = register(truth.reference, truth.moving)
+    assert found.model.startswith("local")
+    broad = (slice(32, -32), slice(330, -32))  # periods of 58 px and more
+    assert np.sqrt(np.mean((found.displacement_y - truth.dy)[broad] ** 2)) < 0.07
+
+
 # uncertainty --------------------------------------------------------------------------------------------------------
 
 
