@@ -223,13 +223,13 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
         words = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"rigid gap: {1 / gap.radius:.4f} µm/mm², its least {gap.least:.2f} µm (mean over y)"
+            f"rigid gap: {1 / gap.radius:.4f} µm/mm²\nits least {gap.least:.2f} µm (mean over y)"
         )
         ax.annotate(words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5)
     if np.isfinite(h).any():
         # room below the curve for the words on curvature, and no more of the rigid gap than was measured
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        ax.set_ylim(low - 0.28 * (high - low), high + 0.08 * (high - low))
+        ax.set_ylim(low - 0.42 * (high - low), high + 0.08 * (high - low))
     ax.set_ylabel("film thickness [µm]")
     ax.legend(loc="upper center")
     return artists
