@@ -22,7 +22,14 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Ref
 from erlif.correction import correct_frames
 from erlif.ingest import Recording, depth_warning, read_frames
 from erlif.ratio import compute_ratio, is_steep
-from erlif.registration import CameraMap, RegistrationSettings, check_map, estimate_drift, register_frames
+from erlif.registration import (
+    CameraMap,
+    RegistrationSettings,
+    check_map,
+    divide_by_light,
+    estimate_drift,
+    register_frames,
+)
 from erlif.sharpness import BlurDifference, BlurMoments
 
 Array = npt.NDArray[np.float64]
@@ -194,7 +201,7 @@ def registration_input(corrected: CorrectedFrames) -> tuple[Image, Image, Image,
 
 
 class _LazyPairs(Sequence[tuple[Image, Image, Image, Image]]):
-    """Corrected frame pairs with the weights of their pixels, read when they are asked for."""
+    """Corrected frame pairs, freed of the light the film shapes, with the weights of their pixels, read when they are asked for."""
 
     def __init__(self, recording: Recording, references: References, numbers: list[int], progress: Progress) -> None:
         self.recording, self.references, self.progress = recording, references, progress
@@ -207,7 +214,9 @@ class _LazyPairs(Sequence[tuple[Image, Image, Image, Image]]):
         frames = read_frames(self.recording, [self.numbers[index]])
         corrected = correct_frames(frames, self.references, least_signal=self.recording.settings.thickness.least_signal)
         self.progress("registration", index + 1, len(self))
-        return registration_input(corrected)
+        one, two, weight_one, weight_two = registration_input(corrected)
+        (one, weight_one), (two, weight_two) = divide_by_light(one, weight_one), divide_by_light(two, weight_two)
+        return one, two, weight_one, weight_two
 
 
 @contextmanager

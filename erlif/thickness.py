@@ -9,6 +9,7 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import RatioImages, ThicknessMaps, require
+from erlif.detection import find_range
 
 _BELOW, _ABOVE, _POOR = int(Flag.BELOW_RANGE), int(Flag.ABOVE_RANGE), int(Flag.POOR_REGISTRATION)
 
@@ -26,29 +27,35 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     -------
     ThicknessMaps
         thickness [um]; thickness_std, what the noise of this pixel leaves [um]; thickness_std_shared, what calibration and
-        registration leave to all pixels alike [um]; flags. A ratio outside the calibrated range is flagged, not
-        extrapolated, and a pixel where the registration could be further off than the noise is flagged poor_registration.
+        registration leave to all pixels alike [um]; flags; log_ratio_near, the mean ratio about each pixel whose film is within
+        the range. A film beyond the range is flagged by its surroundings (`erlif.detection`), and a ratio beyond what the fixture
+        covers by itself; nothing is extrapolated. A pixel where the registration could be further off than the noise is flagged
+        poor_registration.
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
     table = calibration.inverse
     shape = ratios.log_ratio.shape
-    thickness, random, shared = (np.empty(shape, np.float32) for _ in range(3))
+    thickness, random, shared, near = (np.empty(shape, np.float32) for _ in range(4))
     flags = ratios.flags.values.copy()
-    rows = (-1, shape[-1])
-    _invert(
-        ratios.log_ratio.values.reshape(rows),
-        ratios.log_ratio_var.values.reshape(rows),
-        ratios.log_ratio_var_shared.values.reshape(rows),
-        table.start,
-        table.step,
-        table.thickness,
-        table.per_log_ratio,
-        table.calibration_std,
-        thickness.reshape(rows),
-        random.reshape(rows),
-        shared.reshape(rows),
-        flags.reshape(rows),
-    )
+    for n in np.ndindex(shape[:-2]):
+        images = [ratios[name].values[n] for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")]
+        flags[n][(flags[n] == 0) & (images[2] > images[1])] = _POOR
+        near[n], beyond = find_range(images[0], images[1], flags[n], calibration)
+        flags[n] |= np.where(flags[n] == 0, beyond, 0).astype(np.uint8)
+        near[n][flags[n] != 0] = np.nan
+        _invert(
+            *images,
+            near[n],
+            table.start,
+            table.step,
+            table.thickness,
+            table.per_log_ratio,
+            table.calibration_std,
+            thickness[n],
+            random[n],
+            shared[n],
+            flags[n],
+        )
     dims = ratios.log_ratio.dims
     return ThicknessMaps(
         xr.Dataset(
@@ -73,6 +80,7 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
                     {"units": "um", "long_name": "standard deviation of thickness, what all pixels share"},
                 ),
                 "flags": (dims, flags, FLAG_ATTRS),
+                "log_ratio_near": (dims, near, {"units": "1", "long_name": "mean of log_ratio about the pixel"}),
             },
             ratios.coords,
         )
@@ -84,6 +92,7 @@ def _invert(  # type: ignore[no-untyped-def]
     log_ratio,
     variance,
     variance_shared,
+    near,
     start,
     step,
     table,
@@ -109,13 +118,14 @@ def _invert(  # type: ignore[no-untyped-def]
             if place > last:
                 flags[i, j] |= _ABOVE
                 continue
-            if variance_shared[i, j] > variance[i, j]:
-                flags[i, j] |= _POOR
-                continue
+            k = min(int(place), last - 1)
+            f = place - k
+            thickness[i, j] = table[k] + f * (table[k + 1] - table[k])
+            # where the curve bends, its slope at a noisy ratio goes with the error; halfway to the surroundings it spans the error
+            place = 0.5 * (place + (near[i, j] - start) / step)
             k = min(int(place), last - 1)
             f = place - k
             rate = per_log_ratio[k] + f * (per_log_ratio[k + 1] - per_log_ratio[k])
             own = calibration_std[k] + f * (calibration_std[k + 1] - calibration_std[k])
-            thickness[i, j] = table[k] + f * (table[k + 1] - table[k])
             random[i, j] = rate * np.sqrt(variance[i, j])
             shared[i, j] = np.sqrt(own * own + rate * rate * variance_shared[i, j])

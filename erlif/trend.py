@@ -94,7 +94,7 @@ def summarise_film(
 ) -> FilmStatistics:
     """Mean and least film of one trigger over a region.
 
-    The mean is that of the valid pixels, each freed of the bias that noise leaves where the inverse of the ratio is curved. The
+    The mean is that of the film within the range, freed of the bias that noise leaves where the inverse of the ratio is curved. The
     minimum is that of a smooth gap, a parabola along the sliding direction plus a tilt across it, whose ratio is fitted to
     the measured ratio with weights: no pixel is lost to the limits of the range, and none is trusted alone.
 
@@ -149,25 +149,35 @@ _NOTHING = (math.nan, math.nan, np.full(3, math.nan))
 def _mean_film(
     ratios: RatioImages, maps: ThicknessMaps, calibration: Calibration, rows: slice, columns: slice
 ) -> tuple[float, float, Array]:
-    good = maps.flags.values[rows, columns] == 0
+    """Mean over the pixels within the range, whatever their own noise made of them.
+
+    The inverse of the ratio is taken about the mean ratio of each pixel's surroundings, to second order in what the pixel differs
+    from that: h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2, whose mean is that of the film however large the noise is.
+    """
+    near = maps.log_ratio_near.values[rows, columns]
+    good = np.isfinite(near)
     if good.sum() < 64:
         return _NOTHING
-    thickness = maps.thickness.values[rows, columns][good].astype(float)
+    near = near[good].astype(float)
+    off = ratios.log_ratio.values[rows, columns][good] - near
     variance = ratios.log_ratio_var.values[rows, columns][good].astype(float)
     displaced = ratios.log_ratio_var_shared.values[rows, columns][good].astype(float)
-    # slope, curvature and gradient change slowly with thickness: evaluate them once per narrow bin
-    low, high = calibration.thickness_range
-    bins = 2000
-    place = np.minimum(((thickness - low) * (bins / (high - low))).astype(np.intp), bins - 1)
-    centre = low + (np.arange(bins) + 0.5) * (high - low) / bins
+    # film, slope, curvature and gradient change slowly with the ratio: evaluate them once per narrow bin
+    first, last = calibration.predict_log(calibration.thickness_range)
+    bins = 4000
+    place = np.clip(((near - first) * (bins / (last - first))).astype(np.intp), 0, bins - 1)
+    centre = first + (np.arange(bins) + 0.5) * (last - first) / bins
+    table = calibration.inverse
+    film = np.interp(centre, table.start + table.step * np.arange(table.thickness.size), table.thickness)
+    rate = 1 / calibration.slope(film)
+    curvature = np.gradient(rate, centre)  # of thickness over the logarithm of the ratio
     count = np.bincount(place, minlength=bins)
-    rate = 1 / calibration.slope(centre)
-    curvature = rate * np.gradient(rate, centre)  # of thickness over the logarithm of the ratio
-    noise = np.bincount(place, variance, bins)
-    size = thickness.size
-    mean = float(thickness.sum() - 0.5 * (curvature * noise).sum()) / size
-    gradient = -(calibration.parameter_gradient(centre) * rate * count).sum(axis=1) / size
-    random = math.sqrt(float((rate**2 * noise).sum())) / size
+    size = near.size
+    off += near - centre[place]
+    linear, square = (np.bincount(place, values, bins) for values in (off, off**2 - variance))
+    mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
+    gradient = -(calibration.parameter_gradient(film) * rate * count).sum(axis=1) / size
+    random = math.sqrt(float((rate**2 * np.bincount(place, variance, bins)).sum())) / size
     registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
     # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
     return mean, math.hypot(random, _BLOCK * registration), gradient
@@ -240,26 +250,28 @@ def _block_means(
     )
     full = total[0] > 0
     down, right = np.nonzero(full)
-    weight = total[0][full]
-    value = total[1][full] / weight
+    # weights of single pixels would go with their noise, and a brighter pixel is not a thinner film
+    count = total[0][full]
+    value, across, down_to, variance = total[1:, full] / count
+    weight = count / variance
     xs, ys = x[columns], y[rows]
-    u = np.interp(total[2][full] / weight, np.arange(xs.size), np.linspace(-1, 1, xs.size))
-    v = np.interp(total[3][full] / weight, np.arange(ys.size), np.linspace(-1, 1, ys.size))
+    u = np.interp(across, np.arange(xs.size), np.linspace(-1, 1, xs.size))
+    v = np.interp(down_to, np.arange(ys.size), np.linspace(-1, 1, ys.size))
     return (value, weight, v, u, right) if sliding_along_x else (value, weight, u, v, down)
 
 
 @numba.njit(nogil=True, cache=True)
 def _sum_blocks(log_ratio, variance, flags, block):  # type: ignore[no-untyped-def]
     height, width = log_ratio.shape
-    total = np.zeros((4, (height + block - 1) // block, (width + block - 1) // block))
+    total = np.zeros((5, (height + block - 1) // block, (width + block - 1) // block))
     for i in range(height):
         for j in range(width):
             if flags[i, j] == 0:
-                w = 1.0 / variance[i, j]
-                total[0, i // block, j // block] += w
-                total[1, i // block, j // block] += w * log_ratio[i, j]
-                total[2, i // block, j // block] += w * j
-                total[3, i // block, j // block] += w * i
+                total[0, i // block, j // block] += 1.0
+                total[1, i // block, j // block] += log_ratio[i, j]
+                total[2, i // block, j // block] += j
+                total[3, i // block, j // block] += i
+                total[4, i // block, j // block] += variance[i, j]
     return total
 
 

@@ -65,6 +65,13 @@ class Calibration:
     camera_map: CameraMap | None = field(default=None, repr=False)
 
     @property
+    def covered_range(self) -> tuple[float, float]:
+        """Thickness the fixture covers; as far a noisy pixel may be read off, if its film is within thickness_range. [um]"""
+        low, high = self.thickness_range
+        measured = self.curve.get("curve_thickness")
+        return low, high if measured is None else max(high, float(measured.max()))
+
+    @property
     def parameters(self) -> Array:
         """K [1], p and q [1/um]."""
         return np.array([self.ratio_at_zero, self.attenuation_camera1, self.attenuation_camera2])
@@ -93,10 +100,19 @@ class Calibration:
         K, p, q = self.parameters
         return log_band_ratio_gradient(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
 
+    def gradient(self, thickness: npt.ArrayLike) -> Array:
+        """Derivatives of the logarithm of the ratio by all that was fitted, (n, ...), in the order of `full_covariance`."""
+        return self.parameter_gradient(thickness)
+
+    @property
+    def full_covariance(self) -> Array:
+        """Covariance of all that was fitted, (n, n): K, p and q first."""
+        return self.covariance
+
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation that the calibration alone leaves in a thickness. [um]"""
-        gradient = self.parameter_gradient(thickness)
-        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.covariance, gradient)
+        gradient = self.gradient(thickness)
+        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
         return np.asarray(np.sqrt(variance) / self.slope(thickness))
 
     @cached_property
@@ -217,8 +233,8 @@ class InverseTable:
 
     @classmethod
     def of(cls, calibration: Calibration, entries: int = 20001) -> InverseTable:
-        """Tabulate the inverse over the range of the calibration; linear interpolation is good to 1e-5 um."""
-        low, high = calibration.thickness_range
+        """Tabulate the inverse over what the fixture covers; linear interpolation is good to 1e-5 um."""
+        low, high = calibration.covered_range
         first, last = calibration.predict_log([low, high])
         grid = np.linspace(first, last, entries)
         # Newton's steps from a dense direct table: the curve is monotonic and smooth

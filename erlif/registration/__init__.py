@@ -1,5 +1,6 @@
 """Camera 2 onto the pixels of camera 1."""
 
+from erlif.registration.background import divide_by_light
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
@@ -12,6 +13,7 @@ __all__ = [
     "Drift",
     "RegistrationSettings",
     "check_map",
+    "divide_by_light",
     "estimate_drift",
     "interpolation_variance_factor",
     "orient",

@@ -1,0 +1,182 @@
+"""Are the error bars true? Virtual rigs of known film at several levels of light and contrasts of texture.
+
+    pip install -e .
+    python benchmarks/uncertainty.py maps              # five seeds, three levels of light, two contrasts
+    python benchmarks/uncertainty.py fixtures          # film statistics of one run under 200 fixtures
+
+Coverage is the share of errors within one and two stated standard deviations, 68.3 and 95.4 % where the error bars are true.
+"""
+
+import argparse
+import itertools
+import tempfile
+import tomllib
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+FILMS = {701: (0.62, 6.0), 702: (0.40, 4.0), 703: (0.62, 3.0), 704: (0.50, 5.0), 705: (0.70, 8.0)}
+"""Seed: exponent and least film at top speed [um]."""
+LIGHTS = (1.0, 0.3, 0.1)
+TEXTURES = (0.08, 0.03)
+OCTAVES = ((1, 2), (2, 4), (4, 8), (8, 10))
+BORDER = 8  # pixels left out at the edge of the image
+
+
+def photograph(out: Path, seed: int, light: float, texture: float, **settings) -> Path:
+    from erlif.rig import RigSettings, simulate
+
+    exponent, top = FILMS[seed]
+    rig = RigSettings(
+        exponent=exponent,
+        film_reference=top,
+        light=light,
+        speckle_fixed=texture,
+        speckle_new=texture,
+        spacing=3.0,
+        **settings,
+    )
+    return out if (out / "truth.nc").exists() else simulate(out, seed=seed, rig=rig)
+
+
+def write_exact_profile(fixture: Path, seed: int) -> None:
+    """Replace the readings of the coordinate measuring machine by the wedge itself."""
+    from erlif.rig import RigSettings
+    from erlif.rig.film import Wedge
+    from erlif.rig.run import random_stream, write_profile
+
+    write_profile(fixture / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture"))
+
+
+def photon_limit(truth: xr.Dataset):
+    from erlif.rig.dyes import BANDS, tabulate_signal
+
+    electrons = truth.expected_electrons.values
+    variance = ((electrons + 81 + 4.4**2 / 12) / electrons**2).sum(axis=0)
+    grid = np.linspace(0.02, 40, 8000)
+    one, two = (tabulate_signal(band)(grid) for band in BANDS)
+    slope = np.gradient(np.log(two / one), grid)
+    return np.sqrt(variance) / np.interp(truth.film.values, grid, slope)
+
+
+def examine(case: tuple[Path, int, float, float]) -> dict:
+    """Process one rig and set every stated standard deviation against the error made."""
+    import erlif
+
+    warnings.simplefilter("ignore")
+    scratch, seed, light, texture = case
+    made = photograph(scratch / f"{seed}_{light}_{texture}", seed, light, texture)
+    calibration = erlif.calibrate(made / "fixture")
+    output = made / "film.nc"
+    film = erlif.process(made / "run", calibration=calibration, output=output, overwrite=True, workers=1).load()
+    film.close()
+    drift, found_map = (erlif.open_film(output, group=name).load() for name in ("frames", "registration"))
+    with xr.open_dataset(made / "truth.nc", engine="h5netcdf") as truth:
+        truth.load()
+    known = truth.film.values
+    wanted = (known >= 1) & (known <= 10) & (truth.bubble.values == 0)
+    wanted[:, :BORDER] = wanted[:, -BORDER:] = wanted[..., :BORDER] = wanted[..., -BORDER:] = False
+    valid = film.flags.values == 0
+    good = wanted & valid
+    error = film.thickness.values - known
+    total = np.hypot(film.thickness_std.values, film.thickness_std_shared.values)
+    scatter = (error / photon_limit(truth))[good]
+    found = {
+        "light": light,
+        "texture": texture,
+        "answered": good.sum() / wanted.sum(),
+        "scatter": 1.4826 * np.median(np.abs(scatter - np.median(scatter))),
+        "medians": [
+            np.median((error / known)[k][good[k]]) for k in range(len(known)) if good[k].sum() > 0.2 * wanted[k].size
+        ],
+        "medians_std": [
+            np.median((film.thickness_std_shared.values / known)[k][good[k]])
+            for k in range(len(known))
+            if good[k].sum() > 0.2 * wanted[k].size
+        ],
+        "beyond5": (np.abs(error) > 5 * total)[valid & (known >= 1) & (known <= 10)].mean(),
+    }
+    for low, high in ((1, 10), *OCTAVES):
+        here = good & (known >= low) & (known < high)
+        pull = (error / total)[here]
+        found[low, high] = (
+            here.sum(),
+            (np.abs(pull) < 1).sum(),
+            (np.abs(pull) < 2).sum(),
+            here.sum() / max((wanted & (known >= low) & (known < high)).sum(), 1),
+            np.mean(error[here]) / np.mean(film.thickness_std.values[here]) if here.any() else np.nan,
+        )
+    x, y = film.x.values, film.y.values
+    roi = tomllib.loads(film.settings)["thickness"]["roi"]
+    (x0, x1), (y0, y1) = roi["x"], roi["y"]
+    region = ((y >= y0) & (y <= y1))[:, None] & ((x >= x0) & (x <= x1))
+    mean = np.array([k[region & v].mean() if (region & v).any() else np.nan for k, v in zip(known, valid, strict=True)])
+    inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
+    for name, group in (("displacement", found_map), ("drift", drift)):
+        square = sum((group[f"{name}_{axis}"] - truth[f"{name}_{axis}"]).values ** 2 for axis in "xy")
+        found[name] = np.sqrt(np.nanmean(square[inner] if square.ndim == 2 else square))
+    found["film_mean"] = (film.film_mean.values - mean) / film.film_mean_std.values
+    found["film_min"] = ((film.film_min - truth.film_min) / film.film_min_std).values
+    found["film_mean_rel"] = film.film_mean.values / mean - 1
+    found["film_min_err"] = (film.film_min - truth.film_min).values
+    return found
+
+
+def maps(scratch: Path, processes: int) -> None:
+    cases = [(scratch, *case) for case in itertools.product(FILMS, LIGHTS, TEXTURES)]
+    with ProcessPoolExecutor(processes) as pool:
+        results = list(pool.map(examine, cases))
+    print(
+        "light contrast | scatter/limit | medians rms % (shared std %) | > 5 std | film from: share valid, within 1, within 2, bias/std"
+    )
+    for light, texture in itertools.product(LIGHTS, TEXTURES):
+        chosen = [r for r in results if (r["light"], r["texture"]) == (light, texture)]
+        worst = max(r["scatter"] for r in chosen)
+        medians = 100 * np.sqrt([np.mean(np.square(r["medians"])) for r in chosen])
+        shared = 100 * np.array([np.median(r["medians_std"]) for r in chosen])
+        line = f"{light:5.1f} {texture:5.2f} | {worst:.3f} | " + " ".join(
+            f"{a:.2f}({b:.2f})" for a, b in zip(medians, shared, strict=True)
+        )
+        print(line + f" | {max(r['beyond5'] for r in chosen):.5f}")
+        for span in ((1, 10), *OCTAVES):
+            count, one, two = (sum(r[span][n] for r in chosen) for n in range(3))
+            share = np.mean([r[span][3] for r in chosen])
+            bias = [r[span][4] for r in chosen]
+            print(
+                f"      {span[0]:2d}-{span[1]:2d} um {share:6.1%} {one / max(count, 1):7.1%} {two / max(count, 1):6.1%}  "
+                + " ".join(f"{b:+.2f}" for b in bias)
+            )
+        for name in ("film_mean", "film_min"):
+            pulls = np.concatenate([r[name] for r in chosen])
+            pulls = pulls[np.isfinite(pulls)]
+            print(
+                f"      {name}: {pulls.size} values, {np.mean(np.abs(pulls) < 1):.1%} {np.mean(np.abs(pulls) < 2):.1%}, mean pull by seed "
+                + " ".join(f"{np.nanmean(r[name]):+.2f}({np.nanstd(r[name]):.2f})" for r in chosen)
+            )
+        print("      map, drift px " + " ".join(f"{r['displacement']:.4f},{r['drift']:.4f}" for r in chosen))
+        print(
+            "      film_mean rel err % "
+            + " ".join(f"{100 * np.nanmean(r['film_mean_rel']):+.2f}" for r in chosen)
+            + "  film_min err um "
+            + " ".join(f"{np.nanmean(r['film_min_err']):+.3f}" for r in chosen),
+            flush=True,
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["maps"])
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--exact", action="store_true", help="a profile without error")
+    parser.add_argument("--keep", type=Path, help="directory of the virtual rigs, for another run")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as scratch:
+        maps(options.keep or Path(scratch), options.processes)
+
+
+if __name__ == "__main__":
+    main()
