@@ -2,7 +2,7 @@
 
 A pixel of a film so thin that its noise could make it none, or so thick that its noise could make it anything, is no measurement.
 Whether it is one must not be decided by its own value: a rule that keeps the pixels whose noise came out small or turned them the
-right way leaves a biased rest. So the surroundings decide, whose noise is many times smaller: their mean ratio has to
+right way leaves a biased rest. So its surroundings decide, without itself, and their noise is many times smaller: their mean ratio has to
 lie within the range of the calibration, and from the ends of what the fixture covers by at least two standard deviations of a single
 pixel (for a normal error one in 44 is beyond that; Currie, Anal. Chem. 40 (1968) 586, takes 1.645 for one in 20).
 """
@@ -22,24 +22,33 @@ Mask = npt.NDArray[np.bool_]
 CLEAR = 2.0
 """Standard deviations of a pixel that its film must keep from the ends of the calibration."""
 
-_REACH = 9  # width of the surroundings [px]
+_NEAR = 9  # width of the surroundings whose mean the inverse of the ratio is taken about [px]
+_AROUND, _OWN = 17, 5  # width of the surroundings that decide, and of their middle that does not [px]
 
 
-def mean_of_surroundings(image: Image, sound: Mask) -> Image:
-    """Mean of the sound pixels among the 9 x 9 about each pixel; NaN where there are none.
+def mean_of_surroundings(image: Image, sound: Mask, *, width: int = _NEAR, without: int = 0) -> Image:
+    """Mean of the sound pixels in a square about each pixel; NaN where there are none.
 
     Parameters
     ----------
     image : array, (y, x)
     sound : array of bool, (y, x)
         Pixels that count.
+    width : int
+        Of the square. [px]
+    without : int
+        Width of the middle of the square that is left out. [px]
     """
     # about the middle, because the sums are taken in single precision
     middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
-    size = {"ddepth": -1, "ksize": (_REACH, _REACH), "normalize": False, "borderType": cv2.BORDER_CONSTANT}
-    total = cv2.boxFilter(np.where(sound, image - middle, np.float32(0)), **size)
-    count = cv2.boxFilter(sound.astype(np.float32), **size)
+    values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
+    total, count = (_box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count))
     return np.where(count > 0.5, middle + total / np.maximum(count, 1), np.float32(np.nan))
+
+
+def _box(image: Image, width: int) -> Image:
+    summed = cv2.boxFilter(image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(summed, np.float32)
 
 
 def find_range(
@@ -63,12 +72,12 @@ def find_range(
         BELOW_RANGE, ABOVE_RANGE, or 0 within the range, by the surroundings.
     """
     sound = flags == 0
-    surroundings = mean_of_surroundings(log_ratio, sound)
+    around = mean_of_surroundings(log_ratio, sound, width=_AROUND, without=_OWN)
     margin = np.float32(CLEAR) * np.sqrt(mean_of_surroundings(variance, sound))
     first, last = calibration.predict_log(calibration.thickness_range).astype(np.float32)
     thinnest, thickest = calibration.predict_log(calibration.covered_range).astype(np.float32)
     beyond = np.zeros(flags.shape, np.uint8)
     with np.errstate(invalid="ignore"):
-        beyond[(surroundings < first) | (surroundings - margin < thinnest)] = Flag.BELOW_RANGE
-        beyond[(surroundings > last) | (surroundings + margin > thickest)] = Flag.ABOVE_RANGE
-    return surroundings, beyond
+        beyond[(around < first) | (around - margin < thinnest)] = Flag.BELOW_RANGE
+        beyond[(around > last) | (around + margin > thickest)] = Flag.ABOVE_RANGE
+    return mean_of_surroundings(log_ratio, sound), beyond
