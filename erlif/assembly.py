@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.linalg import block_diag
 
 import erlif
 from erlif.calibration import Calibration
@@ -97,14 +98,18 @@ def assemble_film(
         "over the pixels that were answered; share_beyond_range tells by trigger how much of the region was too thin or too thick"
     )
     film = film.merge(predict_film(film, settings), combine_attrs="drop_conflicts")
+    stacked["mean_surface_std"] = np.zeros(
+        film.sizes["trigger"]
+    )  # the mean is that of the film as it is, marks included
+    shared = block_diag(calibration.full_covariance, np.eye(1))
     for suffix, source in (("", "minimum"), ("_mean", "mean")):
         exponent = fit_exponent(
             stacked[source],
             stacked[f"{source}_random_std"],
             speed=film.rocker_speed.values,
             load=film["load"].values,
-            parameter_gradient=stacked[f"{source}_gradient"],
-            covariance=calibration.covariance,
+            gradient=np.column_stack([stacked[f"{source}_gradient"], stacked[f"{source}_surface_std"]]),
+            covariance=shared,
         )
         what = "film_min" if suffix == "" else "film_mean"
         film[f"speed_exponent{suffix}"] = (

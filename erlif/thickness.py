@@ -38,13 +38,17 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     thickness, random, shared, near = (np.empty(shape, np.float32) for _ in range(4))
     flags = ratios.flags.values.copy()
     for n in np.ndindex(shape[:-2]):
-        images = [ratios[name].values[n] for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")]
-        flags[n][(flags[n] == 0) & (images[2] > images[1])] = _POOR
-        near[n], beyond = find_range(images[0], images[1], flags[n], calibration)
+        log_ratio, variance, displaced = (
+            ratios[name].values[n] for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
+        )
+        flags[n][(flags[n] == 0) & (displaced > variance)] = _POOR
+        near[n], beyond = find_range(log_ratio, variance, flags[n], calibration)
         flags[n] |= np.where(flags[n] == 0, beyond, 0).astype(np.uint8)
         near[n][flags[n] != 0] = np.nan
         _invert(
-            *images,
+            log_ratio,
+            variance,
+            displaced,
             near[n],
             table.start,
             table.step,

@@ -18,7 +18,6 @@ from erlif.core.products import RatioImages, ThicknessMaps, require
 from erlif.kinematics import entrained_stroke
 from erlif.models.contact import conformal_radius, contact_modulus
 from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
-from erlif.models.fluorescence import log_band_ratio_slope
 from erlif.models.oil import vogel_viscosity
 
 Array = npt.NDArray[np.float64]
@@ -27,7 +26,10 @@ SLOWEST = 0.1
 """Triggers below this share of the top speed are left out of the speed exponent."""
 
 _BLOCK = 8  # pixels averaged before the gap is fitted
-_CLIP = 5.0  # blocks this many standard deviations off the gap are dust or an unseen bubble
+_CLIP = 4.685  # standard deviations off the gap at which a block has lost its say; 95 % efficient where noise is normal
+_LAG = 3  # strips of blocks over which the marks of a surface go together
+_LEAST_BLOCKS = 16
+_MOST_STEPS = 30
 
 
 @dataclass(frozen=True)
@@ -38,12 +40,12 @@ class FilmStatistics:
     ----------
     mean, mean_std, minimum, minimum_std : float
         [um]; the standard deviations hold random and shared errors.
-    mean_gradient, minimum_gradient : array, (3,)
-        Change of mean and minimum with the calibration's K, p and q.
-    minimum_random_std : float
-        Part of minimum_std that is not the calibration's. [um]
-    mean_random_std : float
-        Likewise of the mean. [um]
+    mean_gradient, minimum_gradient : array, (parameter,)
+        Change of mean and minimum with what was fitted to the fixture, in the order of `Calibration.full_covariance`.
+    mean_random_std, minimum_random_std : float
+        Parts of them that are new at every trigger. [um]
+    minimum_surface_std : float
+        Part of minimum_std that the surfaces leave, marks and waviness about a smooth gap; the same at every trigger. [um]
     censored : float
         Share of the region whose film is too thin or too thick to be answered. The mean is that of the rest and leans to the
         other side; the minimum is not touched. [1]
@@ -56,6 +58,7 @@ class FilmStatistics:
     minimum: float
     minimum_std: float
     minimum_random_std: float
+    minimum_surface_std: float
     minimum_gradient: Array
     censored: float
 
@@ -119,18 +122,19 @@ def summarise_film(
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
     mean, mean_random, mean_gradient = _mean_film(ratios, maps, calibration, rows, columns)
-    minimum, minimum_random, minimum_gradient = _least_film(
+    minimum, minimum_random, minimum_surface, minimum_gradient = _least_film(
         ratios, calibration, x, y, rows, columns, sliding_along_x=sliding_along_x
     )
-    covariance = calibration.covariance
+    covariance = calibration.full_covariance
     return FilmStatistics(
         mean,
         math.sqrt(mean_random**2 + float(mean_gradient @ covariance @ mean_gradient)),
         mean_random,
         mean_gradient,
         minimum,
-        math.sqrt(minimum_random**2 + float(minimum_gradient @ covariance @ minimum_gradient)),
+        math.sqrt(minimum_random**2 + minimum_surface**2 + float(minimum_gradient @ covariance @ minimum_gradient)),
         minimum_random,
+        minimum_surface,
         minimum_gradient,
         _share_beyond_range(maps.flags.values[rows, columns]),
     )
@@ -141,9 +145,6 @@ def _share_beyond_range(flags: npt.NDArray[np.uint8]) -> float:
     beyond = (flags == Flag.BELOW_RANGE) | (flags == Flag.ABOVE_RANGE)
     sound = int((flags == 0).sum()) + int(beyond.sum())
     return float(beyond.sum()) / sound if sound else 0.0
-
-
-_NOTHING = (math.nan, math.nan, np.full(3, math.nan))
 
 
 def _mean_film(
@@ -157,7 +158,7 @@ def _mean_film(
     near = maps.log_ratio_near.values[rows, columns]
     good = np.isfinite(near)
     if good.sum() < 64:
-        return _NOTHING
+        return math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan)
     near = near[good].astype(float)
     off = ratios.log_ratio.values[rows, columns][good] - near
     variance = ratios.log_ratio_var.values[rows, columns][good].astype(float)
@@ -176,7 +177,7 @@ def _mean_film(
     off += near - centre[place]
     linear, square = (np.bincount(place, values, bins) for values in (off, off**2 - variance))
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
-    gradient = -(calibration.parameter_gradient(film) * rate * count).sum(axis=1) / size
+    gradient = -(calibration.gradient(film) * rate * count).sum(axis=1) / size
     random = math.sqrt(float((rate**2 * np.bincount(place, variance, bins)).sum())) / size
     registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
     # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
@@ -192,86 +193,125 @@ def _least_film(
     columns: slice,
     *,
     sliding_along_x: bool,
-) -> tuple[float, float, Array]:
+) -> tuple[float, float, float, Array]:
     """Fit h = a + b s + c z + d s^2 (s along sliding, z across, both -1 to 1 over the region) to the ratio."""
-    value, weight, across, along, group = _block_means(ratios, x, y, rows, columns, sliding_along_x=sliding_along_x)
-    if value.size < 16:
-        return _NOTHING
+    nothing = (math.nan, math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan))
+    blocks = _block_means(ratios, x, y, rows, columns, sliding_along_x=sliding_along_x)
+    value, noise = blocks.log_ratio, blocks.variance
     low, high = calibration.thickness_range
-    design = np.column_stack([np.ones_like(along), along, across, along**2])
-    _, p, q = calibration.parameters
+    design = np.column_stack([np.ones_like(value), blocks.along, blocks.across, blocks.along_squared])
     limits = calibration.predict_log([low, high])
     start = np.interp(value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500))
-    inside = (value > limits[0]) & (value < limits[1])
-    if inside.sum() < 16:
-        return _NOTHING
-    gap = np.linalg.lstsq(design[inside], start[inside], rcond=None)[0]
-    use = inside
-    for step in range(12):
+    use = (value > limits[0]) & (value < limits[1])
+    if use.sum() < _LEAST_BLOCKS:
+        return nothing
+    gap = np.linalg.lstsq(design[use], start[use], rcond=None)[0]
+    trust = use.astype(float)
+    surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
+    for step in range(_MOST_STEPS):
         film = np.clip(design @ gap, low - 0.5, 1.5 * high)
-        slope = log_band_ratio_slope(film, attenuation_camera1=p, attenuation_camera2=q)
+        slope = calibration.slope(film)
         residual = value - calibration.predict_log(film)
         if step >= 2:
             # choose by the fitted gap, never by the noisy value, so that the choice leaves no bias
-            scale = 1.4826 * float(np.median(np.abs(residual[use]) * np.sqrt(weight[use])))
-            use = (film < high) & (np.abs(residual) * np.sqrt(weight) < _CLIP * max(scale, 1.0))
-        if use.sum() < 16:
-            return _NOTHING
-        jacobian = design[use] * slope[use, None]
-        normal = jacobian.T @ (jacobian * weight[use, None])
-        change = np.linalg.solve(normal, jacobian.T @ (weight[use] * residual[use]))
+            use = film < high
+            if use.sum() < _LEAST_BLOCKS:
+                return nothing
+            surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
+            # biweight (Beaton and Tukey 1974): scratches, dust and unseen bubbles lose their say
+            square = np.clip(1 - (residual / _CLIP) ** 2 / (noise + slope**2 * surface), 0, None)
+            trust = np.where(use, square**2, 0.0)
+            response = np.where(use, square * (5 * square - 4), 0.0)  # of trust times residual to the residual
+        weight = trust / (noise + slope**2 * surface)
+        jacobian = design * slope[:, None]
+        normal = jacobian.T @ (jacobian * weight[:, None])
+        change = np.linalg.solve(normal, jacobian.T @ (weight * residual))
         gap = gap + change
-        if np.abs(change).max() < 1e-6:
+        if step > 2 and np.abs(change).max() < 1e-4:
             break
-    score = jacobian * (weight * residual)[use, None]
-    by_group = np.zeros((int(group.max()) + 1, 4))
-    np.add.at(by_group, group[use], score)
-    inverse = np.linalg.inv(normal)
-    covariance = inverse @ (by_group.T @ by_group) @ inverse
-    by_parameter = -inverse @ (jacobian.T @ (weight[use] * calibration.parameter_gradient(film[use])).T)
     _, b, c, d = gap
     place = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
     at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
-    return float(at @ gap), math.sqrt(float(at @ covariance @ at)), np.asarray(at @ by_parameter)
+    curvature = jacobian.T @ (jacobian * (response / (noise + slope**2 * surface))[:, None])
+    pull = jacobian @ np.linalg.solve(curvature, at)
+    by_block = pull * response / (noise + slope**2 * surface)  # change of the least film with the ratio of each block
+    score = pull * weight * residual
+    random = float((score**2 * noise / (noise + slope**2 * surface)).sum())
+    total = max(_variance_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across))
+    by_parameter = -calibration.gradient(film) @ by_block
+    return float(at @ gap), math.sqrt(random), math.sqrt(max(total - random, 0.0)), np.asarray(by_parameter)
+
+
+def _excess_variance(residual: Array, variance: Array) -> float:
+    """Variance that residuals have beyond their own, by their median absolute deviation."""
+    excess = 0.0
+    for _ in range(20):
+        scale = 1.4826 * float(np.median(np.abs(residual) / np.sqrt(variance + excess)))
+        change = (scale**2 - 1) * float(np.median(variance + excess))
+        excess = max(excess + change, 0.0)
+        if abs(change) < 1e-3 * float(np.median(variance)) or excess == 0.0:
+            break
+    return excess
+
+
+def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
+    """Variance of a sum whose terms go together within a strip and, less and less, with the next strips (Newey and West 1987)."""
+    sums = np.bincount(strip, score)
+    total = float((sums**2).sum())
+    for lag in range(1, min(_LAG, sums.size)):
+        total += 2 * (1 - lag / _LAG) * float((sums[lag:] * sums[:-lag]).sum())
+    return total
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Log ratio averaged over blocks; places along and across sliding run from -1 to 1 over the region."""
+
+    log_ratio: Array
+    variance: Array
+    along: Array
+    along_squared: Array
+    across: Array
+    strip_along: npt.NDArray[np.intp]  # number of the strip that runs along sliding
+    strip_across: npt.NDArray[np.intp]
 
 
 def _block_means(
     ratios: RatioImages, x: Array, y: Array, rows: slice, columns: slice, *, sliding_along_x: bool
-) -> tuple[Array, Array, Array, Array, npt.NDArray[np.intp]]:
-    """Log ratio averaged over blocks: value, weight, place across and along sliding (-1 to 1), and the block's strip.
-
-    Machining marks run across the sliding direction, so blocks of one strip share their error.
-    """
+) -> _Blocks:
+    """Average the log ratio over blocks, all pixels of a block alike: weights would go with the noise of its pixels."""
     total = _sum_blocks(
         ratios.log_ratio.values[rows, columns],
         ratios.log_ratio_var.values[rows, columns],
         ratios.flags.values[rows, columns],
+        np.linspace(-1, 1, x[columns].size),
+        np.linspace(-1, 1, y[rows].size),
         _BLOCK,
     )
     full = total[0] > 0
     down, right = np.nonzero(full)
-    # weights of single pixels would go with their noise, and a brighter pixel is not a thinner film
-    count = total[0][full]
-    value, across, down_to, variance = total[1:, full] / count
-    weight = count / variance
-    xs, ys = x[columns], y[rows]
-    u = np.interp(across, np.arange(xs.size), np.linspace(-1, 1, xs.size))
-    v = np.interp(down_to, np.arange(ys.size), np.linspace(-1, 1, ys.size))
-    return (value, weight, v, u, right) if sliding_along_x else (value, weight, u, v, down)
+    count = total[0, full]
+    log_ratio, variance, u, uu, v, vv = total[1:, full] / count
+    along = (u, uu, v, down, right) if sliding_along_x else (v, vv, u, right, down)
+    return _Blocks(log_ratio, variance / count, *along)
 
 
 @numba.njit(nogil=True, cache=True)
-def _sum_blocks(log_ratio, variance, flags, block):  # type: ignore[no-untyped-def]
+def _sum_blocks(log_ratio, variance, flags, u, v, block):  # type: ignore[no-untyped-def]
+    """Count, log ratio, variance, u, u squared, v and v squared, summed over the sound pixels of each block."""
     height, width = log_ratio.shape
-    total = np.zeros((5, (height + block - 1) // block, (width + block - 1) // block))
+    total = np.zeros((7, (height + block - 1) // block, (width + block - 1) // block))
     for i in range(height):
         for j in range(width):
             if flags[i, j] == 0:
-                total[0, i // block, j // block] += 1.0
-                total[1, i // block, j // block] += log_ratio[i, j]
-                total[2, i // block, j // block] += j
-                total[3, i // block, j // block] += i
-                total[4, i // block, j // block] += variance[i, j]
+                here = total[:, i // block, j // block]
+                here[0] += 1.0
+                here[1] += log_ratio[i, j]
+                here[2] += variance[i, j]
+                here[3] += u[j]
+                here[4] += u[j] ** 2
+                here[5] += v[i]
+                here[6] += v[i] ** 2
     return total
 
 
@@ -370,14 +410,14 @@ def fit_exponent(
     *,
     speed: Array,
     load: Array,
-    parameter_gradient: Array | None = None,
+    gradient: Array | None = None,
     covariance: Array | None = None,
 ) -> Exponent:
     """Fit film = c (|speed|/load)^n through its logarithms.
 
     Triggers slower than a tenth of the fastest are left out: there the film lives on squeeze. The scatter about the line
-    decides the weights together with the error bars, and the calibration, which bends all films alike, adds its share
-    to the standard deviation.
+    decides the weights together with the error bars, and what bends or shifts all films alike adds its share to the standard
+    deviation.
 
     Parameters
     ----------
@@ -385,10 +425,10 @@ def fit_exponent(
         Film and the part of its standard deviation that each trigger has for itself. [um]
     speed, load : array, (trigger,)
         [rad s-1], [N]
-    parameter_gradient : array, (trigger, 3), optional
-        Change of the film with K, p and q of the calibration.
-    covariance : array, (3, 3), optional
-        Of K, p and q.
+    gradient : array, (trigger, n), optional
+        Change of the film with what all triggers share: the parameters of the calibration, the marks of the surfaces.
+    covariance : array, (n, n), optional
+        Of what they share.
 
     Returns
     -------
@@ -416,7 +456,7 @@ def fit_exponent(
         excess = max(excess + (chi_square - 1) / float(weight.mean()), 0.0)
     inverse = np.linalg.inv(normal)
     variance = float(inverse[1, 1])
-    if parameter_gradient is not None and covariance is not None:
-        change = inverse @ design.T @ (weight[:, None] * (parameter_gradient[use] / film[use, None]))
+    if gradient is not None and covariance is not None:
+        change = inverse @ design.T @ (weight[:, None] * (gradient[use] / film[use, None]))
         variance += float(change[1] @ covariance @ change[1])
     return Exponent(float(line[1]), math.sqrt(variance), float(line[0]), int(use.sum()))
