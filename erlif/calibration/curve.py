@@ -11,8 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.linalg import block_diag
 from scipy.optimize import brentq
 
+from erlif.calibration.departure import Departure
+from erlif.calibration.pose import FoundPose
 from erlif.core.errors import CalibrationError
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 from erlif.registration import CameraMap
@@ -25,7 +28,7 @@ DIRECTION = "camera2/camera1"
 
 @dataclass(frozen=True)
 class Calibration:
-    """The reabsorption model fitted to a fixture: ratio against thickness and back.
+    """The reabsorption model fitted to a fixture, with what departs from it: ratio against thickness and back.
 
     Attributes
     ----------
@@ -48,6 +51,10 @@ class Calibration:
         When the fixture was photographed.
     camera_map : CameraMap or None
         Map from camera 1 to camera 2 on the fixture, for runs of the same rig.
+    departure : Departure or None
+        Spline added to the logarithm of the modelled ratio, where the fixture insisted on one.
+    pose : FoundPose or None
+        Where the fixture was found to lie, if its pose was refined.
     """
 
     ratio_at_zero: float
@@ -63,6 +70,8 @@ class Calibration:
     input_hashes: dict[str, str] = field(default_factory=dict, repr=False)
     date: str = ""
     camera_map: CameraMap | None = field(default=None, repr=False)
+    departure: Departure | None = field(default=None, repr=False)
+    pose: FoundPose | None = field(default=None, repr=False)
 
     @property
     def covered_range(self) -> tuple[float, float]:
@@ -86,14 +95,16 @@ class Calibration:
         return np.exp(self.predict_log(thickness))
 
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
-        """Natural logarithm of the ratio of a film. `thickness` in um."""
+        """Natural logarithm of the ratio of a film, the departure from the model included. `thickness` in um."""
         K, p, q = self.parameters
-        return np.asarray(log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
+        modelled = np.asarray(log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
+        return modelled if self.departure is None else modelled + self.departure.predict(thickness)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Derivative of the logarithm of the ratio by thickness. [1/um]"""
         _, p, q = self.parameters
-        return np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
+        modelled = np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
+        return modelled if self.departure is None else modelled + self.departure.slope(thickness)
 
     def parameter_gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
@@ -101,19 +112,24 @@ class Calibration:
         return log_band_ratio_gradient(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the logarithm of the ratio by all that was fitted, (n, ...), in the order of `full_covariance`."""
-        return self.parameter_gradient(thickness)
+        """Derivatives of the logarithm of the ratio by all that was fitted, (n, ...): K, p, q, and the departure's coefficients."""
+        modelled = self.parameter_gradient(thickness)
+        return modelled if self.departure is None else np.concatenate([modelled, self.departure.basis(thickness)])
 
     @property
     def full_covariance(self) -> Array:
-        """Covariance of all that was fitted, (n, n): K, p and q first."""
-        return self.covariance
+        """Covariance of all that was fitted, (n, n), in the order of `gradient`."""
+        return self.covariance if self.departure is None else block_diag(self.covariance, self.departure.covariance)
+
+    def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
+        """Standard deviation that the calibration leaves in the logarithm of the ratio."""
+        gradient = self.gradient(thickness)
+        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
+        return np.sqrt(np.maximum(variance, 0.0))
 
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation that the calibration alone leaves in a thickness. [um]"""
-        gradient = self.gradient(thickness)
-        variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
-        return np.asarray(np.sqrt(variance) / self.slope(thickness))
+        return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
 
     @cached_property
     def inverse(self) -> InverseTable:
@@ -156,6 +172,8 @@ class Calibration:
             [low, high],
             {"units": "um", "long_name": "where the calibration answers"},
         )
+        if self.departure is not None:
+            self.departure.describe(dataset)
         dataset["parameter"] = ("parameter", ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"])
         return dataset
 
@@ -170,6 +188,7 @@ class Calibration:
             "notes": "\n".join(self.notes),
             "input_hashes": json.dumps(self.input_hashes, sort_keys=True),
             "date": self.date,
+            **({} if self.pose is None else {"pose": json.dumps(self.pose.to_record())}),
         }
 
     @classmethod
@@ -202,6 +221,8 @@ class Calibration:
                 notes=tuple(note for note in str(dataset.attrs.get("notes", "")).split("\n") if note),
                 input_hashes=json.loads(dataset.attrs.get("input_hashes", "{}")),
                 date=str(dataset.attrs.get("date", "")),
+                departure=Departure.from_dataset(dataset),
+                pose=FoundPose.from_record(json.loads(dataset.attrs["pose"])) if "pose" in dataset.attrs else None,
             )
         except (KeyError, AttributeError) as error:
             raise CalibrationError(

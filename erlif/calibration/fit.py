@@ -1,26 +1,29 @@
-"""The reabsorption model laid through thickness and ratio, with errors in both."""
+"""A fixture's ratio and its CMM profile to a calibration: pose, reabsorption model, and what departs from it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from odrpack import odr_fit
 
 from erlif.calibration.curve import DIRECTION, Calibration
+from erlif.calibration.departure import STRUCTURE, Candidate, choose_departure, find_correlation, fit_departure
 from erlif.calibration.pairing import Points, pair_profile_with_image
-from erlif.calibration.profile import LEAST_POINTS, Profile
+from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
+from erlif.calibration.pose import Freedom, Pose
+from erlif.calibration.profile import Profile
+from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages, require
-from erlif.models.fluorescence import log_band_ratio, log_band_ratio_slope
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 _USEFUL = 0.25  # a single pixel must tell thickness to this share of itself, or the calibration does not answer there
-_OUTLIER = 4.5  # points this many standard deviations off the curve are dust, bubbles or a slip of the CMM
+_CORRELATED = 3.3  # standard deviations: neighbours err alike by chance once in a thousand
 
 
 def fit_calibration(
@@ -37,6 +40,9 @@ def fit_calibration(
 ) -> Calibration:
     """Fit the reabsorption model to the fixture's ratio and its CMM profile.
 
+    Errors of both are weighed (orthogonal distance regression). Where the residuals insist on it, a spline departs from the model,
+    see `erlif.calibration.departure`.
+
     Parameters
     ----------
     ratios : RatioImages
@@ -51,7 +57,7 @@ def fit_calibration(
     direction : float
         Turn from image x to profile x. [rad]
     align : bool
-        Refine the origin along the profile against the image.
+        Refine offset, scale and turn of the profile against the image, each as far as the profile's form tells it.
     frames : int
         Frames averaged in `ratios`; a single pixel of one frame decides how thick a film can be told.
     fixture : str
@@ -67,98 +73,78 @@ def fit_calibration(
         If too little of the profile lies in the image, or the ratio falls with thickness (cameras swapped).
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "flags")
-    points, notes = pair_profile_with_image(
-        ratios, profile, pixel_pitch=pixel_pitch, origin=origin, direction=direction
-    )
+    pose = Pose(origin, direction, pixel_pitch)
+    points, notes = pair_profile_with_image(ratios, profile, pose)
     _refuse_swapped_cameras(points)
+    freedom, found = Freedom.none(points), None
     if align:
-        points, align, note = _find_origin(
-            ratios, profile, points, pixel_pitch=pixel_pitch, origin=origin, direction=direction
-        )
-        notes.append(note)
-    fit, kept = _fit_robustly(points, align=align)
+        points, freedom, found = refine_pose(ratios, profile, points, pose)
+        notes += found.describe(points)
+    fit = fit_robustly(points, freedom)
+    if found is not None:
+        fit = add_uncertainty_of_turn(fit, points, freedom, found)
+    fit, candidate, inflation, said = _settle_departure(points, fit, freedom)
+    notes += said
+    kept = fit.kept
     if not kept.all():
         notes.append(f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out")
-    low, high, limited = _answering_range(fit, points, kept, frames)
+    noise = fit.reduced_chi_square if candidate is None else candidate.noise(int(kept.sum()), len(fit.covariance))
+    scale = max(1.0, noise) * inflation
+    K, p, q = (float(value) for value in fit.parameters)
+    calibration = Calibration(
+        K,
+        p,
+        q,
+        scale * fit.covariance[:3, :3],
+        (0.0, 0.0),
+        bands,
+        xr.Dataset(),
+        noise,
+        fixture,
+        departure=None
+        if candidate is None
+        else replace(candidate.departure, covariance=scale * candidate.departure.covariance),
+        pose=found,
+    )
+    true_thickness = (fit if candidate is None else candidate).true_thickness[kept]
+    low, high, limited = _answering_range(calibration, true_thickness, points, kept, frames)
     if limited:
         notes.append(
             f"the profile reaches {points.thickness.max():.1f} um, but beyond {high:.1f} um a single pixel of one frame no longer tells "
             f"thickness to {_USEFUL:.0%}, or to what this light allows: the calibration answers up to there"
         )
-    notes += _identifiability(fit)
-    residual = np.exp(points.log_ratio) - np.exp(fit.predict(points.thickness, points.steepness))
+    notes += _identifiability(calibration)
+    moved = freedom.displacement @ (fit if candidate is None else candidate).displacement
+    return replace(
+        calibration,
+        thickness_range=(low, high),
+        curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
+        notes=(*profile.notes, *notes),
+    )
+
+
+def _describe_curve(
+    calibration: Calibration, points: Points, kept: Mask, moved: Array, thickness_std: Array
+) -> xr.Dataset:
+    """What was fitted, as the file keeps it; `moved` [um] is what the pose still adds to the film under each point."""
     ratio = np.exp(points.log_ratio)
-    curve = xr.Dataset(
+    residual = ratio - calibration.predict(points.thickness + moved)
+    std = ratio * np.hypot(points.log_ratio_std, thickness_std * np.abs(calibration.slope(points.thickness)))
+    columns = {
+        "curve_thickness": (points.thickness, "um", "thickness by the CMM"),
+        "curve_ratio": (ratio, "1", "mean ratio camera 2 / camera 1"),
+        "curve_ratio_std": (std, "1", "standard deviation of the ratio, the CMM's error included"),
+        "curve_residual": (residual, "1", "ratio less fitted ratio"),
+        "curve_x": (points.position[:, 0], "mm", "place along the profile"),
+    }
+    if points.position.shape[1] == 2:
+        columns["curve_y"] = (points.position[:, 1], "mm", "place across the profile")
+    return xr.Dataset(
         {
-            "curve_thickness": ("bin", points.thickness[kept], {"units": "um", "long_name": "thickness by the CMM"}),
-            "curve_ratio": ("bin", ratio[kept], {"units": "1", "long_name": "mean ratio camera 2 / camera 1"}),
-            "curve_ratio_std": (
-                "bin",
-                (ratio * np.hypot(points.log_ratio_std, points.thickness_std * np.abs(fit.slope(points.thickness))))[
-                    kept
-                ],
-                {"units": "1", "long_name": "standard deviation of the ratio, the CMM's error included"},
-            ),
-            "curve_residual": ("bin", residual[kept], {"units": "1", "long_name": "ratio less fitted ratio"}),
+            name: ("bin", values[kept], {"units": unit, "long_name": meaning})
+            for name, (values, unit, meaning) in columns.items()
         }
     )
-    K, p, q = (float(value) for value in fit.parameters)
-    return Calibration(
-        K, p, q, fit.covariance, (low, high), bands, curve, fit.reduced_chi_square, fixture, (*profile.notes, *notes)
-    )
-
-
-@dataclass(frozen=True)
-class _Fit:
-    parameters: Array  # K, p, q
-    covariance: Array
-    reduced_chi_square: float
-    true_thickness: Array
-    shift: float = 0.0
-    shift_std: float = 0.0
-
-    def predict(self, thickness: Array, steepness: Array) -> Array:
-        K, p, q = self.parameters
-        shifted = thickness + self.shift * steepness
-        return np.asarray(log_band_ratio(shifted, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
-
-    def slope(self, thickness: Array) -> Array:
-        _, p, q = self.parameters
-        return np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
-
-
-def _find_origin(
-    ratios: RatioImages,
-    profile: Profile,
-    points: Points,
-    *,
-    pixel_pitch: float,
-    origin: tuple[float, float],
-    direction: float,
-) -> tuple[Points, bool, str]:
-    """Move the origin along the profile until the ratio fits best, where the profile has the form to tell.
-
-    Returns the points at the origin found, whether it was found, and what to say of it.
-    """
-    given, moved = points, 0.0
-    for _ in range(10):
-        fit, _ = _fit_robustly(points, align=True)
-        if fit.shift_std > pixel_pitch and abs(fit.shift) < 3 * fit.shift_std:
-            return (
-                given,
-                False,
-                (
-                    f"the origin was left as given: the profile has too little form to find it (± {fit.shift_std * 1e3:.0f} um along "
-                    "the profile; a straight wedge looks the same wherever it begins)"
-                ),
-            )
-        moved += fit.shift  # the film under a pixel is met further along the profile: the origin lies further back
-        back = -moved / pixel_pitch
-        place = (origin[0] + back * math.cos(direction), origin[1] + back * math.sin(direction))
-        points, _ = pair_profile_with_image(ratios, profile, pixel_pitch=pixel_pitch, origin=place, direction=direction)
-        if abs(fit.shift) < 0.1 * fit.shift_std:
-            break
-    return points, True, f"the origin was moved by {-moved * 1e3:+.1f} ± {fit.shift_std * 1e3:.1f} um along the profile"
 
 
 def _refuse_swapped_cameras(points: Points) -> None:
@@ -172,97 +158,91 @@ def _refuse_swapped_cameras(points: Points) -> None:
         )
 
 
-def _fit_robustly(points: Points, *, align: bool) -> tuple[_Fit, npt.NDArray[np.bool_]]:
-    """Orthogonal distance regression, repeated without outliers; a CMM without error bars gets them from the scatter."""
-    kept = np.ones(points.thickness.size, bool)
-    unknown = not np.isfinite(points.thickness_std).all()
-    thickness_std = np.full(kept.size, 0.1) if unknown else points.thickness_std
-    for _ in range(6):
-        fit = _fit_once(points, thickness_std, kept, align=align)
-        residual = points.log_ratio - fit.predict(points.thickness, points.steepness)
-        total = np.hypot(points.log_ratio_std, thickness_std * np.abs(fit.slope(points.thickness)))
-        if unknown:
-            scatter = residual[kept] / np.abs(fit.slope(points.thickness[kept]))
-            thickness_std = np.full(kept.size, max(1.4826 * float(np.median(np.abs(scatter))), 1e-3))
-        width = _OUTLIER * max(1.0, math.sqrt(fit.reduced_chi_square))
-        now = np.abs(residual) <= width * total
-        if now.sum() < LEAST_POINTS or (np.array_equal(now, kept) and not unknown):
-            break
-        kept = now
-    return fit, kept
+def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> tuple[Fit, Candidate | None, float, list[str]]:
+    """Choose between model and spline, and say what structure the residuals show.
 
-
-def _fit_once(points: Points, thickness_std: Array, kept: npt.NDArray[np.bool_], *, align: bool) -> _Fit:
-    t, y = points.thickness[kept], points.log_ratio[kept]
-    steepness = points.steepness[kept]
-
-    def model(x: Array, beta: Array) -> Array:
-        q = math.exp(beta[2])
-        p = q + math.exp(beta[1])
-        film = x + beta[3] * steepness if align else x
-        return np.asarray(
-            log_band_ratio(film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q)
+    Returns the fit, the spline where one is used, the factor by which correlated errors widen the covariance, and notes.
+    """
+    choice = choose_departure(points, fit, freedom)
+    if choice is None:
+        return fit, None, 1.0, []
+    notes = []
+    candidate = choice.candidate
+    if candidate is not None:
+        fit, candidate = _settle_outliers(points, fit, freedom, candidate)
+        notes.append(
+            f"the ratio departs from the reabsorption model {_say_largest(fit, candidate)}: a spline of {candidate.inner_knots + 1} pieces "
+            f"follows it, preferred by {choice.evidence:.0f} in the Bayesian information criterion"
         )
-
-    solution = None
-    for start in _starts(t, y):
-        beta = np.array([*start, 0.0] if align else start)
-        low = np.array([-10.0, math.log(1e-4), math.log(1e-4), -5.0])[: beta.size]
-        high = np.array([10.0, math.log(10.0), math.log(10.0), 5.0])[: beta.size]
-        trial = odr_fit(
-            model,
-            t,
-            y,
-            np.clip(beta, low, high),
-            weight_x=thickness_std[kept] ** -2.0,
-            weight_y=points.log_ratio_std[kept] ** -2.0,
-            bounds=(low, high),
-            maxit=200,
+    elif choice.chance < STRUCTURE:
+        why = (
+            "but let the ratio fall with thickness, and is not used"
+            if choice.falling
+            else "but not so clearly that it is used"
         )
-        if solution is None or trial.sum_square < solution.sum_square:
-            solution = trial
-    assert solution is not None
-    beta = solution.beta
-    K, q = math.exp(beta[0]), math.exp(beta[2])
-    difference = math.exp(beta[1])
-    chi_square = float(solution.sum_square) / max(t.size - beta.size, 1)
-    covariance = np.asarray(solution.cov_beta) * max(1.0, chi_square)
-    jacobian = np.zeros((3, beta.size))
-    jacobian[0, 0] = K
-    jacobian[1, 1:3] = difference, q
-    jacobian[2, 2] = q
-    return _Fit(
-        np.array([K, q + difference, q]),
-        jacobian @ covariance @ jacobian.T,
-        chi_square,
-        np.asarray(solution.xplusd),
-        shift=float(beta[3]) if align else 0.0,
-        shift_std=math.sqrt(covariance[3, 3]) if align else 0.0,
+        notes.append(
+            f"the residuals have structure (by chance once in {1 / max(choice.chance, 1e-12):.0g}): a spline would depart from the reabsorption "
+            f"model {_say_largest(fit, choice.smooth)}, {why}"
+        )
+    correlation, significance = find_correlation(
+        points.position[fit.kept], _residuals(points, fit, freedom, candidate)[fit.kept]
     )
+    if significance < _CORRELATED:
+        return fit, candidate, 1.0, notes
+    inflation = min((1 + correlation) / max(1 - correlation, 0.1), 10.0)
+    notes.append(
+        f"neighbouring points along the profile err alike (correlation {correlation:.2f}): form, place or light of the fixture is not "
+        f"as stated; the standard deviations were widened by {math.sqrt(inflation):.2f}"
+    )
+    return fit, candidate, inflation, notes
 
 
-def _starts(thickness: Array, log_ratio: Array) -> list[list[float]]:
-    """Starting points (ln K, ln(p - q), ln q) from the rise of the ratio, for several scales of attenuation."""
-    line = np.polyfit(thickness, log_ratio, 1)
-    span = float(np.ptp(thickness))
-    starts = []
-    for optical_depth in (0.3, 2.0, 6.0):
-        q = optical_depth / span
-        rise = max(2 * line[0], 0.05 / span) * (1 + optical_depth / 2)
-        starts.append([float(log_ratio[np.argmin(thickness)]), math.log(rise), math.log(q)])
-    return starts
+def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
+    """What the curve leaves at each point, in units of its standard deviation."""
+    displacement = fit.displacement if candidate is None else candidate.displacement
+    film = points.thickness + freedom.displacement @ displacement
+    residual, slope = points.log_ratio - fit.predict(film), fit.slope(film)
+    if candidate is not None:
+        residual, slope = residual - candidate.departure.predict(film), slope + candidate.departure.slope(film)
+    return np.asarray(residual / np.hypot(points.log_ratio_std, fit.thickness_std * slope))
 
 
-def _answering_range(fit: _Fit, points: Points, kept: npt.NDArray[np.bool_], frames: int) -> tuple[float, float, bool]:
+def _settle_outliers(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate) -> tuple[Fit, Candidate]:
+    """Leave out what lies far off the spline, and take the CMM's error bars from the scatter about it where there are none."""
+    for _ in range(4):
+        residual = _residuals(points, fit, freedom, candidate)
+        noise = candidate.noise(int(fit.kept.sum()), len(fit.covariance))
+        now = np.abs(residual) <= OUTLIER * max(1.0, math.sqrt(noise))
+        known = bool(np.isfinite(points.thickness_std).all())
+        if np.array_equal(now, fit.kept) and (known or abs(noise - 1) < 0.02):
+            break
+        thickness_std = fit.thickness_std if known else fit.thickness_std * math.sqrt(noise)
+        fit = replace(fit, kept=now, thickness_std=thickness_std)
+        candidate = fit_departure(points, fit, freedom, candidate.inner_knots)
+    return fit, candidate
+
+
+def _say_largest(fit: Fit, candidate: Candidate) -> str:
+    """How large a departure is, and where."""
+    true = candidate.true_thickness[fit.kept]
+    grid = np.linspace(float(true.min()), float(true.max()), 501)
+    departure = candidate.departure.predict(grid)
+    n = int(np.argmax(np.abs(departure)))
+    film = abs(departure[n] / fit.slope(grid[n]))
+    return f"by up to {100 * abs(math.expm1(departure[n])):.2g} % at {grid[n]:.1f} um ({film:.2g} um of film)"
+
+
+def _answering_range(
+    calibration: Calibration, covered: Array, points: Points, kept: Mask, frames: int
+) -> tuple[float, float, bool]:
     """Thickness the fixture covers, cut where a single pixel of one frame no longer tells it."""
-    covered = fit.true_thickness
     low, high = max(float(covered.min()), 0.0), float(covered.max())
     order = np.argsort(points.thickness[kept])
     grid = np.linspace(low, high, 2001)[1:]
     noise = np.interp(
         grid, points.thickness[kept][order], np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order]
     )
-    relative = noise / (fit.slope(grid) * grid)
+    relative = noise / (calibration.slope(grid) * grid)
     # in dim light no single pixel may tell so much; then the range ends where pixels are a quarter worse than their best
     useful = relative <= max(_USEFUL, 1.25 * float(relative.min()))
     thickest = float(grid[useful][-1])
@@ -270,11 +250,11 @@ def _answering_range(fit: _Fit, points: Points, kept: npt.NDArray[np.bool_], fra
     return low, thickest, thickest < grid[-1]
 
 
-def _identifiability(fit: _Fit) -> list[str]:
+def _identifiability(calibration: Calibration) -> list[str]:
     """Say so where the data fix K and p - q but not p and q."""
-    _, p, q = fit.parameters
-    std = np.sqrt(np.diag(fit.covariance))
-    difference_std = math.sqrt(fit.covariance[1, 1] + fit.covariance[2, 2] - 2 * fit.covariance[1, 2])
+    _, p, q = calibration.parameters
+    std, covariance = calibration.standard_deviations, calibration.covariance
+    difference_std = math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2])
     if std[2] < 0.3 * q:
         return []
     return [

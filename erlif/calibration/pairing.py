@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import legendre
 from scipy.interpolate import UnivariateSpline
 from scipy.spatial import cKDTree
 
+from erlif.calibration.pose import Pose
 from erlif.calibration.profile import LEAST_POINTS, Profile
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages
@@ -17,6 +19,7 @@ from erlif.core.products import RatioImages
 Array = npt.NDArray[np.float64]
 
 _LEAST_PIXELS = 20  # in the cell of one CMM point
+_HIGHEST_DEGREE = 10  # of the polynomial that follows the form of a surface
 
 
 @dataclass(frozen=True)
@@ -29,12 +32,15 @@ class Points:
     log_ratio_std: Array
     pixel_var: Array  # variance of a pixel that is new in every frame, in the mean image
     fixed_var: Array  # variance of a pixel that all frames share
-    steepness: Array  # of the thickness along the profile [um/mm]
+    position: Array  # (point, axis), on the profile [mm]
+    gradient: Array  # (point, axis), of the thickness [um/mm]
+    ratio_gradient: Array  # (point, axis), of log_ratio [1/mm]
+    mean_across: Array  # where the pixels about a point of a line lie across it [mm]
+    across_slope: Array  # of log_ratio across a line; NaN for a surface [1/mm]
+    across_slope_std: Array
 
 
-def pair_profile_with_image(
-    ratios: RatioImages, profile: Profile, *, pixel_pitch: float, origin: tuple[float, float], direction: float
-) -> tuple[Points, list[str]]:
+def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -> tuple[Points, list[str]]:
     """Average the ratio over the pixels nearest to each CMM point."""
     notes: list[str] = []
     good = (ratios.flags.values == 0) & np.isfinite(ratios.log_ratio.values)
@@ -42,17 +48,16 @@ def pair_profile_with_image(
     log_ratio = ratios.log_ratio.values[good].astype(float)
     variance = ratios.log_ratio_var.values[good].astype(float)
     fixed = ratios.log_ratio_var_fixed.values[good].astype(float)
-    dx, dy = (column - origin[0]) * pixel_pitch, (row - origin[1]) * pixel_pitch
-    along = math.cos(direction) * dx + math.sin(direction) * dy
-    across = -math.sin(direction) * dx + math.cos(direction) * dy
+    along, across = pose.place(column.astype(float), row.astype(float))
     place = along[:, None] if profile.position.ndim == 1 else np.stack([along, across], axis=1)
-    position, thickness, uncertainty = _thin_out(profile, 1.5 * pixel_pitch)
+    position, thickness, uncertainty = _thin_out(profile, 1.5 * pose.pixel_pitch)
     tree = cKDTree(position)
     spacing = float(np.median(np.asarray(tree.query(position, k=2)[0])[:, 1]))
     distance, cell = (np.asarray(found) for found in tree.query(place))
     near = distance <= 0.51 * spacing * math.sqrt(place.shape[1])
     covered = float(near.mean()) if near.size else 0.0
-    cell, place, log_ratio, variance, fixed = (values[near] for values in (cell, place, log_ratio, variance, fixed))
+    cell, place, across = cell[near], place[near], across[near]
+    log_ratio, variance, fixed = log_ratio[near], variance[near], fixed[near]
     count = np.bincount(cell, minlength=len(position))
     used = count >= _LEAST_PIXELS
     if used.sum() < LEAST_POINTS:
@@ -64,7 +69,7 @@ def pair_profile_with_image(
         notes.append(f"the profile covers {covered:.0%} of the usable pixels; the rest was left out")
     if not used.all():
         notes.append(f"{int((~used).sum())} of {len(position)} points of the profile lie outside the usable image")
-    mean, scatter = _robust_cell_mean(cell, log_ratio, len(position))
+    mean, scatter, keep = _robust_cell_mean(cell, log_ratio, len(position))
     centre = (
         np.stack([np.bincount(cell, axis, len(position)) for axis in place.T], axis=1) / np.maximum(count, 1)[:, None]
     )
@@ -77,8 +82,14 @@ def pair_profile_with_image(
     if uncertainty is None:
         notes.append("the profile has no uncertainty_um; it was estimated from the scatter about the curve")
         uncertainty = np.full(len(position), math.nan)
-    steepness = _steepness(position, thickness, uncertainty)
-    columns = (thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, steepness)
+    if position.shape[1] == 1:
+        beside = log_ratio - gradient[cell, 0] * (place[:, 0] - position[cell, 0])
+        across_line = _slope_across(cell[keep], across[keep], beside[keep], len(position))
+    else:
+        unknown = np.full(len(position), math.nan)
+        across_line = (np.zeros(len(position)), unknown, unknown)
+    columns = [thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, position]
+    columns += [_gradient_of_thickness(position, thickness, uncertainty), gradient, *across_line]
     points = Points(*(column[used] for column in columns))
     return points, notes
 
@@ -101,8 +112,10 @@ def _thin_out(profile: Profile, least: float) -> tuple[Array, Array, Array | Non
     return position[:, None], thickness, uncertainty
 
 
-def _robust_cell_mean(cell: npt.NDArray[np.intp], values: Array, cells: int) -> tuple[Array, Array]:
-    """Mean and variance of the values of each cell, without those beyond four standard deviations of it."""
+def _robust_cell_mean(
+    cell: npt.NDArray[np.intp], values: Array, cells: int
+) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    """Mean and variance of the values of each cell, without those beyond four standard deviations of it, and which are within."""
     keep = np.ones(cell.size, bool)
     mean, variance = np.zeros(cells), np.zeros(cells)
     for _ in range(3):
@@ -110,7 +123,20 @@ def _robust_cell_mean(cell: npt.NDArray[np.intp], values: Array, cells: int) -> 
         mean = np.bincount(cell[keep], values[keep], cells) / count
         variance = np.bincount(cell[keep], (values[keep] - mean[cell[keep]]) ** 2, cells) / np.maximum(count - 1, 1)
         keep = np.abs(values - mean[cell]) <= 4 * np.sqrt(variance[cell])
-    return mean, variance
+    return mean, variance, keep
+
+
+def _slope_across(cell: npt.NDArray[np.intp], across: Array, values: Array, cells: int) -> tuple[Array, Array, Array]:
+    """Mean place across the profile, slope of the values over it, and the slope's standard deviation, cell by cell."""
+    count = np.maximum(np.bincount(cell, minlength=cells), 1)
+    middle, mean = (np.bincount(cell, each, cells) / count for each in (across, values))
+    off, rest = across - middle[cell], values - mean[cell]
+    spread = np.bincount(cell, off**2, cells)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a cell of a single row has no slope
+        slope = np.bincount(cell, off * rest, cells) / spread
+        scatter = np.bincount(cell, (rest - slope[cell] * off) ** 2, cells) / np.maximum(count - 2, 1)
+        std = np.sqrt(scatter / spread)
+    return middle, slope, std
 
 
 def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]) -> Array:
@@ -128,20 +154,41 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArr
     return gradient
 
 
-def _steepness(position: Array, thickness: Array, uncertainty: Array) -> Array:
-    """Slope of the thickness along profile x at each point, the noise smoothed away. [um/mm]"""
-    if position.shape[1] == 1:
-        known = bool(np.isfinite(uncertainty).all())
-        noise = uncertainty if known else np.full(thickness.size, _noise_of(thickness))
-        smooth = UnivariateSpline(position[:, 0], thickness, w=1 / noise, s=thickness.size)
-        return np.asarray(smooth.derivative()(position[:, 0]))
-    neighbours = min(max(thickness.size // 20, 9), thickness.size)
-    nearest = np.asarray(cKDTree(position).query(position, k=neighbours)[1])
-    steepness = np.empty(thickness.size)
-    for n, around in enumerate(nearest):
-        design = np.column_stack([np.ones(neighbours), position[around] - position[n]])
-        steepness[n] = np.linalg.lstsq(design, thickness[around], rcond=None)[0][1]
-    return steepness
+def _gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array) -> Array:
+    """Gradient of the thickness along the axes of the profile at each point, the noise smoothed away. [um/mm]"""
+    if position.shape[1] == 2:
+        return _gradient_of_surface(position, thickness, uncertainty)
+    known = bool(np.isfinite(uncertainty).all())
+    noise = uncertainty if known else np.full(thickness.size, _noise_of(thickness))
+    smooth = UnivariateSpline(position[:, 0], thickness, w=1 / noise, s=thickness.size)
+    return np.asarray(smooth.derivative()(position[:, 0]))[:, None]
+
+
+def _gradient_of_surface(position: Array, thickness: Array, uncertainty: Array) -> Array:
+    """Gradient of a polynomial through a surface, of the degree that the Bayesian information criterion (Schwarz 1978) prefers.
+
+    A plane is found to be one: no form is made of the noise, from which a pose could seem to be told.
+    """
+    middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
+    u, v = ((position - middle) / reach).T
+    weight = 1 / uncertainty if np.isfinite(uncertainty).all() else np.ones(thickness.size)
+    best, found = math.inf, np.zeros_like(position)
+    for degree in range(1, _HIGHEST_DEGREE + 1):
+        powers = [(n, m) for n in range(degree + 1) for m in range(degree + 1 - n)]
+        if len(powers) > thickness.size // 4:
+            break
+        along, across = (legendre.legvander(axis, degree) for axis in (u, v))
+        design = np.stack([along[:, n] * across[:, m] for n, m in powers], axis=1)
+        values = np.linalg.lstsq(design * weight[:, None], thickness * weight, rcond=None)[0]
+        square = float((((thickness - design @ values) * weight) ** 2).mean())
+        criterion = thickness.size * math.log(max(square, 1e-12)) + len(powers) * math.log(thickness.size)
+        if criterion < best:
+            best = criterion
+            series = np.zeros((degree + 1, degree + 1))
+            series[tuple(np.transpose(powers))] = values
+            slopes = (legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1))
+            found = np.stack(list(slopes), axis=1) / reach
+    return found
 
 
 def _noise_of(values: Array) -> float:
