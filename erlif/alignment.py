@@ -35,7 +35,8 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
     Returns
     -------
     AlignedFrames
-        As `frames`, with displacement_std (y, x), the standard deviation of one component of the map. [px]
+        As `frames`, with displacement_std (y, x), the standard deviation of one component of the map [px], and interpolation (frame), the
+        mean factor by which the interpolation lowers the variance of a pixel of camera 2.
     """
     names = ("signal", "signal_var", "signal_var_fixed", "flags")
     require(frames, *names)
@@ -45,6 +46,7 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
     turn = camera_map.settings.orientation
     offsets = np.zeros((signal.shape[1], 2)) if drift is None else np.asarray(drift, float)
     dx, dy = camera_map.displacement_x, camera_map.displacement_y
+    averaging = np.ones(signal.shape[1])
     for n, (x, y) in enumerate(offsets.tolist()):
         moving, *noise, moving_flags = (np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names)
         signal[1, n] = warp(moving, dx, dy, (x, y))
@@ -52,6 +54,7 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
         _gather_flags(moving_flags, dx, dy, x, y, flags[1, n])
         for own, out in zip(noise, (variance, fixed), strict=True):
             _gather(own, dx, dy, x, y, factor, out[1, n])
+        averaging[n] = np.nanmean(factor) if np.isfinite(factor).any() else 1.0
         flags[1, n][~camera_map.overlap] |= _OUTSIDE
         flags[1, n][camera_map.poor | np.isnan(x)] |= _POOR
     dims = ("camera", "frame", "y", "x")
@@ -63,6 +66,7 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
                 "signal_var_fixed": (dims, fixed, frames.signal_var_fixed.attrs),
                 "flags": (dims, flags, FLAG_ATTRS),
                 "displacement_std": (("y", "x"), camera_map.displacement_std, {"units": "px"}),
+                "interpolation": ("frame", averaging, {"units": "1"}),
             },
             frames.coords,
         )

@@ -9,46 +9,19 @@ pixel (for a normal error one in 44 is beyond that; Currie, Anal. Chem. 40 (1968
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
+from erlif.ratio import mean_of_surroundings
 
 Image = npt.NDArray[np.float32]
-Mask = npt.NDArray[np.bool_]
 
 CLEAR = 2.0
 """Standard deviations of a pixel that its film must keep from the ends of the calibration."""
 
-_NEAR = 9  # width of the surroundings whose mean the inverse of the ratio is taken about [px]
 _AROUND, _OWN = 17, 5  # width of the surroundings that decide, and of their middle that does not [px]
-
-
-def mean_of_surroundings(image: Image, sound: Mask, *, width: int = _NEAR, without: int = 0) -> Image:
-    """Mean of the sound pixels in a square about each pixel; NaN where there are none.
-
-    Parameters
-    ----------
-    image : array, (y, x)
-    sound : array of bool, (y, x)
-        Pixels that count.
-    width : int
-        Of the square. [px]
-    without : int
-        Width of the middle of the square that is left out. [px]
-    """
-    # about the middle, because the sums are taken in single precision
-    middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
-    values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
-    total, count = (_box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count))
-    return np.where(count > 0.5, middle + total / np.maximum(count, 1), np.float32(np.nan))
-
-
-def _box(image: Image, width: int) -> Image:
-    summed = cv2.boxFilter(image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT)
-    return np.asarray(summed, np.float32)
 
 
 def find_range(

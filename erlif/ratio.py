@@ -24,6 +24,7 @@ Mask = npt.NDArray[np.uint8]
 
 _DIM, _NO_FILM = int(Flag.DIM), int(Flag.NO_FILM)
 
+_NEAR = 9  # width of the surroundings of a pixel, if not said otherwise [px]
 _BLOCK, _REACH = 8, 9  # surroundings of a bubble: the median of 9 x 9 blocks of 8 px
 
 
@@ -50,18 +51,20 @@ def compute_ratio(
     RatioImages
         log_ratio (frame, y, x) [1], log_ratio_var (random part), log_ratio_var_fixed (what of it dark and flat bring, the same
         in every frame), log_ratio_var_shared (registration), flags, and
-        signal_camera1 [DN], from which the pulse energy is judged.
+        signal_camera1 [DN], from which the pulse energy is judged; noise_correlation (frame), by how much the variance of a mean over
+        many pixels exceeds that of independent ones, because the interpolation of camera 2 spreads their noise.
     """
     require(frames, "signal", "signal_var", "signal_var_fixed", "flags", "displacement_std")
     signal, variance, flags = frames.signal.values, frames.signal_var.values, frames.flags.values
     variance_fixed = frames.signal_var_fixed.values
     shape = signal.shape[1:]
     log_ratio, random, fixed, shared = (np.empty(shape, np.float32) for _ in range(4))
+    correlation = np.ones(shape[0])
     flag = flags[0] | flags[1]
     displacement_std = frames.displacement_std.values
     for n in range(shape[0]):
         one, two = signal[:, n]
-        _log_ratio(
+        share_of_two = _log_ratio(
             one,
             two,
             variance[0, n],
@@ -73,6 +76,8 @@ def compute_ratio(
             fixed[n],
             flag[n],
         )
+        if "interpolation" in frames:
+            correlation[n] = 1 + share_of_two * (1 / float(frames.interpolation[n]) - 1)
         if blur is not None and blur.significant:
             take_out_ghost(log_ratio[n], one, two, blur.x, blur.y)
         flag[n][find_bubbles(one, two, share=no_film_below)] |= _NO_FILM
@@ -87,6 +92,7 @@ def compute_ratio(
                 "log_ratio_var_shared": (dims, shared, {"units": "1"}),
                 "flags": (dims, flag, FLAG_ATTRS),
                 "signal_camera1": (dims, signal[0], {"units": "DN"}),
+                "noise_correlation": ("frame", correlation, {"units": "1"}),
             },
             {name: value for name, value in frames.coords.items() if "camera" not in value.dims},
         )
@@ -95,6 +101,8 @@ def compute_ratio(
 
 @numba.njit(nogil=True, cache=True)
 def _log_ratio(one, two, one_var, two_var, one_fixed, two_fixed, log_ratio, variance, fixed, flag):  # type: ignore[no-untyped-def]
+    """Fill the last four arguments; returns the share that camera 2 has in the variance of the unflagged pixels."""
+    total, of_two = 0.0, 0.0
     for i in range(one.shape[0]):
         for j in range(one.shape[1]):
             a, b = one[i, j], two[i, j]
@@ -104,12 +112,16 @@ def _log_ratio(one, two, one_var, two_var, one_fixed, two_fixed, log_ratio, vari
                 log_ratio[i, j] = np.log(b / a) + 0.5 * (relative_two - relative_one)
                 variance[i, j] = relative_one + relative_two
                 fixed[i, j] = one_fixed[i, j] / (a * a) + two_fixed[i, j] / (b * b)
+                if flag[i, j] == 0:
+                    total += relative_one + relative_two
+                    of_two += relative_two
             else:
                 log_ratio[i, j] = np.nan
                 variance[i, j] = np.nan
                 fixed[i, j] = np.nan
                 if flag[i, j] == 0:
                     flag[i, j] |= _DIM
+    return of_two / total if total > 0.0 else 0.0
 
 
 @numba.njit(nogil=True, cache=True)
@@ -228,26 +240,54 @@ def _below(one, two, limit, block):  # type: ignore[no-untyped-def]
     return dark
 
 
+def mean_of_surroundings(image: Image, sound: npt.NDArray[np.bool_], *, width: int = _NEAR, without: int = 0) -> Image:
+    """Mean of the sound pixels in a square about each pixel; NaN where there are none.
+
+    Parameters
+    ----------
+    image : array, (y, x)
+    sound : array of bool, (y, x)
+        Pixels that count.
+    width : int
+        Of the square. [px]
+    without : int
+        Width of the middle of the square that is left out. [px]
+    """
+    # about the middle, because the sums are taken in single precision
+    middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
+    values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
+    total, count = (_box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count))
+    return np.where(count > 0.5, middle + total / np.maximum(count, 1), np.float32(np.nan))
+
+
+def _box(image: Image, width: int) -> Image:
+    summed = cv2.boxFilter(image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(summed, np.float32)
+
+
 @dataclass
 class RatioSum:
     """Frames of one trigger, added up with inverse-variance weights without keeping them.
 
-    Every cycle sees the trigger anew; shot and read noise average out, the noise of dark and flat and the registration error do not. A pixel is answered
-    if any of its frames is; one that none answers keeps the flags of all.
+    Every cycle sees the trigger anew; shot and read noise average out, the noise of dark and flat and the registration error
+    do not. The variance that decides the weights is that of a pixel's surroundings: its own goes with its noise, and a mean weighted
+    by it would be biased. A pixel is answered if any of its frames is; one that none answers keeps the flags of all.
     """
 
     shape: tuple[int, int]
     frames: int = 0
     weight: npt.NDArray[np.float64] = field(init=False)
     total: npt.NDArray[np.float64] = field(init=False)
+    random: npt.NDArray[np.float64] = field(init=False)
     fixed: npt.NDArray[np.float64] = field(init=False)
     shared: npt.NDArray[np.float64] = field(init=False)
+    correlation: float = 0.0
     flags: Mask = field(init=False)
     answered: npt.NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         """Start from nothing."""
-        self.weight, self.total, self.fixed, self.shared = (np.zeros(self.shape) for _ in range(4))
+        self.weight, self.total, self.random, self.fixed, self.shared = (np.zeros(self.shape) for _ in range(5))
         self.flags = np.zeros(self.shape, np.uint8)
         self.answered = np.zeros(self.shape, bool)
 
@@ -255,27 +295,32 @@ class RatioSum:
         """Add ratio images (frame, y, x) of the same trigger."""
         require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
         for n in range(ratios.sizes["frame"]):
+            flag, fixed = ratios.flags.values[n], ratios.log_ratio_var_fixed.values[n]
+            random = ratios.log_ratio_var.values[n] - fixed
             _add_frame(
                 ratios.log_ratio.values[n],
-                ratios.log_ratio_var.values[n],
-                ratios.log_ratio_var_fixed.values[n],
+                mean_of_surroundings(random, flag == 0),
+                random,
+                fixed,
                 ratios.log_ratio_var_shared.values[n],
-                ratios.flags.values[n],
+                flag,
                 self.weight,
                 self.total,
+                self.random,
                 self.fixed,
                 self.shared,
                 self.flags,
                 self.answered,
             )
             self.frames += 1
+            self.correlation += float(ratios.noise_correlation[n]) if "noise_correlation" in ratios else 1.0
 
     def mean(self) -> RatioImages:
         """Weighted mean of what was added, as RatioImages without a frame dimension."""
         with np.errstate(divide="ignore", invalid="ignore"):
             means = {
                 "log_ratio": self.total / self.weight,
-                "log_ratio_var": (1 + self.fixed) / self.weight,
+                "log_ratio_var": self.random / self.weight**2 + self.fixed / self.weight,
                 "log_ratio_var_fixed": self.fixed / self.weight,
                 "log_ratio_var_shared": self.shared / self.weight,
             }
@@ -285,21 +330,35 @@ class RatioSum:
             for name, image in means.items()
         }
         flags = np.where(self.answered, 0, self.flags).astype(np.uint8)
-        return RatioImages(xr.Dataset(images | {"flags": (dims, flags, FLAG_ATTRS)}))
+        correlation = ((), self.correlation / max(self.frames, 1), {"units": "1"})
+        return RatioImages(xr.Dataset(images | {"flags": (dims, flags, FLAG_ATTRS), "noise_correlation": correlation}))
 
 
 @numba.njit(nogil=True, cache=True)
 def _add_frame(  # type: ignore[no-untyped-def]
-    log_ratio, variance, variance_fixed, variance_shared, flag, weight, total, fixed, shared, flags, answered
+    log_ratio,
+    expected,
+    variance,
+    variance_fixed,
+    variance_shared,
+    flag,
+    weight,
+    total,
+    random,
+    fixed,
+    shared,
+    flags,
+    answered,
 ):
     """Weight each frame by what is new in it; the fixed part is weighted along and divided out at the end."""
     for i in range(log_ratio.shape[0]):
         for j in range(log_ratio.shape[1]):
             flags[i, j] |= flag[i, j]
             if flag[i, j] == 0:
-                w = 1.0 / (variance[i, j] - variance_fixed[i, j])
+                w = 1.0 / expected[i, j]
                 weight[i, j] += w
                 total[i, j] += w * log_ratio[i, j]
+                random[i, j] += w * w * variance[i, j]
                 fixed[i, j] += w * variance_fixed[i, j]
                 shared[i, j] += w * variance_shared[i, j]
                 answered[i, j] = True

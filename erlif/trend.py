@@ -178,10 +178,15 @@ def _mean_film(
     linear, square = (np.bincount(place, values, bins) for values in (off, off**2 - variance))
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
     gradient = -(calibration.gradient(film) * rate * count).sum(axis=1) / size
-    random = math.sqrt(float((rate**2 * np.bincount(place, variance, bins)).sum())) / size
+    random = math.sqrt(_correlation(ratios) * float((rate**2 * np.bincount(place, variance, bins)).sum())) / size
     registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
     # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
     return mean, math.hypot(random, _BLOCK * registration), gradient
+
+
+def _correlation(ratios: RatioImages) -> float:
+    """By how much the variance of a mean over pixels exceeds that of independent ones."""
+    return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
 
 
 def _least_film(
@@ -292,6 +297,7 @@ def _block_means(
     down, right = np.nonzero(full)
     count = total[0, full]
     log_ratio, variance, u, uu, v, vv = total[1:, full] / count
+    variance *= _correlation(ratios)
     along = (u, uu, v, down, right) if sliding_along_x else (v, vv, u, right, down)
     return _Blocks(log_ratio, variance / count, *along)
 

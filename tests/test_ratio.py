@@ -111,12 +111,28 @@ def ratio_images(values, variances, flags=None, fixed=0.0):
 
 def test_frames_are_combined_with_inverse_variance_weights():
     rng = np.random.default_rng(5)
-    values, variances = rng.normal(size=(4, 8, 9)), rng.uniform(1, 3, (4, 8, 9))
+    values = rng.normal(size=(4, 8, 9))
+    variances = np.broadcast_to(rng.uniform(1, 3, (4, 1, 1)), values.shape)
     combined = combine_frames(ratio_images(values, variances))
     weights = 1 / variances
     npt.assert_allclose(combined.log_ratio, (weights * values).sum(0) / weights.sum(0), rtol=1e-5)
     npt.assert_allclose(combined.log_ratio_var, 1 / weights.sum(0), rtol=1e-5)
     npt.assert_allclose(combined.log_ratio_var_shared, 1e-6, rtol=1e-5)  # the same error in every frame
+
+
+def test_weights_do_not_go_with_the_noise():
+    """Frames of 300 and 200 electrons, each pixel with the variance that its own noise suggests: the mean shows no bias of it."""
+    rng = np.random.default_rng(8)
+    one, two = (rng.poisson(mean, (30, 60, 80)).astype(float) for mean in (300, 200))
+    values = np.log(two / one) + 0.5 * (1 / two - 1 / one)
+    own = 1 / one + 1 / two
+    weighted = ((values / own).sum(0) / (1 / own).sum(0)).mean() - np.log(2 / 3)
+    combined = combine_frames(ratio_images(values, own))
+    left = float(combined.log_ratio.mean()) - np.log(2 / 3)
+    scatter = np.sqrt((1 / 300 + 1 / 200) / values.size)
+    assert weighted > 5 * scatter  # what weights by the pixels' own variance would do
+    assert abs(left) < 3 * scatter
+    npt.assert_allclose(combined.log_ratio_var.mean(), (1 / 300 + 1 / 200) / 30, rtol=0.02)
 
 
 def test_noise_of_dark_and_flat_does_not_average_out():

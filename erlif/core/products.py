@@ -26,11 +26,13 @@ CorrectedFrames = NewType("CorrectedFrames", xr.Dataset)
 signal_var_fixed, the noise of dark and flat, the same in every frame [DN2]; flags [bit mask]."""
 
 AlignedFrames = NewType("AlignedFrames", xr.Dataset)
-"""CorrectedFrames with camera 2 on the pixel grid of camera 1; displacement_std (y, x) [px] of that grid."""
+"""CorrectedFrames with camera 2 on the pixel grid of camera 1; displacement_std (y, x) [px] of that grid; interpolation (frame), the
+factor by which it lowers the variance of a pixel."""
 
 RatioImages = NewType("RatioImages", xr.Dataset)
 """log_ratio (.., y, x): natural logarithm of camera 2 over camera 1 [1]; log_ratio_var, the random part of a pixel, of which
-log_ratio_var_fixed is the same in every frame; log_ratio_var_shared, what the registration adds to neighbours and frames alike; flags."""
+log_ratio_var_fixed is the same in every frame; log_ratio_var_shared, what the registration adds to neighbours and frames alike; flags;
+noise_correlation, the variance of a mean over many pixels over that of independent ones."""
 
 ThicknessMaps = NewType("ThicknessMaps", xr.Dataset)
 """thickness (.., y, x) [um], thickness_std (random), thickness_std_shared, flags; NaN exactly where flags is not 0."""
