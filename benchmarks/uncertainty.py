@@ -9,6 +9,7 @@ Coverage is the share of errors within one and two stated standard deviations, 6
 
 import argparse
 import itertools
+import shutil
 import tempfile
 import tomllib
 import warnings
@@ -42,13 +43,15 @@ def photograph(out: Path, seed: int, light: float, texture: float, **settings) -
     return out if (out / "truth.nc").exists() else simulate(out, seed=seed, rig=rig)
 
 
-def write_exact_profile(fixture: Path, seed: int) -> None:
-    """Replace the readings of the coordinate measuring machine by the wedge itself."""
+def exactly_known(fixture: Path, seed: int) -> Path:
+    """The same fixture, measured by a coordinate measuring machine without error."""
     from erlif.rig import RigSettings
     from erlif.rig.film import Wedge
     from erlif.rig.run import random_stream, write_profile
 
-    write_profile(fixture / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture"))
+    copy = shutil.copytree(fixture, fixture.with_name("fixture_exact"), dirs_exist_ok=True)
+    write_profile(copy / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture"))
+    return copy
 
 
 def photon_limit(truth: xr.Dataset):
@@ -62,14 +65,14 @@ def photon_limit(truth: xr.Dataset):
     return np.sqrt(variance) / np.interp(truth.film.values, grid, slope)
 
 
-def examine(case: tuple[Path, int, float, float]) -> dict:
+def examine(case: tuple[Path, int, float, float, bool]) -> dict:
     """Process one rig and set every stated standard deviation against the error made."""
     import erlif
 
     warnings.simplefilter("ignore")
-    scratch, seed, light, texture = case
+    scratch, seed, light, texture, exact = case
     made = photograph(scratch / f"{seed}_{light}_{texture}", seed, light, texture)
-    calibration = erlif.calibrate(made / "fixture")
+    calibration = erlif.calibrate(exactly_known(made / "fixture", seed) if exact else made / "fixture")
     output = made / "film.nc"
     film = erlif.process(made / "run", calibration=calibration, output=output, overwrite=True, workers=1).load()
     film.close()
@@ -109,15 +112,11 @@ def examine(case: tuple[Path, int, float, float]) -> dict:
             here.sum() / max((wanted & (known >= low) & (known < high)).sum(), 1),
             np.mean(error[here]) / np.mean(film.thickness_std.values[here]) if here.any() else np.nan,
         )
-    x, y = film.x.values, film.y.values
-    roi = tomllib.loads(film.settings)["thickness"]["roi"]
-    (x0, x1), (y0, y1) = roi["x"], roi["y"]
-    region = ((y >= y0) & (y <= y1))[:, None] & ((x >= x0) & (x <= x1))
-    mean = np.array([k[region & v].mean() if (region & v).any() else np.nan for k, v in zip(known, valid, strict=True)])
     inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
     for name, group in (("displacement", found_map), ("drift", drift)):
         square = sum((group[f"{name}_{axis}"] - truth[f"{name}_{axis}"]).values ** 2 for axis in "xy")
         found[name] = np.sqrt(np.nanmean(square[inner] if square.ndim == 2 else square))
+    mean = region_mean(film, truth)
     found["film_mean"] = (film.film_mean.values - mean) / film.film_mean_std.values
     found["film_min"] = ((film.film_min - truth.film_min) / film.film_min_std).values
     found["film_mean_rel"] = film.film_mean.values / mean - 1
@@ -125,8 +124,52 @@ def examine(case: tuple[Path, int, float, float]) -> dict:
     return found
 
 
-def maps(scratch: Path, processes: int) -> None:
-    cases = [(scratch, *case) for case in itertools.product(FILMS, LIGHTS, TEXTURES)]
+def region_mean(film: xr.Dataset, truth: xr.Dataset):
+    """True mean film over the valid pixels of the region of interest, by trigger. [um]"""
+    roi = tomllib.loads(film.settings)["thickness"]["roi"]
+    inside = [(axis >= low) & (axis <= high) for axis, (low, high) in ((film.x, roi["x"]), (film.y, roi["y"]))]
+    use = (film.flags.values == 0) & inside[1].values[:, None] & inside[0].values
+    return np.array(
+        [known[good].mean() if good.any() else np.nan for known, good in zip(truth.film.values, use, strict=True)]
+    )
+
+
+def weigh_fixture(case: tuple[Path, int]) -> dict:
+    """A small rig of its own: fixture, CMM, cameras, surfaces and run all drawn anew; pulls of the film statistics."""
+    import erlif
+    from erlif.rig import RigSettings, simulate
+
+    warnings.simplefilter("ignore")
+    scratch, seed = case
+    rig = RigSettings(width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=6)
+    made = simulate(scratch / f"rig{seed}", seed=seed, rig=rig)
+    film = erlif.process(made / "run", calibration=erlif.calibrate(made / "fixture"), workers=1)
+    with xr.open_dataset(made / "truth.nc", engine="h5netcdf") as truth:
+        truth.load()
+    shutil.rmtree(made)
+    return {
+        "film_mean": (film.film_mean.values - region_mean(film, truth)) / film.film_mean_std.values,
+        "film_min": ((film.film_min - truth.film_min) / film.film_min_std).values,
+        "exponent": np.array([(float(film.speed_exponent) - rig.exponent) / float(film.speed_exponent_std)]),
+    }
+
+
+def fixtures(scratch: Path, processes: int, rigs: int) -> None:
+    with ProcessPoolExecutor(processes) as pool:
+        results = list(pool.map(weigh_fixture, [(scratch, 5000 + n) for n in range(rigs)]))
+    print(f"{rigs} rigs of 224 x 160 pixels, each with its own fixture and profile")
+    for name in ("film_mean", "film_min", "exponent"):
+        pulls = np.array([r[name] for r in results])
+        known = np.isfinite(pulls)
+        within = [np.mean(np.abs(pulls[known]) < width) for width in (1, 2)]
+        print(
+            f"{name:10s}{within[0]:7.1%} within one, {within[1]:6.1%} within two standard deviations; mean pull {pulls[known].mean():+.2f}, "
+            f"rms {np.sqrt(np.mean(pulls[known] ** 2)):.2f}"
+        )
+
+
+def maps(scratch: Path, processes: int, *, exact: bool) -> None:
+    cases = [(scratch, *case, exact) for case in itertools.product(FILMS, LIGHTS, TEXTURES)]
     with ProcessPoolExecutor(processes) as pool:
         results = list(pool.map(examine, cases))
     print(
@@ -168,14 +211,18 @@ def maps(scratch: Path, processes: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["maps"])
+    parser.add_argument("what", choices=["maps", "fixtures"])
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--exact", action="store_true", help="a profile without error")
+    parser.add_argument("--rigs", type=int, default=200)
     parser.add_argument("--keep", type=Path, help="directory of the virtual rigs, for another run")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as scratch:
-        maps(options.keep or Path(scratch), options.processes)
+        if options.what == "maps":
+            maps(options.keep or Path(scratch), options.processes, exact=options.exact)
+        else:
+            fixtures(Path(scratch), options.processes, options.rigs)
 
 
 if __name__ == "__main__":
