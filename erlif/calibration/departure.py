@@ -1,8 +1,10 @@
 """What the ratio departs from the reabsorption model, followed by a spline where the data insist on it.
 
 The candidates are cubic splines of few pieces, added to the logarithm of the modelled ratio. The Bayesian information criterion
-(Schwarz, Ann. Statist. 6 (1978) 461) chooses: a spline of k degrees of freedom must lower chi-square by k ln(points) and by 10 more,
-"very strong" evidence in the words of Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773. Without it the model stands alone.
+(Schwarz, Ann. Statist. 6 (1978) 461) decides whether one is used: a spline of k degrees of freedom must lower chi-square by
+k ln(points) and by 10 more, "very strong" evidence in the words of Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773. Without it the
+model stands alone. With it Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716), which would rather follow too closely than
+leave a bias, chooses among the splines that let the ratio rise.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ VERY_STRONG = 10.0
 STRUCTURE = 1e-3
 """Probability of chance below which structure in the residuals is said."""
 
-_MOST_KNOTS = 6
+_MOST_KNOTS = 7
 
 
 @dataclass(frozen=True)
@@ -135,13 +137,13 @@ class Choice:
     candidate : Candidate or None
         The spline to use.
     evidence : float
-        By which the criterion prefers the best spline to the model alone.
+        By which the Bayesian criterion prefers the best spline to the model alone.
     chance : float
         Probability that the residuals of the model look so smooth by chance.
     smooth : Candidate
         The spline that this was told by.
     falling : bool
-        Whether better splines were passed over because the ratio would fall with thickness.
+        Whether the best spline was passed over because the ratio would fall with thickness.
     """
 
     candidate: Candidate | None
@@ -152,7 +154,7 @@ class Choice:
 
 
 def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | None:
-    """Set splines of 0 to 6 inner knots against the reabsorption model alone; None where there are too few points."""
+    """Set splines of 0 to 7 inner knots against the reabsorption model alone; None where there are too few points."""
     count, parameters = int(fit.kept.sum()), len(fit.covariance)
     most = min(_MOST_KNOTS, count // 10 - 4)
     if most < 0:
@@ -160,21 +162,23 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     candidates = [fit_departure(points, fit, freedom, knots) for knots in range(most + 1)]
     # scatter that even the most supple spline leaves is noise; less than stated is not believed
     noise = max(1.0, candidates[-1].noise(count, parameters))
-    evidence = [
-        (fit.chi_square - candidate.chi_square) / noise - candidate.freedom * math.log(count)
-        for candidate in candidates
-    ]
+    gain = np.array([(fit.chi_square - candidate.chi_square) / noise for candidate in candidates])
+    freed = np.array([candidate.freedom for candidate in candidates])
+    evidence = gain - freed * math.log(count)
     smooth = candidates[most // 2]
-    chance = float(chi2.sf((fit.chi_square - smooth.chi_square) / noise, smooth.freedom))
-    grid = np.linspace(float(smooth.true_thickness[fit.kept].min()), float(smooth.true_thickness[fit.kept].max()), 1001)
-    falling = False
-    for n in np.argsort(evidence)[::-1]:
-        if evidence[n] < VERY_STRONG:
-            break
-        if np.all(fit.slope(grid) + candidates[n].departure.slope(grid) > 0):
-            return Choice(candidates[n], float(evidence[n]), chance, smooth, falling)
-        falling = True
-    return Choice(None, float(max(evidence)), chance, smooth, falling)
+    chance = float(chi2.sf(gain[most // 2], smooth.freedom))
+    rising = np.array([_rises(fit, candidate) for candidate in candidates])
+    useful = rising & (evidence >= VERY_STRONG)
+    chosen = candidates[int(np.argmax(np.where(rising, gain - 2 * freed, -np.inf)))] if useful.any() else None
+    falling = bool(evidence.max() >= VERY_STRONG and not rising[int(np.argmax(gain - 2 * freed))])
+    return Choice(chosen, float(evidence.max()), chance, smooth, falling)
+
+
+def _rises(fit: Fit, candidate: Candidate) -> bool:
+    """Whether model and spline together rise with thickness over all that the fixture covers."""
+    true = candidate.true_thickness[fit.kept]
+    grid = np.linspace(float(true.min()), float(true.max()), 1001)
+    return bool(np.all(fit.slope(grid) + candidate.departure.slope(grid) > 0))
 
 
 def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) -> Candidate:

@@ -170,18 +170,16 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> tuple[Fit, 
     candidate = choice.candidate
     if candidate is not None:
         fit, candidate = _settle_outliers(points, fit, freedom, candidate)
+        pieces = candidate.inner_knots + 1
         notes.append(
-            f"the ratio departs from the reabsorption model {_say_largest(fit, candidate)}: a spline of {candidate.inner_knots + 1} pieces "
-            f"follows it, preferred by {choice.evidence:.0f} in the Bayesian information criterion"
+            f"the ratio departs from the reabsorption model {_say_largest(fit, candidate)}: a spline of {pieces} piece{'s' * (pieces > 1)} "
+            f"follows it, the Bayesian information criterion being lower by {choice.evidence:.0f}"
+            + (", but not in all, lest the ratio fall with thickness" if choice.falling else "")
         )
     elif choice.chance < STRUCTURE:
-        why = (
-            "but let the ratio fall with thickness, and is not used"
-            if choice.falling
-            else "but not so clearly that it is used"
-        )
+        why = "but lets the ratio fall and is not used" if choice.falling else "but not so clearly that it is used"
         notes.append(
-            f"the residuals have structure (by chance once in {1 / max(choice.chance, 1e-12):.0g}): a spline would depart from the reabsorption "
+            f"the residuals have structure (once in {1 / max(choice.chance, 1e-12):.0g} by chance): a spline would depart from the reabsorption "
             f"model {_say_largest(fit, choice.smooth)}, {why}"
         )
     correlation, significance = find_correlation(

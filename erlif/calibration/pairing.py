@@ -19,7 +19,7 @@ from erlif.core.products import RatioImages
 Array = npt.NDArray[np.float64]
 
 _LEAST_PIXELS = 20  # in the cell of one CMM point
-_HIGHEST_DEGREE = 10  # of the polynomial that follows the form of a surface
+_HIGHEST_DEGREE = 16  # of the polynomial that follows the form of a surface
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,14 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
     centre = (
         np.stack([np.bincount(cell, axis, len(position)) for axis in place.T], axis=1) / np.maximum(count, 1)[:, None]
     )
-    gradient = _gradient_along(position, centre, mean, used)
-    mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
+    if place.shape[1] == 1:
+        gradient = _gradient_along(position, centre, mean, used)
+        mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
+    else:
+        gradient, curvature = _form_about(position, centre, mean, used)
+        off = place - position[cell]
+        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum("ij,ijk,ik->i", off, curvature[cell], off)
+        mean = mean - np.bincount(cell, bend, len(position)) / np.maximum(count, 1)
     total_var, fixed_var = (
         np.bincount(cell, values, len(position)) / np.maximum(count, 1) for values in (variance, fixed)
     )
@@ -140,18 +146,31 @@ def _slope_across(cell: npt.NDArray[np.intp], across: Array, values: Array, cell
 
 
 def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]) -> Array:
-    """Slope of the cell means at each CMM point, (point, axis), from a plane through its neighbours. [1/mm]"""
-    axes = position.shape[1]
+    """Slope of the cell means at each CMM point of a line, (point, 1), through its neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
-    tree = cKDTree(centre[used])
-    neighbours = min(3 if axes == 1 else 9, int(used.sum()))
-    nearest = np.asarray(tree.query(position, k=neighbours)[1])
+    neighbours = min(3, int(used.sum()))
+    nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
     places, values = centre[used], mean[used]
     for n in np.nonzero(used)[0]:
         around = nearest[n]
         design = np.column_stack([np.ones(neighbours), places[around] - position[n]])
         gradient[n] = np.linalg.lstsq(design, values[around], rcond=None)[0][1:]
     return gradient
+
+
+def _form_about(position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Gradient (point, 2) and second derivatives (point, 2, 2) of the cell means at each CMM point of a surface, from a parabola through its
+    neighbours: the cells are wide, and the film is not plane in them. [1/mm, 1/mm2]"""
+    gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
+    neighbours = min(13, int(used.sum()))
+    nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
+    places, values = centre[used], mean[used]
+    for n in np.nonzero(used)[0]:
+        x, y = (places[nearest[n]] - position[n]).T
+        design = np.column_stack([np.ones(neighbours), x, y, x**2 / 2, x * y, y**2 / 2])
+        _, gradient[n, 0], gradient[n, 1], xx, xy, yy = np.linalg.lstsq(design, values[nearest[n]], rcond=None)[0]
+        curvature[n] = [[xx, xy], [xy, yy]]
+    return gradient, curvature
 
 
 def _gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array) -> Array:
@@ -172,10 +191,10 @@ def _gradient_of_surface(position: Array, thickness: Array, uncertainty: Array) 
     middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
     u, v = ((position - middle) / reach).T
     weight = 1 / uncertainty if np.isfinite(uncertainty).all() else np.ones(thickness.size)
-    best, found = math.inf, np.zeros_like(position)
+    best, chosen, found = math.inf, 0, np.zeros_like(position)
     for degree in range(1, _HIGHEST_DEGREE + 1):
         powers = [(n, m) for n in range(degree + 1) for m in range(degree + 1 - n)]
-        if len(powers) > thickness.size // 4:
+        if len(powers) > thickness.size // 3 or degree > chosen + 3:
             break
         along, across = (legendre.legvander(axis, degree) for axis in (u, v))
         design = np.stack([along[:, n] * across[:, m] for n, m in powers], axis=1)
@@ -183,7 +202,7 @@ def _gradient_of_surface(position: Array, thickness: Array, uncertainty: Array) 
         square = float((((thickness - design @ values) * weight) ** 2).mean())
         criterion = thickness.size * math.log(max(square, 1e-12)) + len(powers) * math.log(thickness.size)
         if criterion < best:
-            best = criterion
+            best, chosen = criterion, degree
             series = np.zeros((degree + 1, degree + 1))
             series[tuple(np.transpose(powers))] = values
             slopes = (legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1))

@@ -15,6 +15,8 @@ from erlif.core.products import RatioImages
 
 Array = npt.NDArray[np.float64]
 
+_STEPS = 10
+
 
 def refine_pose(
     ratios: RatioImages, profile: Profile, points: Points, given: Pose
@@ -42,19 +44,20 @@ def refine_pose(
     """
     pose, change, turn_std = given, np.zeros(4), 0.0
     for _ in range(3):
-        turn, std = find_turn(points, pixel_pitch=pose.pixel_pitch)
+        turn, turn_error = find_turn(points, pixel_pitch=pose.pixel_pitch)
         if turn == 0.0:
             break
-        turn_std = std
+        turn_std = turn_error
         change[3] += turn
         pose = pose.changed(np.array([0.0, 0.0, 0.0, turn]), np.zeros(2))
         points, _ = pair_profile_with_image(ratios, profile, pose)
-    for _ in range(12):
+    for n in range(_STEPS):
         freedom = _freedom_at(points, pose)
         if not freedom.size:
             break
         fit = fit_robustly(points, freedom)
-        if np.all(np.abs(fit.displacement) < 0.1 * np.sqrt(np.diag(fit.covariance)[3:])):
+        std = np.sqrt(np.diag(fit.covariance)[3:])
+        if n == _STEPS - 1 or np.all(np.abs(fit.displacement) < 0.1 * std):
             break
         step = freedom.combinations @ fit.displacement
         change += step

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -124,27 +124,23 @@ def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom
     assert solution is not None
     beta = solution.beta
     K, q = math.exp(beta[0]), math.exp(beta[2])
-    difference = math.exp(beta[1])
-    jacobian = np.eye(beta.size)
-    jacobian[0, 0] = K
-    jacobian[1, 1:3] = difference, q
-    jacobian[2, 2] = q
-    true_thickness = points.thickness + displacement_of(freedom, beta[3:])
-    true_thickness[kept] = np.asarray(solution.xplusd) + displacement @ beta[3:]
-    return Fit(
-        np.array([K, q + difference, q]),
+    moved = displacement @ beta[3:]
+    true_thickness = points.thickness + freedom.displacement @ beta[3:]
+    true_thickness[kept] = np.asarray(solution.xplusd) + moved
+    fit = Fit(
+        np.array([K, q + math.exp(beta[1]), q]),
         np.array(beta[3:]),
-        jacobian @ np.asarray(solution.cov_beta) @ jacobian.T,
+        np.empty((0, 0)),
         float(solution.sum_square),
         kept,
         thickness_std,
         true_thickness,
     )
-
-
-def displacement_of(freedom: Freedom, displacement: Array) -> Array:
-    """Change of the film under each point by a change of the pose. [um]"""
-    return np.asarray(freedom.displacement @ displacement)
+    # by derivatives in closed form: finite differences about a displacement of zero are no derivatives
+    slope = fit.slope(true_thickness[kept])
+    design = np.column_stack([fit.gradient(true_thickness[kept]).T, slope[:, None] * displacement])
+    design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
+    return replace(fit, covariance=np.asarray(np.linalg.inv(design.T @ design)))
 
 
 def _starts(thickness: Array, log_ratio: Array) -> list[list[float]]:
