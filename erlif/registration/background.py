@@ -7,9 +7,9 @@ quadratic leaves neither (local polynomial regression: Fan and Gijbels, Local Po
 
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import correlate1d
 
 Array = NDArray[Any]
@@ -53,10 +53,15 @@ def local_light(image: Array, weight: Array) -> Array:
     normal = np.stack([np.stack([moments[a + c, b + d] for c, d in _TERMS], -1) for a, b in _TERMS], -2)
     normal += (_RIDGE * normal[..., :1, :1] + 1e-12) * np.eye(len(_TERMS))
     data = np.stack([moment(light, a, b) for a, b in _TERMS], -1)
-    fitted = np.linalg.solve(normal, data[..., None])[..., 0, 0].astype(np.float32)
-    y, x = np.indices((h, w), np.float32)
-    place = ((x + np.float32(0.5)) / CELL - np.float32(0.5), (y + np.float32(0.5)) / CELL - np.float32(0.5))
-    return np.asarray(cv2.remap(fitted, *place, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE))
+    fitted = np.linalg.solve(normal, data[..., None])[..., 0, 0]
+    along_y, along_x = (_from_cells(cells, pixels) for cells, pixels in zip(fitted.shape, (h, w), strict=True))
+    return np.asarray(along_y @ fitted @ along_x.T, np.float32)
+
+
+def _from_cells(cells: int, pixels: int) -> Array:
+    """Cubic spline from the centres of the cells to the pixels of one axis, beyond the last centres too; (pixel, cell)."""
+    centres = CELL * (np.arange(cells) + 0.5) - 0.5
+    return np.asarray(CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
 
 
 def divide_by_light(image: Array, weight: Array) -> tuple[Array, Array]:
