@@ -3,8 +3,8 @@
 The candidates are cubic splines of few pieces, added to the logarithm of the modelled ratio. The Bayesian information criterion
 (Schwarz, Ann. Statist. 6 (1978) 461) decides whether one is used: a spline of k degrees of freedom must lower chi-square by
 k ln(points) and by 10 more, "very strong" evidence in the words of Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773. Without it the
-model stands alone. With it Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716), which would rather follow too closely than
-leave a bias, chooses among the splines that let the ratio rise.
+model stands alone. The number of pieces is then six, not the number that fits best: a choice made by the data leaves out what the noise
+hides, and the error bars would not know of it. There are fewer pieces where six would let the ratio fall with thickness.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ VERY_STRONG = 10.0
 STRUCTURE = 1e-3
 """Probability of chance below which structure in the residuals is said."""
 
-_MOST_KNOTS = 7
+_MOST_KNOTS = 5
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class Choice:
     smooth : Candidate
         The spline that this was told by.
     falling : bool
-        Whether the best spline was passed over because the ratio would fall with thickness.
+        Whether the most supple spline was passed over because the ratio would fall with thickness.
     """
 
     candidate: Candidate | None
@@ -154,7 +154,7 @@ class Choice:
 
 
 def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | None:
-    """Set splines of 0 to 7 inner knots against the reabsorption model alone; None where there are too few points."""
+    """Set splines of 0 to 5 inner knots against the reabsorption model alone; None where there are too few points."""
     count, parameters = int(fit.kept.sum()), len(fit.covariance)
     most = min(_MOST_KNOTS, count // 10 - 4)
     if most < 0:
@@ -167,10 +167,10 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     evidence = gain - freed * math.log(count)
     smooth = candidates[most // 2]
     chance = float(chi2.sf(gain[most // 2], smooth.freedom))
-    rising = np.array([_rises(fit, candidate) for candidate in candidates])
-    useful = rising & (evidence >= VERY_STRONG)
-    chosen = candidates[int(np.argmax(np.where(rising, gain - 2 * freed, -np.inf)))] if useful.any() else None
-    falling = bool(evidence.max() >= VERY_STRONG and not rising[int(np.argmax(gain - 2 * freed))])
+    chosen, falling = None, False
+    if evidence.max() >= VERY_STRONG:
+        chosen = next((candidate for candidate in candidates[::-1] if _rises(fit, candidate)), None)
+        falling = chosen is not candidates[-1]
     return Choice(chosen, float(evidence.max()), chance, smooth, falling)
 
 

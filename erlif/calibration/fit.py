@@ -174,7 +174,7 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> tuple[Fit, 
         notes.append(
             f"the ratio departs from the reabsorption model {_say_largest(fit, candidate)}: a spline of {pieces} piece{'s' * (pieces > 1)} "
             f"follows it, the Bayesian information criterion being lower by {choice.evidence:.0f}"
-            + (", but not in all, lest the ratio fall with thickness" if choice.falling else "")
+            + (" (with more pieces the ratio would fall somewhere)" if choice.falling else "")
         )
     elif choice.chance < STRUCTURE:
         why = "but lets the ratio fall and is not used" if choice.falling else "but not so clearly that it is used"

@@ -191,23 +191,22 @@ def _gradient_of_surface(position: Array, thickness: Array, uncertainty: Array) 
     middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
     u, v = ((position - middle) / reach).T
     weight = 1 / uncertainty if np.isfinite(uncertainty).all() else np.ones(thickness.size)
-    best, chosen, found = math.inf, 0, np.zeros_like(position)
-    for degree in range(1, _HIGHEST_DEGREE + 1):
-        powers = [(n, m) for n in range(degree + 1) for m in range(degree + 1 - n)]
-        if len(powers) > thickness.size // 3 or degree > chosen + 3:
-            break
-        along, across = (legendre.legvander(axis, degree) for axis in (u, v))
-        design = np.stack([along[:, n] * across[:, m] for n, m in powers], axis=1)
-        values = np.linalg.lstsq(design * weight[:, None], thickness * weight, rcond=None)[0]
-        square = float((((thickness - design @ values) * weight) ** 2).mean())
-        criterion = thickness.size * math.log(max(square, 1e-12)) + len(powers) * math.log(thickness.size)
-        if criterion < best:
-            best, chosen = criterion, degree
-            series = np.zeros((degree + 1, degree + 1))
-            series[tuple(np.transpose(powers))] = values
-            slopes = (legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1))
-            found = np.stack(list(slopes), axis=1) / reach
-    return found
+    powers = [(n, total - n) for total in range(_HIGHEST_DEGREE + 1) for n in range(total + 1)]
+    powers = powers[: max(thickness.size // 3, 3)]
+    along, across = (legendre.legvander(axis, _HIGHEST_DEGREE) for axis in (u, v))
+    design = np.stack([along[:, n] * across[:, m] for n, m in powers], axis=1)
+    # orthogonal directions, lower degrees first: what each explains does not depend on those above it
+    directions = np.linalg.qr(design * weight[:, None])[0]
+    left = float(((thickness * weight) ** 2).sum()) - np.cumsum((directions.T @ (thickness * weight)) ** 2)
+    terms = np.array([(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREE + 1)])
+    terms = terms[terms <= len(powers)]
+    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(thickness.size)
+    used = int(terms[np.argmin(criterion)])
+    values = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
+    series = np.zeros((_HIGHEST_DEGREE + 1, _HIGHEST_DEGREE + 1))
+    series[tuple(np.transpose(powers[:used]))] = values
+    slopes = [legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1)]
+    return np.asarray(np.stack(slopes, axis=1) / reach)
 
 
 def _noise_of(values: Array) -> float:
