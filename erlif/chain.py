@@ -140,11 +140,16 @@ def prepare_chain(
     pairs = _LazyPairs(recording, references, some_frames(recording, wanted), progress)
     camera_map = _register(pairs, threads=2 if large else 1) if stored is None else _check(pairs, stored)
     chain = Chain(recording, references, camera_map)
+    return replace(chain, blur=measure_blur(chain))
+
+
+def measure_blur(chain: Chain) -> BlurDifference:
+    """By how much camera 2 is less sharp, from a few frames."""
     moments = BlurMoments.empty()
     with one_thread_per_frame():
-        for frame in some_frames(recording, 4):
+        for frame in some_frames(chain.recording, 4):
             moments.add(chain.aligned(frame))
-    return replace(chain, blur=moments.solve())
+    return moments.solve()
 
 
 def move_map(camera_map: CameraMap, by: Array) -> CameraMap:

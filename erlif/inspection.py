@@ -65,9 +65,11 @@ def audit(directory: str | Path) -> list[Finding]:
         subject = "counts"
         findings += _look_at_counts(recording)
         subject = "darks and flats"
-        notes = str(measure_references(recording).attrs["notes"]).split("\n")
+        references = measure_references(recording)
+        warnings = references.attrs["warnings"].split("\n")
         findings += [
-            Finding("warning" if "declared" in note or "no flat" in note else "ok", subject, note) for note in notes
+            Finding("warning" if note in warnings else "ok", subject, note)
+            for note in references.attrs["notes"].split("\n")
         ]
         settings = recording.settings
         if isinstance(settings, RunSettings):

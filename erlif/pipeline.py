@@ -44,7 +44,7 @@ from erlif.chain import (
 from erlif.config import FixtureSettings, RunSettings, to_toml
 from erlif.core.errors import CalibrationError, ErlifError, OutputError
 from erlif.core.flags import Flag
-from erlif.core.products import RatioImages
+from erlif.core.products import RatioImages, References
 from erlif.core.store import (
     PartialFilm,
     describe_hashes,
@@ -59,6 +59,7 @@ from erlif.correction import measure_references
 from erlif.ingest import Recording, hash_inputs, open_fixture, open_run
 from erlif.kinematics import locate_frames
 from erlif.models.fluorescence import band_signal
+from erlif.noise import complete_noise
 from erlif.ratio import RatioSum
 from erlif.registration import CameraMap
 from erlif.smoothing import smooth_ratio
@@ -91,7 +92,7 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
     assert isinstance(settings, FixtureSettings)
     profile = read_profile(recording.directory / settings.fixture.profile)
     references = measure_references(recording)
-    chain = prepare_chain(recording, references, progress)
+    chain = complete_noise(prepare_chain(recording, references, progress))
     total, record = RatioSum(recording.shape), FrameRecord()
     with one_thread_per_frame():
         for done, k in enumerate(recording.frames, 1):
@@ -114,7 +115,12 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
         calibration,
         input_hashes=hash_inputs(recording),
         date=_date_of(recording),
-        notes=(*calibration.notes, *reference_notes(references), *record.notes(recording), *skipped_notes(recording)),
+        notes=(
+            *calibration.notes,
+            *reference_notes(chain.references),
+            *record.notes(recording),
+            *skipped_notes(recording),
+        ),
         camera_map=move_map(chain.camera_map, record.mean_drift()),
     )
 
@@ -237,11 +243,11 @@ def _process_to(
     references = measure_references(recording)
     hashes = hash_inputs(recording)
     with PartialFilm(output, _job_key(settings, hashes, calibration, recording)) as partial:
-        chain = prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings))
+        chain = open_chain(recording, references, calibration, progress)
         _refuse_foreign_ratio(chain, calibration)
         _run_tasks(_TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress)
         record = _read_record(partial, frames_of)
-        notes = [*reference_notes(references), *record.notes(recording)]
+        notes = [*reference_notes(chain.references), *record.notes(recording)]
         film = assemble_film(recording, triggers, partial, calibration, settings, hashes, notes)
         camera_map = move_map(chain.camera_map, record.mean_drift())
         groups = {
@@ -250,6 +256,13 @@ def _process_to(
         }
         write_film(output, film, groups, partial, MAPS)
         partial.discard()
+
+
+def open_chain(recording: Recording, references: References, calibration: Calibration, progress: Progress) -> Chain:
+    """The stages from counts to ratio for a run that is read with this calibration."""
+    settings = recording.settings
+    assert isinstance(settings, RunSettings)
+    return complete_noise(prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings)))
 
 
 def _stored_map(calibration: Calibration, settings: RunSettings) -> CameraMap | None:

@@ -1,0 +1,362 @@
+"""Gain and read noise of cameras of which nothing was given, from the frames themselves.
+
+Both cameras photograph one speckle pattern, so it cancels in the logarithm of their ratio, and what is left there from pixel to
+pixel is mostly noise. Differences between frames cancel what stays in its place as well: film, pixel response, marks. Their
+variance follows the light as a camera's noise must, which is the photon transfer of Poisson and Gauss (Foi et al., IEEE Trans.
+Image Process. 17 (2008) 1737) with a scene that need not be flat.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import nnls
+from scipy.signal import convolve2d, correlate2d
+
+from erlif.alignment import align_frames
+from erlif.chain import Chain, measure_blur, one_thread_per_frame, some_frames
+from erlif.core.errors import FrameError
+from erlif.core.products import CorrectedFrames, References
+from erlif.correction import CameraNoise, correct_frames, measure_references
+from erlif.ingest import read_frames
+from erlif.ratio import compute_ratio
+from erlif.registration import interpolation_variance_factor
+
+Array = npt.NDArray[np.float64]
+
+_CELL, _CELLS = 8, 4000  # least size of a cell [px], and about how many there are in a large frame
+_LEAST_FILLING = 0.25  # share of its pixels that a cell needs
+_BLOCKS = 6  # blocks along each axis, whose scatter gives the standard deviations
+_QUANTISATION = 1 / 12  # variance of rounding to whole counts [DN2]
+_TOLD_APART = 3.0  # standard deviations by which two gains must differ not to be taken for one
+_WORST = 0.3  # relative standard deviation of a gain that is still an answer
+
+_RING = np.zeros((5, 5))  # a pixel less the mean of the eight two pixels off: takes off a tilted film
+_RING[::2, ::2] = -1 / 8
+_RING[2, 2] = 1
+
+
+def complete_noise(chain: Chain) -> Chain:
+    """Estimate gain and read noise where neither settings nor darks and flats tell them, from the frames of the recording.
+
+    The chain needs a gain to know its noise, so it begins with a guess and takes a few turns.
+
+    Parameters
+    ----------
+    chain : Chain
+
+    Returns
+    -------
+    Chain
+        The same where everything was known; else with references, and blur difference, that go with the estimate. Its notes say what
+        was estimated and what was assumed.
+
+    Raises
+    ------
+    FrameError
+        If the frames do not tell the gain either.
+    """
+    gain_known, read_noise_known = (chain.references[name].values for name in ("gain_known", "read_noise_known"))
+    if gain_known.all() and read_noise_known.all():
+        return chain
+    before = np.zeros(4)
+    for _ in range(5):
+        estimate = _estimate(chain, ~gain_known, ~read_noise_known)
+        references = measure_references(chain.recording, estimated=estimate.cameras)
+        chain = replace(chain, references=references)
+        chain = replace(chain, blur=measure_blur(chain))
+        now = np.concatenate([references.gain.values, references.read_noise.values])
+        if np.all(np.abs(now - before) <= 1e-3 * now):
+            break
+        before = now
+    return replace(chain, references=_say(chain.references, estimate, ~gain_known, ~read_noise_known))
+
+
+@dataclass(frozen=True)
+class _Estimate:
+    cameras: tuple[CameraNoise, CameraNoise]
+    alike: bool
+    """Whether one gain was taken for both."""
+    frames: int
+
+
+def _say(
+    references: References, estimate: _Estimate, gain: npt.NDArray[np.bool_], read: npt.NDArray[np.bool_]
+) -> References:
+    said = []
+    for camera, noise in enumerate(estimate.cameras):
+        if gain[camera] or read[camera]:
+            what = " and ".join(["gain"] * int(gain[camera]) + ["read noise"] * int(read[camera]))
+            assumed = "; both cameras were taken to have the same gain" if gain[camera] and estimate.alike else ""
+            relative = f", the gain to {100 * noise.gain_std / noise.gain:.0f} %" if gain[camera] else ""
+            said.append(
+                f"camera{camera + 1}: {what} estimated from the noise that {estimate.frames} frames of the two cameras do not have in "
+                f"common{relative}, assuming shot noise{assumed}; give them, or record darks and flats, for something better"
+            )
+    attributes = {kind: "\n".join(filter(None, [references.attrs[kind], *said])) for kind in ("notes", "warnings")}
+    return References(references.assign_attrs(attributes))
+
+
+def _estimate(chain: Chain, gain_open: npt.NDArray[np.bool_], read_open: npt.NDArray[np.bool_]) -> _Estimate:
+    """Gain and read noise of the cameras for which they are open."""
+    frames = some_frames(chain.recording, 6 if np.prod(chain.recording.shape) > 500_000 else 24)
+    with one_thread_per_frame():
+        cells = _gather_cells(chain, frames)
+    references = chain.references
+    gain, read_noise = references.gain.values.copy(), references.read_noise.values.copy()
+    open_cameras = np.nonzero(gain_open)[0]
+    who = "camera1" if gain_open[0] or read_open[0] else "camera2"
+    if len(cells.variance) < 50:
+        raise FrameError(
+            f"{who} has no gain or read noise, and the frames do not tell it: expected two or more frames with enough light and overlap, got "
+            f'{len(frames)} with {len(cells.variance)} usable patches. Give gain = "4.4 electron/DN" and read_noise = "9 electron", or flats '
+            "and darks with at least two pages each."
+        )
+    together = [open_cameras] if len(open_cameras) else []
+    fit = _fit(cells, references, gain_open, read_open, together)
+    alike = len(open_cameras) == 2
+    if alike:
+        apart = _fit(cells, references, gain_open, read_open, [open_cameras[:1], open_cameras[1:]])
+        contrast = np.array([1.0, -1.0])
+        difference_std = float(np.sqrt(contrast @ apart.covariance[:2, :2] @ contrast))
+        if apart.values[:2].min() > 0 and abs(contrast @ apart.values[:2]) > _TOLD_APART * difference_std:
+            fit, together, alike = apart, [open_cameras[:1], open_cameras[1:]], False
+    gain_std = np.zeros(2)
+    for n, cameras in enumerate(together):
+        slope, std = fit.values[n], float(np.sqrt(fit.covariance[n, n]))
+        if not std < _WORST * slope:
+            raise FrameError(
+                f"{who} has no gain, and the frames do not tell it: expected noise that rises with the light, got 1/gain = {slope:.3g} ± "
+                f'{std:.2g} DN/electron. Give gain = "4.4 electron/DN", or flats with at least two pages of one light level to measure it by '
+                "photon transfer."
+            )
+        gain[cameras], gain_std[cameras] = 1 / slope, std / slope**2
+    read_std = np.zeros(2)
+    if read_open.any():
+        n = len(together)
+        variance, std = fit.values[n], float(np.sqrt(fit.covariance[n, n]))
+        read_noise[read_open] = gain[read_open] * np.sqrt(variance)
+        # of the root of a variance near zero, the root of its standard deviation is what can be said
+        read_std[read_open] = gain[read_open] * std / (2 * np.sqrt(max(variance, std / 4)))
+    one, two = (CameraNoise(*map(float, row)) for row in zip(gain, gain_std, read_noise, read_std, strict=True))
+    return _Estimate((one, two), alike, len(frames))
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Patches of differences between two frames: their variance, and what it would be by each cause of size one."""
+
+    pixels: Array
+    """Pixels that count."""
+    block: npt.NDArray[np.int64]
+    """Which part of the image."""
+    variance: Array
+    shot: Array
+    """(cell, camera), for a gain of 1 electron/DN."""
+    read: Array
+    """(cell, camera), for 1 DN2 of the dark's variance."""
+    pattern: Array
+    """For a relative pattern of variance 1 on the pixels of camera 2."""
+
+
+@dataclass(frozen=True)
+class _View:
+    """One frame: logarithm of the ratio (y, x), NaN where flagged, and what one unit of noise gives."""
+
+    log_ratio: Array
+    shot: Array
+    read: Array
+    place: Array
+    """(axis x y, row, column): where the middles of the cells lie on camera 2. [px]"""
+
+
+def _gather_cells(chain: Chain, frames: list[int]) -> _Cells:
+    height, width = chain.recording.shape
+    size = max(_CELL, round(np.sqrt(height * width / _CELLS)))
+    kernels = _kernels(chain)
+    rows: list[Array] = []
+    before: _View | None = None
+    for frame in frames:
+        view = _look(chain, frame, size)
+        if before is not None:
+            rows.append(_compare(before, view, kernels, size))
+        before = view
+    table = np.concatenate(rows, axis=1) if rows else np.zeros((8, 0))
+    return _Cells(table[0], table[1].astype(np.int64), table[2], table[3:5].T, table[5:7].T, table[7])
+
+
+def _look(chain: Chain, frame: int, size: int) -> _View:
+    """Shot noise of a gain of one, and a dark variance of one, go through the alignment in place of the true variances."""
+    share = chain.recording.settings.thickness.no_film_below
+    aligned = chain.aligned(frame)
+    ratio = compute_ratio(aligned, no_film_below=share, blur=chain.blur)
+    drift = np.array([[float(aligned.drift_x[0]), float(aligned.drift_y[0])]])
+    corrected = correct_frames(read_frames(chain.recording, [frame]), chain.references)
+    flat = chain.references.flat.values[:, None]
+    dims, signal = corrected.signal.dims, corrected.signal.values
+    units = corrected.assign(
+        signal_var=(dims, np.maximum(signal, 0) / flat),
+        signal_var_fixed=(dims, np.broadcast_to(flat**-2.0, signal.shape)),
+    )
+    shown = align_frames(CorrectedFrames(units), chain.camera_map, drift=drift)
+    x, y = (
+        getattr(chain.camera_map, f"displacement_{axis}").astype(float) + drift[0, n] for n, axis in enumerate("xy")
+    )
+    # the averaging of the interpolation is reckoned cell by cell, with that of the differences
+    averaged = np.stack([np.ones_like(x), interpolation_variance_factor(x, y)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        per_light = 1 / (shown.signal.values[:, 0] ** 2 * averaged)
+        shot, read = shown.signal_var.values[:, 0] * per_light, shown.signal_var_fixed.values[:, 0] * per_light
+    flagged = (ratio.flags.values[0] != 0) | ~np.isfinite(shot.sum(axis=0) + read.sum(axis=0))
+    middles = (slice(size // 2, None, size), slice(size // 2, None, size))
+    return _View(
+        np.where(flagged, np.nan, ratio.log_ratio.values[0]).astype(float),
+        shot,
+        read,
+        np.stack([x[middles], y[middles]])[:, : x.shape[0] // size, : x.shape[1] // size],
+    )
+
+
+def _kernels(chain: Chain) -> tuple[Array, Array]:
+    """How a difference is made up of the logarithms of camera 1 and of camera 2, the removal of the ghost included."""
+    x, y = (chain.blur.x, chain.blur.y) if chain.blur.significant else (0.0, 0.0)
+    ghost = np.array([[0, -y / 2, 0], [-x / 2, x + y, -x / 2], [0, -y / 2, 0]])
+    pixel = np.zeros((3, 3))
+    pixel[1, 1] = 1
+    one, two = (convolve2d(_RING, ghost + sign * pixel) for sign in (-1, 1))
+    return one, two
+
+
+def _compare(first: _View, second: _View, kernels: tuple[Array, Array], size: int) -> Array:
+    """The table of the cells of two frames; columns as in _Cells."""
+    difference = second.log_ratio - first.log_ratio
+    squared = np.asarray(cv2.filter2D(difference, -1, _RING, borderType=cv2.BORDER_CONSTANT), float) ** 2
+    for edge in (squared, squared.T):
+        edge[:2] = edge[-2:] = np.nan
+    good = np.isfinite(squared)
+    pixels = _sum_cells(good.astype(float), size)
+
+    def mean(image: Array) -> Array:
+        return _sum_cells(np.where(good, image, 0.0), size) / np.maximum(pixels, 1)
+
+    own = float((kernels[0] ** 2).sum())
+    factors = [_overlap(kernels[1], view.place, view.place) for view in (first, second)]
+    common = _overlap(kernels[1], first.place, second.place)
+    units = []
+    for name in ("shot", "read"):
+        a, b = getattr(first, name), getattr(second, name)
+        units.append(own * mean(a[0] + b[0]))
+        units.append(factors[0] * mean(a[1]) + factors[1] * mean(b[1]))
+    pattern = factors[0] + factors[1] - 2 * common
+    rows, columns = np.indices(pixels.shape)
+    block = rows * _BLOCKS // pixels.shape[0] * _BLOCKS + columns * _BLOCKS // pixels.shape[1]
+    use = (pixels >= _LEAST_FILLING * size**2) & np.isfinite(pattern)
+    return np.stack([image[use] for image in (pixels, block, mean(squared), *units, pattern)])
+
+
+def _sum_cells(image: Array, size: int) -> Array:
+    rows, columns = (n // size for n in image.shape)
+    return np.asarray(image[: rows * size, : columns * size].reshape(rows, size, columns, size).sum(axis=(1, 3)))
+
+
+def _overlap(kernel: Array, first: Array, second: Array) -> Array:
+    """Covariance of a difference taken at two places of camera 2, for independent pixels of variance one.
+
+    Weights of the interpolation are those of the cardinal cubic spline; a place is one of each cell, (axis x y, row, column).
+    """
+    together = correlate2d(kernel, kernel)
+    reach = kernel.shape[0] - 1
+    along = [
+        np.stack([_overlap_along(first[axis], second[axis] + lag) for lag in range(-reach, reach + 1)])
+        for axis in (0, 1)
+    ]
+    return np.asarray(np.einsum("vu,vij,uij->ij", together, along[1], along[0]))
+
+
+def _overlap_along(first: Array, second: Array) -> Array:
+    """Sum over k of eta(first - k) eta(second - k), eta being the cardinal cubic spline."""
+    at, eta = _spline_table()
+    base = np.floor(first)
+    total = np.zeros(first.shape)
+    for k in range(-7, 9):
+        total += np.interp(first - base - k, at, eta) * np.interp(second - base - k, at, eta, left=0.0, right=0.0)
+    return total
+
+
+@cache
+def _spline_table() -> tuple[Array, Array]:
+    """The cardinal cubic spline: interpolates 1 at zero and 0 at every other whole number."""
+    at = np.linspace(-9, 9, 18 * 128 + 1)
+    pole = np.sqrt(3.0) - 2
+    eta = np.zeros(at.size)
+    for j in range(-16, 17):
+        t = np.abs(at - j)
+        b_spline = np.where(t < 1, (4 - 6 * t**2 + 3 * t**3) / 6, np.maximum(2 - t, 0) ** 3 / 6)
+        eta += np.sqrt(3.0) * pole ** abs(j) * b_spline
+    return at, eta
+
+
+@dataclass(frozen=True)
+class _Fit:
+    values: Array
+    covariance: Array
+
+
+def _fit(
+    cells: _Cells,
+    references: References,
+    gain_open: npt.NDArray[np.bool_],
+    read_open: npt.NDArray[np.bool_],
+    together: list[npt.NDArray[np.int64]],
+) -> _Fit:
+    """Causes of the variance: 1/gain for each set of cameras in `together`, then the dark's variance where open, then the rest.
+
+    The rest is a pattern of camera 2 where it has no flat, which its drift moves, and a constant: speckle that alignment and
+    blur have not made the same to the last.
+    """
+    gain, read_noise = references.gain.values, references.read_noise.values
+    known = np.zeros(len(cells.variance))
+    for camera in range(2):
+        if not gain_open[camera]:
+            known += cells.shot[:, camera] / gain[camera]
+        rounding = 0.0 if read_open[camera] else (read_noise[camera] / gain[camera]) ** 2
+        known += cells.read[:, camera] * (rounding + _QUANTISATION)
+    columns = [cells.shot[:, cameras].sum(axis=1) for cameras in together]
+    if read_open.any():
+        columns.append(cells.read[:, read_open].sum(axis=1))
+    two = references.isel(camera=1)
+    if bool(two.has_flat):
+        good = ~two.bad.values
+        known += cells.pattern * float((two.flat_var.values / two.flat.values**2)[good].mean())
+    else:
+        columns.append(cells.pattern)
+    columns.append(np.ones(len(known)))
+    return _solve(np.stack(columns, axis=1), cells.variance, known, cells.pixels, cells.block)
+
+
+def _solve(design: Array, variance: Array, known: Array, pixels: Array, block: npt.NDArray[np.int64]) -> _Fit:
+    """Least squares with no negative cause, cells weighted by the variance they should have and the farthest ones left out.
+
+    The standard deviations come from the scatter between parts of the image, so that neither noise that cells share nor a
+    misfit that goes with the place passes for knowledge.
+    """
+    scale = design.mean(axis=0)
+    design = design / scale
+    expected = np.full(variance.shape, np.median(variance))
+    keep = np.ones(variance.shape, bool)
+    for _ in range(20):
+        weight = keep * np.sqrt(pixels) / expected
+        values = nnls(design * weight[:, None], (variance - known) * weight)[0]
+        expected = np.maximum(known + design @ values, 0.1 * np.median(variance))
+        off = (variance - expected) / expected * np.sqrt(pixels)
+        keep = np.abs(off) < 6 * 1.4826 * np.median(np.abs(off))
+    weight = keep * pixels / expected**2
+    inverse = np.linalg.pinv(design.T @ (design * weight[:, None]), hermitian=True)
+    pull = (variance - known - design @ values) * weight
+    score = np.stack([np.bincount(block, pull * column, _BLOCKS**2) for column in design.T], axis=1)
+    covariance = inverse @ (score.T @ score) @ inverse * _BLOCKS**2 / (_BLOCKS**2 - 1)
+    return _Fit(values / scale, covariance / np.outer(scale, scale))
