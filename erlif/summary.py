@@ -51,6 +51,12 @@ def describe_calibration(calibration: Calibration) -> str:
         + ", ".join(f"{100 * error / t:.2f} % at {t:.1f} um" for t, error in zip(middle, errors, strict=True))
     )
     lines.append(f"  {'reduced chi-square':32s}{calibration.reduced_chi_square:.2f}")
+    if calibration.departure is not None:
+        film = np.linspace(low, high, 501)
+        share = 100 * np.expm1(calibration.departure.predict(film))
+        lines.append(
+            f"  {'departs from the model by':32s}{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
+        )
     lines += [f"  note: {note}" for note in calibration.notes]
     return "\n".join(lines)
 

@@ -2,9 +2,11 @@
 
 A fixture whose gap a coordinate measuring machine (CMM) has measured gives thickness and ratio side by side. The
 reabsorption model of `erlif.models.fluorescence` is laid through them with errors in both, because the CMM's is usually the
-larger one: orthogonal distance regression, each CMM point counted once.
+larger one: orthogonal distance regression, each CMM point counted once. The pose of the fixture is refined with it where the profile has
+form, a spline follows what departs from the model where the residuals insist, and two calibrations can be set against each other.
 """
 
+from erlif.calibration.comparison import Comparison, compare_calibrations
 from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands
 from erlif.calibration.fit import fit_calibration
 from erlif.calibration.profile import Profile, read_profile
@@ -12,9 +14,11 @@ from erlif.calibration.profile import Profile, read_profile
 __all__ = [
     "DIRECTION",
     "Calibration",
+    "Comparison",
     "InverseTable",
     "Profile",
     "check_bands",
+    "compare_calibrations",
     "fit_calibration",
     "read_profile",
 ]

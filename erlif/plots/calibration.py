@@ -104,10 +104,8 @@ def _grid(calibration: Calibration) -> Array:
 
 
 def _band(calibration: Calibration, thickness: Array) -> Array:
-    """Half width of the 95 % band of the ratio that the covariance of the parameters leaves, as a share of the ratio."""
-    gradient = calibration.parameter_gradient(thickness)
-    variance: Array = np.einsum("i...,ij,j...->...", gradient, calibration.covariance, gradient)
-    return COVERAGE * np.sqrt(variance)
+    """Half width of the 95 % band of the ratio that the fit's covariance leaves, as a share of the ratio."""
+    return COVERAGE * calibration.log_ratio_std(thickness)
 
 
 @styled
@@ -140,7 +138,8 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     band = ax.fill_between(
         t, ratio * np.exp(-share), ratio * np.exp(share), color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
     )
-    (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label="reabsorption model")
+    model = "reabsorption model" + ("" if calibration.departure is None else " and departure")
+    (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label=model)
     artists: list[Artist] = [fit, band]
     curve = calibration.curve
     if "curve_thickness" in curve:
@@ -180,7 +179,10 @@ def _parameters(calibration: Calibration) -> str:
 
 @styled
 def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw what the fit leaves of the ratio, in per cent of it; parameters and artists as in `ratio_against_thickness`."""
+    """Draw what the fit leaves of the ratio, in per cent of it; parameters and artists as in `ratio_against_thickness`.
+
+    Where a spline departs from the reabsorption model, the model alone is the dashed line.
+    """
     ax = given_or_new(ax)
     t = _grid(calibration)
     share = 100 * _band(calibration, t)
@@ -188,6 +190,10 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     band = ax.fill_between(t, -share, share, color=RETURN, alpha=0.35, linewidth=0)
     zero = ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3)
     artists: list[Artist] = [zero, band]
+    if calibration.departure is not None:
+        alone = 100 * np.expm1(-calibration.departure.predict(t))
+        artists += ax.plot(t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone")
+        ax.legend(loc="best")
     curve = calibration.curve
     if "curve_thickness" in curve:
         fitted = curve.curve_ratio.values - curve.curve_residual.values
