@@ -7,7 +7,7 @@ import logging
 import sys
 import traceback
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -137,16 +137,23 @@ def check(directory: Path) -> None:
 @main.command()
 @click.argument("fixture_dir", type=_DIRECTORY)
 @click.option("-o", "--output", type=_DIRECTORY, help="Default: FIXTURE_DIR/calibration.nc.")
+@click.option("--against", type=_DIRECTORY, help="Say whether the calibration drifted from this one.")
 @_SKIP
 @_OVERWRITE
-def calibrate(fixture_dir: Path, output: Path | None, skip_bad_frames: bool, overwrite: bool) -> None:
+def calibrate(
+    fixture_dir: Path, output: Path | None, against: Path | None, skip_bad_frames: bool, overwrite: bool
+) -> None:
     """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
+
+    A calibration of the same fixture that --overwrite replaces is compared with the new one, as is the one named by --against.
 
     \b
     Example:
       erlif calibrate calibration/wedge
+      erlif calibrate calibration/wedge_in_may --against calibration/wedge/calibration.nc
     """
     from erlif import pipeline
+    from erlif.calibration import compare_calibrations
     from erlif.core.store import refuse_existing
     from erlif.summary import describe_calibration
 
@@ -156,13 +163,26 @@ def calibrate(fixture_dir: Path, output: Path | None, skip_bad_frames: bool, ove
     picture = output.with_suffix(".png")
     if picture.exists() and not overwrite:
         raise OutputError(f"{picture} exists already; use --overwrite to replace it, or -o for another name.")
+    earlier = None if against is None else pipeline.open_calibration(against)
+    replaced = None
+    if output.exists():
+        with suppress(ErlifError):  # whatever it is, it was said that it may be replaced
+            replaced = pipeline.open_calibration(output)
     with _progress() as progress:
         calibration = pipeline.calibrate(fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress)
+    verdicts = []
+    if earlier is not None:
+        verdicts.append(f"against {against}: {compare_calibrations(calibration, earlier).verdict}")
+    if replaced is not None and replaced.fixture == calibration.fixture and output != against:
+        with suppress(ErlifError):  # of other bands or films: nothing to compare
+            verdicts.append(f"against the one replaced: {compare_calibrations(calibration, replaced).verdict}")
     pipeline.save_calibration(calibration, output, overwrite=overwrite)
     from erlif.plots import write_calibration_figure
 
     figure = write_calibration_figure(calibration, picture)
     click.echo(describe_calibration(calibration))
+    for verdict in verdicts:
+        click.echo(verdict)
     click.echo(f"written: {output}, {figure}")
 
 

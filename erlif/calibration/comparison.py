@@ -67,8 +67,8 @@ class Comparison:
 
     @property
     def drifted(self) -> bool:
-        """Whether the difference is significant and somewhere larger than what the calibration leaves uncertain itself."""
-        return self.significant and bool(np.any(np.abs(self.film_change) > self.own_std))
+        """Whether the difference is significant and somewhere beyond two standard deviations of the calibration itself."""
+        return self.significant and bool(np.any(np.abs(self.film_change) > 2 * self.own_std))
 
     @property
     def verdict(self) -> str:
@@ -83,7 +83,7 @@ class Comparison:
         chance = "below 1e-12" if self.probability < 1e-12 else f"{self.probability:.1g}"
         told = f"{self._size()} (probability of chance {chance}; {basis})"
         if not self.drifted:
-            return f"not drifted from {self.earlier} by more than the calibration leaves uncertain itself, but measurably: {told}"
+            return f"not drifted from {self.earlier} beyond what the calibration leaves uncertain itself (two standard deviations), but measurably: {told}"
         ratio = 100 * np.expm1(self.difference)
         if self.bends:
             cause = (

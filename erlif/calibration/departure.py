@@ -241,5 +241,7 @@ def find_correlation(position: Array, residual: Array) -> tuple[float, float]:
         return 0.0, 0.0
     ordered = residual[np.argsort(position[:, 0])]
     ordered = ordered - ordered.mean()
+    if not ordered.any():
+        return 0.0, 0.0
     correlation = float((ordered[1:] * ordered[:-1]).sum() / (ordered**2).sum())
     return correlation, correlation * math.sqrt(residual.size)
