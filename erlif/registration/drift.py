@@ -35,7 +35,7 @@ STEP: Final = 16
 FARTHEST: Final = 8
 """Largest drift looked for, in pixels binned by 2 or, for frames of 400 px and more, by 4."""
 CHANCE: Final = 6.0
-"""The mean product of the textures must be this many of its standard errors for a drift to be believed."""
+"""The mean or median product of the textures must be this many of its standard errors for a drift to be believed."""
 
 
 @dataclass(frozen=True)
@@ -174,11 +174,21 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
             shift = shift + binning * np.array(solve_shift(without_noise(sums)))
     quality = correlation(sums)
     products = sums[..., AB][sums[..., WEIGHT] > 0]
-    if products.size < 16 or not products.mean() > CHANCE * products.std() / np.sqrt(products.size):
+    if products.size < 16 or not _beyond_chance(products):
         return Drift(np.nan, np.nan, np.nan, np.nan, quality)
     sums = without_noise(sums)
     std_dx, std_dy = _spread(move_sums(sums, *solve_shift(sums)))
     return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
+
+
+def _beyond_chance(products: Array) -> bool:
+    """Whether the textures have something in common: in the mean, or, where the rim of a bubble outshines the rest, in the median."""
+    error = np.sqrt(1 / products.size)
+    median = float(np.median(products))
+    spread = 1.4826 * float(np.median(np.abs(products - median)))
+    return bool(
+        products.mean() > CHANCE * products.std() * error or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
+    )
 
 
 def _whole_pixels(a: Array, b: Array) -> Array:
