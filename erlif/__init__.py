@@ -26,6 +26,7 @@ _FUNCTIONS = {
     "save_calibration": "erlif.pipeline",
     "simulate": "erlif.rig",
     "summarise": "erlif.summary",
+    "uncertainty_budget": "erlif.budget",
 }
 _MODULES = (
     "alignment",
@@ -71,6 +72,7 @@ __all__ = [
     "summarise",
     "thickness",
     "trend",
+    "uncertainty_budget",
 ]
 
 if TYPE_CHECKING:
@@ -90,6 +92,7 @@ if TYPE_CHECKING:
         thickness,
         trend,
     )
+    from erlif.budget import uncertainty_budget
     from erlif.calibration import Calibration
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag

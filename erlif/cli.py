@@ -231,6 +231,27 @@ def process(
 
 
 @main.command()
+@click.argument("run_dir", type=_DIRECTORY)
+@click.option("--calibration", type=_DIRECTORY, help="Default: the one run.toml names.")
+@click.option("--trigger", type=click.IntRange(min=0), help="Default: the fastest.")
+@click.option("--film", "films", type=float, multiple=True, help="Film in um to make the budget for; may be repeated.")
+def budget(run_dir: Path, calibration: Path | None, trigger: int | None, films: tuple[float, ...]) -> None:
+    """Print the uncertainty of one map, term by term.
+
+    \b
+    Example:
+      erlif budget data_samples/straight_bushing --trigger 12
+    """
+    from erlif.budget import render_budget, uncertainty_budget
+
+    with _progress() as progress:
+        found = uncertainty_budget(
+            run_dir, trigger=trigger, calibration=calibration, films=films or None, progress=progress
+        )
+    click.echo(render_budget(found), nl=False)
+
+
+@main.command()
 @click.argument("film", type=_DIRECTORY)
 @click.option("-o", "--output", type=_DIRECTORY, help="Default: figures/ beside FILM.")
 @_OVERWRITE
