@@ -7,19 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial import legendre
-from scipy.interpolate import UnivariateSpline
 from scipy.spatial import cKDTree
 
 from erlif.calibration.pose import Pose
-from erlif.calibration.profile import LEAST_POINTS, Profile
+from erlif.calibration.profile import LEAST_POINTS, Profile, gradient_of_thickness
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages
 
 Array = npt.NDArray[np.float64]
 
 _LEAST_PIXELS = 20  # in the cell of one CMM point
-_HIGHEST_DEGREE = 16  # of the polynomial that follows the form of a surface
 
 
 @dataclass(frozen=True)
@@ -95,7 +92,9 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
         unknown = np.full(len(position), math.nan)
         across_line = (np.zeros(len(position)), unknown, unknown)
     columns = [thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, position]
-    columns += [_gradient_of_thickness(position, thickness, uncertainty), gradient, *across_line]
+    surface = position.shape[1] == 2
+    form = profile.surface_gradient if surface else gradient_of_thickness(position, thickness, uncertainty)
+    columns += [form, gradient, *across_line]
     points = Points(*(column[used] for column in columns))
     return points, notes
 
@@ -171,44 +170,3 @@ def _form_about(position: Array, centre: Array, mean: Array, used: npt.NDArray[n
         _, gradient[n, 0], gradient[n, 1], xx, xy, yy = np.linalg.lstsq(design, values[nearest[n]], rcond=None)[0]
         curvature[n] = [[xx, xy], [xy, yy]]
     return gradient, curvature
-
-
-def _gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array) -> Array:
-    """Gradient of the thickness along the axes of the profile at each point, the noise smoothed away. [um/mm]"""
-    if position.shape[1] == 2:
-        return _gradient_of_surface(position, thickness, uncertainty)
-    known = bool(np.isfinite(uncertainty).all())
-    noise = uncertainty if known else np.full(thickness.size, _noise_of(thickness))
-    smooth = UnivariateSpline(position[:, 0], thickness, w=1 / noise, s=thickness.size)
-    return np.asarray(smooth.derivative()(position[:, 0]))[:, None]
-
-
-def _gradient_of_surface(position: Array, thickness: Array, uncertainty: Array) -> Array:
-    """Gradient of a polynomial through a surface, of the degree that the Bayesian information criterion (Schwarz 1978) prefers.
-
-    A plane is found to be one: no form is made of the noise, from which a pose could seem to be told.
-    """
-    middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
-    u, v = ((position - middle) / reach).T
-    weight = 1 / uncertainty if np.isfinite(uncertainty).all() else np.ones(thickness.size)
-    powers = [(n, total - n) for total in range(_HIGHEST_DEGREE + 1) for n in range(total + 1)]
-    powers = powers[: max(thickness.size // 3, 3)]
-    along, across = (legendre.legvander(axis, _HIGHEST_DEGREE) for axis in (u, v))
-    design = np.stack([along[:, n] * across[:, m] for n, m in powers], axis=1)
-    # orthogonal directions, lower degrees first: what each explains does not depend on those above it
-    directions = np.linalg.qr(design * weight[:, None])[0]
-    left = float(((thickness * weight) ** 2).sum()) - np.cumsum((directions.T @ (thickness * weight)) ** 2)
-    terms = np.array([(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREE + 1)])
-    terms = terms[terms <= len(powers)]
-    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(thickness.size)
-    used = int(terms[np.argmin(criterion)])
-    values = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
-    series = np.zeros((_HIGHEST_DEGREE + 1, _HIGHEST_DEGREE + 1))
-    series[tuple(np.transpose(powers[:used]))] = values
-    slopes = [legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1)]
-    return np.asarray(np.stack(slopes, axis=1) / reach)
-
-
-def _noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth sequence, from its second differences."""
-    return max(1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / math.sqrt(6), 1e-4)

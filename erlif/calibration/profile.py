@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import legendre
 
 from erlif.core.errors import CalibrationError
 
@@ -16,6 +18,8 @@ Array = npt.NDArray[np.float64]
 
 LEAST_POINTS = 8
 """Points below which a profile says too little."""
+
+_HIGHEST_DEGREES = (40, 16)  # of the polynomial that follows the form of a line and of a surface
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,11 @@ class Profile:
     thickness: Array
     uncertainty: Array | None
     notes: tuple[str, ...] = ()
+
+    @cached_property
+    def surface_gradient(self) -> Array:
+        """Gradient of a surface along its axes at each point, (point, 2), see `gradient_of_thickness`. [um/mm]"""
+        return gradient_of_thickness(self.position, self.thickness, self.uncertainty)
 
 
 def read_profile(path: Path) -> Profile:
@@ -102,3 +111,41 @@ def read_profile(path: Path) -> Profile:
         )
     position = values[:, :2] if surface else values[:, 0]
     return Profile(position, values[:, axes], uncertainty, tuple(notes))
+
+
+def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:
+    """Gradient of the thickness along the axes of the profile at each point, the noise smoothed away. [um/mm]
+
+    It is that of the polynomial whose degree the Bayesian information criterion (Schwarz 1978) prefers. A straight wedge is found to be one:
+    no form is made of the noise, from which a pose could seem to be told.
+    """
+    middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
+    scaled = (position - middle) / reach
+    known = uncertainty is not None and bool(np.isfinite(uncertainty).all())
+    weight = 1 / uncertainty if uncertainty is not None and known else np.ones(thickness.size)
+    if position.shape[1] == 1:
+        powers: list[tuple[int, ...]] = [(n,) for n in range(_HIGHEST_DEGREES[0] + 1)]
+        terms = np.arange(2, len(powers) + 1)
+    else:
+        powers = [(n, total - n) for total in range(_HIGHEST_DEGREES[1] + 1) for n in range(total + 1)]
+        terms = np.array([(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREES[1] + 1)])
+    terms = terms[terms <= max(thickness.size // 3, terms[0])]
+    powers = powers[: int(terms[-1])]
+    functions = [legendre.legvander(axis, max(max(power) for power in powers)) for axis in scaled.T]
+    design = np.ones((thickness.size, len(powers)))
+    for axis, values in enumerate(functions):
+        design *= values[:, [power[axis] for power in powers]]
+    # orthogonal directions, lower degrees first: what each explains does not depend on those above it
+    directions = np.linalg.qr(design * weight[:, None])[0]
+    left = float(((thickness * weight) ** 2).sum()) - np.cumsum((directions.T @ (thickness * weight)) ** 2)
+    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(thickness.size)
+    used = int(terms[np.argmin(criterion)])
+    found = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
+    series = np.zeros([values.shape[1] for values in functions])
+    series[tuple(np.transpose(powers[:used]))] = found
+    if position.shape[1] == 1:
+        slopes = [legendre.legval(scaled[:, 0], legendre.legder(series))]
+    else:
+        u, v = scaled.T
+        slopes = [legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1)]
+    return np.asarray(np.stack(slopes, axis=1) / reach)

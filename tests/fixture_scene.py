@@ -1,0 +1,71 @@
+"""Fixtures made by quadrature and numpy noise alone, for the tests of the calibration."""
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Profile, fit_calibration
+from erlif.core.products import RatioImages
+
+K, P, Q = 0.65, 0.40, 0.25
+PITCH = 0.06
+SHAPE = (64, 320)
+FILMS = np.array([1.0, 3.0, 8.0])
+WEDGE = 0.1 + 17.9 * np.arange(SHAPE[1]) / (SHAPE[1] - 1)
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+def light(thickness, attenuation):
+    """Light of a film by quadrature over depth."""
+    t = np.asarray(thickness, float)[..., None]
+    return (t[..., 0] / 2) * (np.exp(-attenuation * t * (_NODES + 1) / 2) @ _WEIGHTS)
+
+
+def log_ratio(thickness, *, k=K, p=P, q=Q, background=0.0):
+    """Of camera 2 over camera 1, where `background` adds to camera 2 light that no dye absorbs."""
+    return np.log((k * light(thickness, q) + background * np.asarray(thickness)) / light(thickness, p))
+
+
+def image(rng, values, *, noise=0.004, shape=SHAPE):
+    """Ratio image about `values`, the logarithm of the ratio at each pixel or column."""
+    dims = ("y", "x")
+    still = np.zeros(shape, np.float32)
+    return RatioImages(
+        xr.Dataset(
+            {
+                "log_ratio": (dims, (values + rng.normal(0, noise, shape)).astype(np.float32)),
+                "log_ratio_var": (dims, np.full(shape, noise**2, np.float32)),
+                "log_ratio_var_fixed": (dims, still),
+                "log_ratio_var_shared": (dims, still),
+                "flags": (dims, np.zeros(shape, np.uint8)),
+            }
+        )
+    )
+
+
+def wedge_profile(rng, *, noise=0.15):
+    x = np.arange(0, SHAPE[1] * PITCH, 0.1)
+    return Profile(
+        x, np.interp(x, PITCH * np.arange(SHAPE[1]), WEDGE) + rng.normal(0, noise, x.size), np.full(x.size, noise)
+    )
+
+
+def calibrate(ratios, profile, **options):
+    return fit_calibration(ratios, profile, **{"pixel_pitch": PITCH, "bands": (580.0, 610.0), "frames": 12, **options})
+
+
+def calibrate_wedge(rng, *, profile=None, noise=0.15, **ratio):
+    """A straight wedge, photographed and calibrated."""
+    profile = wedge_profile(rng, noise=noise) if profile is None else profile
+    return calibrate(image(rng, log_ratio(WEDGE, **ratio)), profile, fixture="wedge")
+
+
+def share_within(pulls, width):
+    return (np.abs(np.array(pulls)) < width).mean(axis=0)
+
+
+def assert_covers(pulls):
+    """68 and 95 % within one and two standard deviations, to three standard deviations of the binomial."""
+    count = len(pulls)
+    for width, share in ((1, 0.683), (2, 0.954)):
+        assert np.all(np.abs(share_within(pulls, width) - share) < 3 * np.sqrt(share * (1 - share) / count))
