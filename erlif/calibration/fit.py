@@ -221,13 +221,14 @@ def _settle_outliers(points: Points, fit: Fit, freedom: Freedom, candidate: Cand
 
 
 def _say_largest(fit: Fit, candidate: Candidate) -> str:
-    """How large a departure is, and where."""
+    """How large a departure surely is, and where."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), 501)
-    departure = candidate.departure.predict(grid)
-    n = int(np.argmax(np.abs(departure)))
+    departure, basis = candidate.departure.predict(grid), candidate.departure.basis(grid)
+    std = np.sqrt(np.maximum(np.einsum("it,ij,jt->t", basis, candidate.departure.covariance, basis), 0.0))
+    n = int(np.argmax(np.abs(departure) - 2 * std))  # where it is largest beyond its error, not where it is noisiest
     film = abs(departure[n] / fit.slope(grid[n]))
-    return f"by up to {100 * abs(math.expm1(departure[n])):.2g} % at {grid[n]:.1f} um ({film:.2g} um of film)"
+    return f"by {100 * departure[n]:+.2f} ± {100 * std[n]:.2f} % at {grid[n]:.1f} um ({film:.2g} um of film)"
 
 
 def _answering_range(
