@@ -135,13 +135,13 @@ def region_mean(film: xr.Dataset, truth: xr.Dataset):
 
 
 def weigh_fixture(case: tuple[Path, int]) -> dict:
-    """A small rig of its own: fixture, CMM, cameras, surfaces and run all drawn anew; pulls of the film statistics."""
+    """A rig of its own, fixture, CMM, cameras, surfaces and run all drawn anew: pulls of the film statistics."""
     import erlif
     from erlif.rig import RigSettings, simulate
 
     warnings.simplefilter("ignore")
     scratch, seed = case
-    rig = RigSettings(width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=6)
+    rig = RigSettings(spacing=7.0, fixture_frames=6)
     made = simulate(scratch / f"rig{seed}", seed=seed, rig=rig)
     film = erlif.process(made / "run", calibration=erlif.calibrate(made / "fixture"), workers=1)
     with xr.open_dataset(made / "truth.nc", engine="h5netcdf") as truth:
@@ -157,7 +157,7 @@ def weigh_fixture(case: tuple[Path, int]) -> dict:
 def fixtures(scratch: Path, processes: int, rigs: int) -> None:
     with ProcessPoolExecutor(processes) as pool:
         results = list(pool.map(weigh_fixture, [(scratch, 5000 + n) for n in range(rigs)]))
-    print(f"{rigs} rigs of 224 x 160 pixels, each with its own fixture and profile")
+    print(f"{rigs} rigs of 320 x 256 pixels, each with its own cameras, surfaces, fixture and profile")
     for name in ("film_mean", "film_min", "exponent"):
         pulls = np.array([r[name] for r in results])
         known = np.isfinite(pulls)
