@@ -125,7 +125,7 @@ def test_departure_is_said_and_drawn(departing):
 def test_smaller_departure_is_said_but_not_used():
     """Background light at which the criterion does not insist, but chance would seldom leave such residuals."""
     rng = np.random.default_rng(6)
-    said = [calibrate_wedge(rng, noise=0.15, background=0.0045) for _ in range(12)]
+    said = [calibrate_wedge(rng, noise=0.15, background=0.003) for _ in range(15)]
     assert any(
         calibration.departure is None and any("residuals have structure" in note for note in calibration.notes)
         for calibration in said
@@ -166,7 +166,7 @@ def test_films_read_with_a_departure_cover(noise):
     rng = np.random.default_rng(9)
     read = log_ratio(FILMS, background=BACKGROUND)
     pulls = []
-    for _ in range(100):
+    for _ in range(70):
         calibration = calibrate_wedge(rng, noise=noise, background=BACKGROUND)
         assert calibration.departure is not None
         pulls.append((calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS))
