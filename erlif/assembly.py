@@ -135,11 +135,12 @@ def assemble_film(
         erlif_version=erlif.__version__,
         settings=to_toml(settings),
         input_hashes=describe_hashes(hashes),
-        calibration=_describe_calibration(calibration),
+        calibration=record_calibration(calibration),
         **_describe_smoothing(settings.thickness.smoothing),
         notes="\n".join(
             [
                 *notes,
+                *_censoring_notes(stacked["censored"]),
                 *(f"calibration: {note}" for note in calibration.notes),
                 *skipped_notes(recording),
             ]
@@ -152,8 +153,8 @@ def _censoring_notes(censored: Array) -> list[str]:
     if censored[worst] < 0.01:
         return []
     return [
-        f"up to {censored[worst]:.0%} of the region of interest (trigger {worst}) is too thin or too thick to be answered: film_mean is that "
-        "of the rest; film_min, a fit to the ratio, is not touched"
+        f"up to {censored[worst]:.0%} of the region of interest (trigger {worst}) is too thin or too thick to be measured pixel by pixel in "
+        "this light: film_mean is that of the rest; film_min, a fit to the ratio, is not touched"
     ]
 
 
@@ -259,22 +260,23 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
     )
 
 
-def _describe_calibration(calibration: Calibration) -> str:
+def record_calibration(calibration: Calibration) -> str:
+    """All of a calibration that decides a film, as JSON."""
     K, p, q = calibration.parameters
-    low, high = calibration.thickness_range
-    return json.dumps(
-        {
-            "fixture": calibration.fixture,
-            "date": calibration.date,
-            "ratio_at_zero": K,
-            "attenuation_camera1": p,
-            "attenuation_camera2": q,
-            "covariance": calibration.covariance.tolist(),
-            "thickness_range": [low, high],
-            "input_hashes": calibration.input_hashes,
-        },
-        sort_keys=True,
-    )
+    kept = {
+        "fixture": calibration.fixture,
+        "date": calibration.date,
+        "ratio_at_zero": K,
+        "attenuation_camera1": p,
+        "attenuation_camera2": q,
+        "covariance": calibration.covariance.tolist(),
+        "thickness_range": list(calibration.thickness_range),
+        "covered_range": list(calibration.covered_range),
+        "input_hashes": calibration.input_hashes,
+    }
+    if calibration.departure is not None:
+        kept["departure"] = {name: values.tolist() for name, values in vars(calibration.departure).items()}
+    return json.dumps(kept, sort_keys=True)
 
 
 def _describe_smoothing(resolution: int | None) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from erlif.assembly import (
     describe_triggers,
     group_frames,
     pixel_positions,
+    record_calibration,
     reference_notes,
     skipped_notes,
 )
@@ -437,7 +438,7 @@ def _job_key(settings: RunSettings, hashes: dict[str, str], calibration: Calibra
         erlif.__version__,
         to_toml(settings),
         describe_hashes(hashes),
-        json.dumps([calibration.parameters.tolist(), calibration.covariance.tolist(), calibration.thickness_range]),
+        record_calibration(calibration),
         json.dumps(sorted(recording.skipped)),
     ]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()

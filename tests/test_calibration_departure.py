@@ -1,14 +1,18 @@
 """What departs from the reabsorption model: found where it is there, and only there."""
 
+import film_scene
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
 from fixture_scene import FILMS, WEDGE, assert_covers, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
 
+from erlif.assembly import record_calibration
 from erlif.calibration import Calibration, Profile
+from erlif.core.store import open_film
 from erlif.pipeline import open_calibration, save_calibration
 from erlif.plots import ratio_residuals
+from erlif.plots.products import calibration_of
 from erlif.rig import dyes
 from erlif.summary import describe_calibration
 
@@ -171,3 +175,14 @@ def test_films_read_with_a_departure_cover(noise):
         assert calibration.departure is not None
         pulls.append((calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS))
     assert_covers(pulls)
+
+
+def test_film_keeps_the_whole_curve_it_was_read_with(departing, tmp_path):
+    """The figures of a film use its calibration again: departure and covered range must come back from its attributes."""
+    with open_film(film_scene.make_film(tmp_path)) as film:
+        film.attrs["calibration"] = record_calibration(departing)
+        again = calibration_of(film)
+    films = np.linspace(*departing.thickness_range, 50)
+    npt.assert_array_equal(again.predict_log(films), departing.predict_log(films))
+    npt.assert_allclose(again.thickness_std(films), departing.thickness_std(films), rtol=1e-12)
+    assert again.covered_range == departing.covered_range

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.calibration import Calibration
+from erlif.calibration.departure import Departure
 from erlif.config import RegionOfInterest, RunSettings
 from erlif.core.errors import ErlifError, OutputError
 from erlif.core.flags import Flag
@@ -49,6 +50,8 @@ def calibration_of(film: xr.Dataset) -> Calibration:
     kept = json.loads(str(film.attrs["calibration"]))
     settings = settings_of(film)
     low, high = kept["thickness_range"]
+    covered = kept.get("covered_range", [low, high])
+    departure = {name: np.asarray(values, float) for name, values in kept.get("departure", {}).items()}
     return Calibration(
         ratio_at_zero=float(kept["ratio_at_zero"]),
         attenuation_camera1=float(kept["attenuation_camera1"]),
@@ -56,11 +59,12 @@ def calibration_of(film: xr.Dataset) -> Calibration:
         covariance=np.asarray(kept["covariance"], float),
         thickness_range=(float(low), float(high)),
         bands=(settings.camera1.band, settings.camera2.band),
-        curve=xr.Dataset(),
+        curve=xr.Dataset({"curve_thickness": ("bin", covered, {"units": "um"})}),
         reduced_chi_square=math.nan,
         fixture=str(kept["fixture"]),
         input_hashes=dict(kept.get("input_hashes", {})),
         date=str(kept.get("date", "")),
+        departure=Departure(**departure) if departure else None,
     )
 
 
@@ -230,9 +234,9 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
     calibration = calibration_of(film)
-    by_parameter = -(calibration.parameter_gradient(h) / calibration.slope(h))
+    by_parameter = -(calibration.gradient(h) / calibration.slope(h))
     change = solve[2] @ (root * by_parameter).T
-    variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(change @ calibration.covariance @ change)
+    variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(change @ calibration.full_covariance @ change)
     return RigidGap(
         least=float(level - slope**2 * radius / 2),
         place=float(middle - slope * radius),
