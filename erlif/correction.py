@@ -46,12 +46,13 @@ _FRAMES_SEEN = 8  # frames searched for saturation below full scale
 
 @dataclass(frozen=True)
 class CameraNoise:
-    """Gain [electron/DN] and read noise [electron] of one camera with their standard deviations."""
+    """Gain [electron/DN] and read noise [electron] of one camera with their standard deviations, and its response spread [1]."""
 
     gain: float
     gain_std: float
     read_noise: float
     read_noise_std: float
+    response_spread: float = 0.0
 
 
 def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise | None] = (None, None)) -> References:
@@ -62,7 +63,8 @@ def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise 
     recording : Recording
         A run or a fixture; its darks and flats are read page by page, and a few of its frames for where the cameras saturate.
     estimated : sequence of two CameraNoise or None
-        Used where a camera's gain or read noise is neither given nor measurable from darks and flats.
+        Used where a camera's gain or read noise is neither given nor measurable from darks and flats; the response spread where
+        there is no flat.
 
     Returns
     -------
@@ -261,6 +263,9 @@ def _measure_camera(
         flat, flat_var, dead = _reduce_flats(levels, dark_var, bad, gain, page_var)
         bad = bad | dead
         spread = measure_response_spread(flat, flat_var, bad)
+    elif estimated is not None:
+        spread = estimated.response_spread
+        flat_var += spread**2  # what is not corrected is noise, the same in every frame
     dark = float(darks.mean[~darks.bad].mean())
     record.put("full_scale", saturation, "DN", "count at which the camera saturates")
     record.put("dark_signal", dark, "DN", "mean dark level")

@@ -1,4 +1,4 @@
-"""Gain and read noise of cameras of which nothing was given, from the frames themselves.
+"""Gain, read noise and response spread of cameras of which nothing was given, from the frames themselves.
 
 Both cameras photograph one speckle pattern, so it cancels in the logarithm of their ratio, and what is left there from pixel to
 pixel is mostly noise. Differences between frames cancel what stays in its place as well: film, pixel response, marks. Their
@@ -32,8 +32,11 @@ _CELL, _CELLS = 8, 4000  # least size of a cell [px], and about how many there a
 _LEAST_FILLING = 0.25  # share of its pixels that a cell needs
 _BLOCKS = 6  # blocks along each axis, whose scatter gives the standard deviations
 _QUANTISATION = 1 / 12  # variance of rounding to whole counts [DN2]
-_TOLD_APART = 3.0  # standard deviations by which two gains must differ not to be taken for one
+_UNLIKE = 0.05  # how probable two cameras of unlike gain are beforehand
+_UNLIKENESS = 0.4  # by how much of themselves such gains differ
+_FREEDOM = 10  # degrees of freedom of a standard deviation found from the blocks
 _WORST = 0.3  # relative standard deviation of a gain that is still an answer
+
 
 _RING = np.zeros((5, 5))  # a pixel less the mean of the eight two pixels off: takes off a tilted film
 _RING[::2, ::2] = -1 / 8
@@ -41,9 +44,10 @@ _RING[2, 2] = 1
 
 
 def complete_noise(chain: Chain) -> Chain:
-    """Estimate gain and read noise where neither settings nor darks and flats tell them, from the frames of the recording.
+    """Estimate what neither settings nor darks and flats tell of gain and noise, from the frames of the recording.
 
-    The chain needs a gain to know its noise, so it begins with a guess and takes a few turns.
+    The chain needs a gain to know its noise, so it begins with a guess and takes a few turns. Without a flat the pixels' unequal
+    response stays in the ratio; how unequal camera 2's pixels are, and camera 1's like them, becomes part of the variance.
 
     Parameters
     ----------
@@ -58,92 +62,144 @@ def complete_noise(chain: Chain) -> Chain:
     Raises
     ------
     FrameError
-        If the frames do not tell the gain either.
+        If the frames do not tell the gain or the read noise either.
     """
-    gain_known, read_noise_known = (chain.references[name].values for name in ("gain_known", "read_noise_known"))
-    if gain_known.all() and read_noise_known.all():
+    wanted = _Open(*(~chain.references[name].values for name in ("gain_known", "read_noise_known", "has_flat")))
+    if not wanted.any:
         return chain
-    before = np.zeros(4)
+    before = np.zeros((2, 2))
     for _ in range(5):
-        estimate = _estimate(chain, ~gain_known, ~read_noise_known)
-        references = measure_references(chain.recording, estimated=estimate.cameras)
-        chain = replace(chain, references=references)
+        found = _estimate(chain, wanted)
+        if found is None:
+            return chain
+        estimate = found
+        chain = replace(chain, references=measure_references(chain.recording, estimated=estimate.cameras))
         chain = replace(chain, blur=measure_blur(chain))
-        now = np.concatenate([references.gain.values, references.read_noise.values])
-        if np.all(np.abs(now - before) <= 1e-3 * now):
+        now = np.array([[noise.gain, noise.response_spread] for noise in estimate.cameras])
+        if np.all(np.abs(now - before) <= 5e-3 * now):
             break
         before = now
-    return replace(chain, references=_say(chain.references, estimate, ~gain_known, ~read_noise_known))
+    return replace(chain, references=_say(chain.references, estimate, wanted))
+
+
+@dataclass(frozen=True)
+class _Open:
+    """What is to be estimated, camera by camera."""
+
+    gain: npt.NDArray[np.bool_]
+    read_noise: npt.NDArray[np.bool_]
+    response: npt.NDArray[np.bool_]
+
+    @property
+    def noise(self) -> npt.NDArray[np.bool_]:
+        """Cameras whose gain or read noise is open."""
+        return np.asarray(self.gain | self.read_noise)
+
+    @property
+    def any(self) -> bool:
+        """Whether frames are to be looked at; they tell nothing of the response of camera 1 alone."""
+        return bool(self.noise.any() or self.response[1])
 
 
 @dataclass(frozen=True)
 class _Estimate:
     cameras: tuple[CameraNoise, CameraNoise]
-    alike: bool
-    """Whether one gain was taken for both."""
+    alike: float
+    """Probability that both cameras have one gain, where both were open."""
     frames: int
 
 
-def _say(
-    references: References, estimate: _Estimate, gain: npt.NDArray[np.bool_], read: npt.NDArray[np.bool_]
-) -> References:
+def _say(references: References, estimate: _Estimate, wanted: _Open) -> References:
     said = []
     for camera, noise in enumerate(estimate.cameras):
-        if gain[camera] or read[camera]:
-            what = " and ".join(["gain"] * int(gain[camera]) + ["read noise"] * int(read[camera]))
-            assumed = "; both cameras were taken to have the same gain" if gain[camera] and estimate.alike else ""
-            relative = f", the gain to {100 * noise.gain_std / noise.gain:.0f} %" if gain[camera] else ""
+        if wanted.noise[camera]:
+            what = " and ".join(["gain"] * int(wanted.gain[camera]) + ["read noise"] * int(wanted.read_noise[camera]))
+            same = (
+                ""
+                if np.isnan(estimate.alike)
+                else f" and gains of both cameras that are the same with a probability of {estimate.alike:.2f}"
+            )
+            assumed = same if wanted.gain[camera] else ""
+            relative = f", the gain to {100 * noise.gain_std / noise.gain:.0f} %" if wanted.gain[camera] else ""
             said.append(
                 f"camera{camera + 1}: {what} estimated from the noise that {estimate.frames} frames of the two cameras do not have in "
                 f"common{relative}, assuming shot noise{assumed}; give them, or record darks and flats, for something better"
             )
+    if wanted.response[1]:
+        cameras = "both cameras" if wanted.response[0] else "camera 2"
+        said.append(
+            f"pixels of {cameras} differ by {100 * estimate.cameras[1].response_spread:.1f} %, as the drift of camera 2 shows; for want of a "
+            "flat this is counted as noise"
+        )
     attributes = {kind: "\n".join(filter(None, [references.attrs[kind], *said])) for kind in ("notes", "warnings")}
     return References(references.assign_attrs(attributes))
 
 
-def _estimate(chain: Chain, gain_open: npt.NDArray[np.bool_], read_open: npt.NDArray[np.bool_]) -> _Estimate:
-    """Gain and read noise of the cameras for which they are open."""
+def _estimate(chain: Chain, wanted: _Open) -> _Estimate | None:
+    """What is wanted; None where only the response is, and frames do not tell it."""
     frames = some_frames(chain.recording, 6 if np.prod(chain.recording.shape) > 500_000 else 24)
     with one_thread_per_frame():
         cells = _gather_cells(chain, frames)
     references = chain.references
     gain, read_noise = references.gain.values.copy(), references.read_noise.values.copy()
-    open_cameras = np.nonzero(gain_open)[0]
-    who = "camera1" if gain_open[0] or read_open[0] else "camera2"
     if len(cells.variance) < 50:
+        if not wanted.noise.any():
+            return None
         raise FrameError(
-            f"{who} has no gain or read noise, and the frames do not tell it: expected two or more frames with enough light and overlap, got "
-            f'{len(frames)} with {len(cells.variance)} usable patches. Give gain = "4.4 electron/DN" and read_noise = "9 electron", or flats '
-            "and darks with at least two pages each."
+            f"camera{1 + int(np.argmax(wanted.noise))} has no gain or read noise, and the frames do not tell it: expected two or more frames "
+            f"with enough light and overlap, got {len(frames)} with {len(cells.variance)} usable patches. Give gain = "
+            '"4.4 electron/DN" and read_noise = "9 electron", or flats and darks with at least two pages each.'
         )
-    together = [open_cameras] if len(open_cameras) else []
-    fit = _fit(cells, references, gain_open, read_open, together)
-    alike = len(open_cameras) == 2
-    if alike:
-        apart = _fit(cells, references, gain_open, read_open, [open_cameras[:1], open_cameras[1:]])
-        contrast = np.array([1.0, -1.0])
-        difference_std = float(np.sqrt(contrast @ apart.covariance[:2, :2] @ contrast))
-        if apart.values[:2].min() > 0 and abs(contrast @ apart.values[:2]) > _TOLD_APART * difference_std:
-            fit, together, alike = apart, [open_cameras[:1], open_cameras[1:]], False
+    fit, alike = _fit(cells, references, wanted, one_gain=True), float("nan")
+    if wanted.gain.all():
+        fit, alike = _weigh(fit, _fit(cells, references, wanted, one_gain=False))
     gain_std = np.zeros(2)
-    for n, cameras in enumerate(together):
-        slope, std = fit.values[n], float(np.sqrt(fit.covariance[n, n]))
+    for n in np.nonzero(wanted.gain)[0]:
+        slope, std = fit.slope[n], float(np.sqrt(fit.slope_covariance[n, n]))
         if not std < _WORST * slope:
             raise FrameError(
-                f"{who} has no gain, and the frames do not tell it: expected noise that rises with the light, got 1/gain = {slope:.3g} ± "
-                f'{std:.2g} DN/electron. Give gain = "4.4 electron/DN", or flats with at least two pages of one light level to measure it by '
-                "photon transfer."
+                f"camera{n + 1} has no gain, and the frames do not tell it: expected noise that rises with the light, got 1/gain = "
+                f'{slope:.3g} ± {std:.2g} DN/electron. Give gain = "4.4 electron/DN", or flats with at least two pages of one light level '
+                "to measure it by photon transfer."
             )
-        gain[cameras], gain_std[cameras] = 1 / slope, std / slope**2
-    read_std = np.zeros(2)
-    if read_open.any():
-        n = len(together)
-        variance, std = fit.values[n], float(np.sqrt(fit.covariance[n, n]))
-        read_noise[read_open] = gain[read_open] * np.sqrt(variance)
-        # of the root of a variance near zero, the root of its standard deviation is what can be said
-        read_std[read_open] = gain[read_open] * std / (2 * np.sqrt(max(variance, std / 4)))
-    one, two = (CameraNoise(*map(float, row)) for row in zip(gain, gain_std, read_noise, read_std, strict=True))
+        gain[n], gain_std[n] = 1 / slope, std / slope**2
+    read_std, dark = np.zeros(2), wanted.read_noise
+    read_noise[dark] = gain[dark] * np.sqrt(fit.dark)
+    # of the root of a variance near zero, the root of its standard deviation is what can be said
+    read_std[dark] = gain[dark] * fit.dark_std / (2 * np.sqrt(max(fit.dark, fit.dark_std / 4, 1e-12)))
+    response = np.where(wanted.response & wanted.response[1], np.sqrt(fit.response), 0.0)
+    one, two = (
+        CameraNoise(*map(float, row)) for row in zip(gain, gain_std, read_noise, read_std, response, strict=True)
+    )
     return _Estimate((one, two), alike, len(frames))
+
+
+def _weigh(same: _Fit, apart: _Fit) -> tuple[_Fit, float]:
+    """Mean of the answers of like and unlike cameras by their probability, and that of like ones.
+
+    By Bayes: the odds are those beforehand times the densities of the difference where it scatters about zero by its standard
+    deviation, and where unlike gains scatter it more. Both are Student's, because the standard deviation is itself taken from
+    a few dozen blocks, not all of which weigh alike.
+    """
+    contrast = np.array([1.0, -1.0])
+    difference, variance = contrast @ apart.slope, contrast @ apart.slope_covariance @ contrast
+    spread = (_UNLIKENESS * same.slope.mean()) ** 2
+    share = spread / (variance + spread)
+    pull = np.array([difference**2 / variance, difference**2 / (variance + spread)])
+    density = np.sqrt([1.0, 1 - share]) * (1 + pull / _FREEDOM) ** (-(_FREEDOM + 1) / 2)
+    odds = _UNLIKE / (1 - _UNLIKE) * density[1] / density[0]
+    alike = float(1 / (1 + odds))
+    towards = (
+        apart.slope_covariance @ contrast / (variance + spread)
+    )  # what unlike gains may differ by is known beforehand
+    unlike = apart.slope - towards * difference
+    off = unlike - same.slope
+    slope = same.slope + (1 - alike) * off
+    narrowed = apart.slope_covariance - np.outer(towards, towards) * (variance + spread)
+    between = alike * (1 - alike) * np.outer(off, off)
+    covariance = alike * same.slope_covariance + (1 - alike) * narrowed + between
+    likelier = same if alike > 0.5 else apart
+    return replace(likelier, slope=slope, slope_covariance=covariance), alike
 
 
 @dataclass(frozen=True)
@@ -302,46 +358,62 @@ def _spline_table() -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Fit:
-    values: Array
-    covariance: Array
+    """What the frames say; zeros where it was known."""
+
+    slope: Array
+    """(camera,), 1/gain. [DN/electron]"""
+    slope_covariance: Array
+    dark: float
+    """Variance of the dark. [DN2]"""
+    dark_std: float
+    response: float
+    """Relative variance of the response of camera 2. [1]"""
 
 
-def _fit(
-    cells: _Cells,
-    references: References,
-    gain_open: npt.NDArray[np.bool_],
-    read_open: npt.NDArray[np.bool_],
-    together: list[npt.NDArray[np.int64]],
-) -> _Fit:
-    """Causes of the variance: 1/gain for each set of cameras in `together`, then the dark's variance where open, then the rest.
+def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool) -> _Fit:
+    """Causes of the variance: light, dark, pattern and a rest.
 
-    The rest is a pattern of camera 2 where it has no flat, which its drift moves, and a constant: speckle that alignment and
-    blur have not made the same to the last.
+    The pattern is that of camera 2 where it has no flat, which its drift moves, and the rest a constant: speckle that alignment
+    and blur have not made the same to the last.
     """
     gain, read_noise = references.gain.values, references.read_noise.values
     known = np.zeros(len(cells.variance))
     for camera in range(2):
-        if not gain_open[camera]:
+        if not wanted.gain[camera]:
             known += cells.shot[:, camera] / gain[camera]
-        rounding = 0.0 if read_open[camera] else (read_noise[camera] / gain[camera]) ** 2
-        known += cells.read[:, camera] * (rounding + _QUANTISATION)
-    columns = [cells.shot[:, cameras].sum(axis=1) for cameras in together]
-    if read_open.any():
-        columns.append(cells.read[:, read_open].sum(axis=1))
-    two = references.isel(camera=1)
-    if bool(two.has_flat):
+        electronic = 0.0 if wanted.read_noise[camera] else (read_noise[camera] / gain[camera]) ** 2
+        known += cells.read[:, camera] * (electronic + _QUANTISATION)
+    # which column belongs to which camera
+    share = np.eye(2)[wanted.gain]
+    if one_gain and len(share):
+        share = share.sum(axis=0, keepdims=True)
+    columns = [cells.shot @ cameras for cameras in share]
+    if wanted.read_noise.any():
+        columns.append(cells.read[:, wanted.read_noise].sum(axis=1))
+    if wanted.response[1]:
+        columns.append(cells.pattern)
+    else:
+        two = references.isel(camera=1)
         good = ~two.bad.values
         known += cells.pattern * float((two.flat_var.values / two.flat.values**2)[good].mean())
-    else:
-        columns.append(cells.pattern)
     columns.append(np.ones(len(known)))
-    return _solve(np.stack(columns, axis=1), cells.variance, known, cells.pixels, cells.block)
+    values, covariance = _solve(np.stack(columns, axis=1), cells.variance, known, cells.pixels, cells.block)
+    gains, dark = len(share), bool(wanted.read_noise.any())
+    return _Fit(
+        slope=values[:gains] @ share,
+        slope_covariance=share.T @ covariance[:gains, :gains] @ share,
+        dark=float(values[gains]) if dark else 0.0,
+        dark_std=float(np.sqrt(covariance[gains, gains])) if dark else 0.0,
+        response=float(values[-2]) if wanted.response[1] else 0.0,
+    )
 
 
-def _solve(design: Array, variance: Array, known: Array, pixels: Array, block: npt.NDArray[np.int64]) -> _Fit:
-    """Least squares with no negative cause, cells weighted by the variance they should have and the farthest ones left out.
+def _solve(
+    design: Array, variance: Array, known: Array, pixels: Array, block: npt.NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Least squares with no negative cause, and its covariance.
 
-    The standard deviations come from the scatter between parts of the image, so that neither noise that cells share nor a
+    Cells are weighted by the variance they should have and the farthest ones left out. The standard deviations come from the scatter between parts of the image, so that neither noise that cells share nor a
     misfit that goes with the place passes for knowledge.
     """
     scale = design.mean(axis=0)
@@ -359,4 +431,4 @@ def _solve(design: Array, variance: Array, known: Array, pixels: Array, block: n
     pull = (variance - known - design @ values) * weight
     score = np.stack([np.bincount(block, pull * column, _BLOCKS**2) for column in design.T], axis=1)
     covariance = inverse @ (score.T @ score) @ inverse * _BLOCKS**2 / (_BLOCKS**2 - 1)
-    return _Fit(values / scale, covariance / np.outer(scale, scale))
+    return values / scale, covariance / np.outer(scale, scale)

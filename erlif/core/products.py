@@ -19,7 +19,10 @@ Frames = NewType("Frames", xr.Dataset)
 
 References = NewType("References", xr.Dataset)
 """What the darks and flats say of both cameras: dark, dark_var, flat, flat_var, bad (camera, y, x); gain [electron/DN],
-read_noise [electron], full_scale [DN], each (camera)."""
+read_noise [electron] and full_scale, the count at saturation [DN], each (camera). Beside them, NaN where not measured, the
+characteristics after EMVA 1288: gain_measured and read_noise_measured with gain_std and read_noise_std, dark_signal with
+dark_signal_std and dark_spread [DN], response_spread, bend of the photon transfer with bend_std [1], saturation_capacity
+[electron]; and gain_known, read_noise_known, has_flat."""
 
 CorrectedFrames = NewType("CorrectedFrames", xr.Dataset)
 """signal (camera, frame, y, x) [DN]: dark subtracted, divided by the flat; signal_var, what is new in every frame, and
