@@ -17,9 +17,9 @@ class Flag(IntFlag):
     OUTSIDE_OVERLAP = 8
     """Seen by one camera only."""
     BELOW_RANGE = 16
-    """Ratio below the thinnest film that the calibration answers for."""
+    """Film too thin: below the calibration, or not told from none by a single pixel in this light."""
     ABOVE_RANGE = 32
-    """Ratio above the thickest film that the calibration answers for."""
+    """Film too thick: above the calibration, or where the ratio of a single pixel in this light tells little more."""
     POOR_REGISTRATION = 64
     """The cameras are not laid over each other well enough here."""
     NO_FILM = 128

@@ -101,8 +101,8 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
 def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     """Profile of the film along the sliding direction, averaged over the axial extent of the region of interest.
 
-    The ratio is averaged, with weights, and turned into thickness afterwards: noise then leaves no bias where the inverse of the
-    ratio is curved, and the weights do not favour the pixels that noise makes thin.
+    The ratio is averaged and turned into thickness afterwards: noise then leaves no bias where the inverse of the ratio is curved.
+    All pixels weigh alike, because weights would favour those that noise makes thin.
 
     Parameters
     ----------
@@ -131,16 +131,15 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     flags = one.flags.values
     good = flags == 0
     thickness = np.where(good, one.thickness.values.astype(float), 1.0)
-    log_ratio = calibration.predict_log(thickness)
-    noise = np.where(good, one.thickness_std.values.astype(float), 1.0) * calibration.slope(thickness)
-    weight = np.where(good, noise**-2.0, 0.0)
+    log_ratio = np.where(good, calibration.predict_log(thickness), 0.0)
+    variance = np.where(good, one.thickness_std.values.astype(float), 0.0) ** 2
     beyond = ((flags & _RANGE_FLAGS) != 0).sum(axis=0)
     use = (good.mean(axis=0) >= _LEAST_VALID) & (beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond))
-    total = np.where(use, weight.sum(axis=0), np.nan)
+    total = np.where(use, good.sum(axis=0), np.nan)
     table = calibration.inverse
     grid = table.start + table.step * np.arange(table.thickness.size)
-    mean = np.interp((weight * log_ratio).sum(axis=0) / total, grid, table.thickness)
-    std = 1 / (np.sqrt(total) * calibration.slope(mean))
+    mean = np.interp(log_ratio.sum(axis=0) / total, grid, table.thickness)
+    std = np.sqrt(variance.sum(axis=0)) / total
     shared = np.where(good, one.thickness_std_shared.values.astype(float), 0.0)
     return xr.Dataset(
         {
@@ -152,7 +151,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
             ),
             "thickness_std_shared": (
                 "position",
-                (weight * shared).sum(axis=0) / total,
+                shared.sum(axis=0) / total,
                 {"units": "um", "long_name": "its standard deviation, what all pixels share"},
             ),
         },
