@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import erlif
+from erlif.plots import average_across_sliding, rigid_gap
 from erlif.rig import RigSettings, simulate
 from erlif.rig.dyes import BANDS, tabulate_signal
 
@@ -201,6 +202,17 @@ def check_least_film(case):
     assert (
         np.sqrt(np.mean((error / std) ** 2)) < 2
     )  # one calibration, one surface: the errors of all triggers go together
+
+
+@pytest.mark.slow
+def test_profile_has_the_curvature_of_the_rigid_gap(case):
+    """Load has no part in it: 1/R of pin and bushing, 0.2053 um/mm2, at every fifth trigger."""
+    pulls = []
+    for trigger in range(0, 50, 5):
+        gap = rigid_gap(average_across_sliding(case.film, trigger=trigger), case.film)
+        pulls.append((gap.curvature - 0.20525) / gap.curvature_std)
+    assert np.sqrt(np.mean(np.square(pulls))) < 2
+    assert abs(np.mean(pulls)) < 2  # one calibration and one surface for all
 
 
 @pytest.mark.slow
