@@ -253,7 +253,9 @@ def _measure_camera(
     darks = _reduce_darks(recording, settings, camera)
     levels, saturation = _read_flats(recording, settings, darks.mean, camera, seen)
     gain, gain_std, gain_known = _find_gain(levels, settings, darks, saturation, estimated, record)
-    read_noise, read_noise_known = _find_read_noise(settings, darks, gain, gain_std, estimated, record)
+    read_noise, read_noise_known = _find_read_noise(
+        settings, darks, gain, gain_std if gain_known else None, estimated, record
+    )
     page_var = (read_noise / gain) ** 2 + _QUANTISATION
     # one dark page does not tell its variance, but it has the noise of a page
     dark_var = np.full(recording.shape, page_var if darks.pages == 1 else darks.mean_var)
@@ -273,7 +275,7 @@ def _measure_camera(
     record.put("dark_spread", darks.spread, "DN", "standard deviation of the dark level over the pixels (DSNU)")
     record.put("response_spread", spread, "1", "standard deviation of the response from pixel to pixel (PRNU)")
     record.put("saturation_capacity", (saturation - dark) * gain, "electron", "electrons at saturation")
-    record.notes.insert(0, _summarise(record, settings))
+    record.notes.insert(0, _summarise(record, settings, gain_known=gain_known))
     if saturation < settings.full_scale:
         record.say(
             f"counts pile up at {saturation}, below full scale ({settings.full_scale}): pixels that read {saturation} or more count as "
@@ -347,18 +349,18 @@ def _find_read_noise(
     settings: CameraSettings,
     darks: _Darks,
     gain: float,
-    gain_std: float,
+    gain_std: float | None,
     estimated: CameraNoise | None,
     record: _CameraRecord,
 ) -> tuple[float, bool]:
-    """Read noise in use, and whether it is more than a guess."""
+    """Read noise in use, and whether it is more than a guess; a gain without standard deviation is one."""
     own = std = float("nan")
     if darks.temporal_var is not None:
         variance = max(darks.temporal_var - _QUANTISATION, 0.0)
         own = float(np.sqrt(variance)) * gain
         # of the root of a variance near zero, the root of its standard deviation is what can be said
         of_root = darks.temporal_var_std / (2 * np.sqrt(max(variance, darks.temporal_var_std / 4, 1e-12)))
-        std = float(np.hypot(gain * of_root, own * gain_std / gain))
+        std = float(np.hypot(gain * of_root, own * (gain_std or 0.0) / gain))
     elif settings.read_noise is None and estimated is not None:
         own, std = estimated.read_noise, estimated.read_noise_std
     known = settings.read_noise is not None or not np.isnan(own)
@@ -366,9 +368,10 @@ def _find_read_noise(
     record.put("read_noise", read_noise, "electron", "read noise in use")
     record.put("read_noise_measured", own, "electron", "read noise as measured")
     record.put("read_noise_std", std, "electron", "standard deviation of read_noise_measured")
-    if settings.read_noise is not None and abs(settings.read_noise - own) > _TOLERATED * own + 3 * std:
+    declared = settings.read_noise if gain_std is not None else None
+    if declared is not None and abs(declared - own) > _TOLERATED * own + 3 * std:
         record.say(
-            f"the declared read noise, {settings.read_noise:g} electron, is not the measured one, {_with_std(own, std)} electron; the declared "
+            f"the declared read noise, {declared:g} electron, is not the measured one, {_with_std(own, std)} electron; the declared "
             "value is used.",
             warning=True,
         )
@@ -380,7 +383,7 @@ def _find_read_noise(
     return read_noise, known
 
 
-def _summarise(record: _CameraRecord, settings: CameraSettings) -> str:
+def _summarise(record: _CameraRecord, settings: CameraSettings, *, gain_known: bool) -> str:
     """One line about a camera: what was measured of it, and what was declared."""
 
     def noise(name: str, what: str, unit: str, declared: float | None) -> str:
@@ -391,12 +394,15 @@ def _summarise(record: _CameraRecord, settings: CameraSettings) -> str:
 
     saturation, capacity = (record.values[key][0] for key in ("full_scale", "saturation_capacity"))
     spread = record.values["response_spread"][0]
-    parts = [
+    electronic = [
         noise("gain", "gain", "electron/DN", settings.gain),
         noise("read_noise", "read noise", "electron", settings.read_noise),
+    ]
+    parts = [
+        *(electronic if gain_known else ["gain not known yet"]),
         f"dark {record.values['dark_signal'][0]:.1f} DN",
         *([] if np.isnan(spread) else [f"response spread {100 * spread:.1f} %"]),
-        f"saturation {saturation:.0f} DN = {capacity / 1e3:.1f} ke",
+        f"saturation {saturation:.0f} DN" + (f" = {capacity / 1e3:.1f} ke" if gain_known else ""),
     ]
     return f"camera{record.camera}: {', '.join(parts)}"
 

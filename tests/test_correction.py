@@ -195,6 +195,12 @@ def test_camera_without_gain_or_flats_waits_for_the_frames(fixture_dir):
     assert references.read_noise_known.all()
     assert "camera2: neither gain nor flats with two pages of one light level" in references.attrs["warnings"]
     assert "camera1: no flat; vignetting" in references.attrs["warnings"]
+    # of a read noise that was declared in electrons nothing can be said before the gain is known
+    write_settings(fixture_dir, f'read_noise = "{READ} electron"')
+    without_flat(fixture_dir)
+    notes = measure_references(open_fixture(fixture_dir)).attrs["notes"]
+    assert "camera1: gain not known yet, dark 64.0 DN, saturation 4095 DN\n" in notes
+    assert "declared" not in notes
 
 
 def write_darks(directory, count, rng):
@@ -277,3 +283,18 @@ def test_gain_of_many_cameras_scatters_as_its_uncertainty_says(fixture_dir):
     assert 0.683 - 0.14 < np.mean(inside < 1) < 0.683 + 0.14
     assert np.mean(inside < 2) > 0.954 - 0.066
     assert abs(np.mean(pulls)) < 0.3
+
+
+def test_a_response_that_is_not_linear_is_said_and_a_linear_one_is_not(fixture_dir):
+    assert "not straight" not in measure_references(open_fixture(fixture_dir)).attrs["notes"]
+    rng = np.random.default_rng(8)
+    with tifffile.TiffWriter(fixture_dir / "flat.tif") as file:
+        for level in (3000, 7000, 12000, 15000):
+            for _ in range(16):
+                light = expose(level * response(), rng).astype(float) - OFFSET
+                file.write(np.rint(light * (1 - 0.1 * light / 3400) + OFFSET).astype(np.uint16), contiguous=False)
+    references = measure_references(open_fixture(fixture_dir))
+    assert "camera1: the photon transfer curve is not straight" in references.attrs["warnings"]
+    assert np.all(
+        references.bend < -0.2
+    )  # three times a tenth, the half of it that a parabola and a mean over the image leave

@@ -185,7 +185,7 @@ def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
     errors, pulls = [], []
     for seed, light, kinds in ((821, 1.0, ["fixture"]), (822, 0.3, ["run"]), (823, 0.6, ["fixture", "run"])):
         out = tmp_path / str(seed)
-        simulate(out, seed=seed, rig=RigSettings(spacing=4.0, light=light))
+        simulate(out, seed=seed, rig=RigSettings(spacing=6.0, light=light))
         for kind in kinds:
             forget(out / kind / f"{kind}.toml", "gain", "flat")
             references = estimate(out / kind).references
