@@ -64,6 +64,7 @@ CALIBRATION = {
     "attenuation_camera2": ((), "um-1"),
     "covariance": (("parameter", "parameter2"), None),
     "thickness_range": (("bound",), "um"),
+    "curve_x": (("bin",), "mm"),
     "curve_thickness": (("bin",), "um"),
     "curve_ratio": (("bin",), "1"),
     "curve_ratio_std": (("bin",), "1"),
