@@ -454,7 +454,12 @@ def _reduce_darks(recording: Recording, settings: CameraSettings, camera: int) -
     if n < 2:
         return _Darks(mean, 0.0, hot, 1)
     # the variance of n pages is a chi-square of n - 1: a noisy pixel stands above what one in ten million does
-    typical = float(np.median(variance)) * (n - 1) / chi2.ppf(0.5, n - 1)
+    typical = max(
+        float(np.median(variance)) * (n - 1) / chi2.ppf(0.5, n - 1),
+        # of few pages of a quiet camera most counts are alike, and the median is 0; noisy pixels must not lift this mean
+        float(np.minimum(variance, np.quantile(variance, 0.99)).mean()),
+        _QUANTISATION,
+    )
     noisy = variance > typical * chi2.isf(1e-7, n - 1) / (n - 1) + 1.0
     bad = hot | noisy
     temporal_var = float(variance[~bad].mean())

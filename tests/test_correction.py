@@ -5,6 +5,7 @@ import numpy.testing as npt
 import pytest
 import tifffile
 import xarray as xr
+from scipy.stats import norm
 
 from erlif.core.flags import Flag
 from erlif.core.products import Frames, References
@@ -217,6 +218,27 @@ def test_two_dark_pages_give_an_unbiased_read_noise_and_condemn_no_pixel(fixture
     # 5760 pixels, one degree of freedom each: 0.9 % of the read noise
     npt.assert_allclose(references.read_noise, READ, rtol=0.04)
     assert np.all(abs(references.read_noise - READ) < 4 * references.read_noise_std)
+
+
+@pytest.mark.parametrize("sigma", [0.3, 0.4, 0.45])
+def test_two_dark_pages_of_a_quiet_camera_condemn_no_pixel(fixture_dir, sigma):
+    """Most pixels read the same count twice, and the median of their variances is zero."""
+    found, condemned = [], 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        with tifffile.TiffWriter(fixture_dir / "dark.tif") as file:
+            for _ in range(2):
+                file.write(np.rint(rng.normal(OFFSET, sigma, SHAPE)).astype(np.uint16), contiguous=False)
+        references = measure_references(open_fixture(fixture_dir)).isel(camera=0)
+        found.append(2 * float(references.dark_var.mean()))
+        bad = references.bad.values.copy()
+        bad[HOT] = bad[DEAD] = False
+        condemned += int(bad.sum())
+    assert condemned < 5e-4 * len(found) * np.prod(SHAPE)
+    # the variance of a normal variate rounded to whole counts; 4 x 5760 pairs tell it to 1.6 % at worst
+    counts = np.arange(-8, 9)
+    expected = (counts**2 * np.diff(norm.cdf(np.arange(-8.5, 9), scale=sigma))).sum()
+    npt.assert_allclose(np.mean(found), expected, rtol=0.05)
 
 
 def test_a_single_dark_page_brings_its_noise_into_every_frame(fixture_dir):
