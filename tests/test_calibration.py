@@ -295,3 +295,43 @@ def test_profile_out_of_order_is_sorted_and_repeats_averaged(tmp_path):
 def test_unusable_profile_is_refused(tmp_path, rows, header, message):
     with pytest.raises(CalibrationError, match=message):
         read_profile(write_profile(tmp_path / "p.csv", rows, header))
+
+
+def test_a_line_scan_with_a_y_column_is_a_line(tmp_path):
+    """A CMM writes y_mm although it ran along a line, to a few micrometres: the same calibration as without the column."""
+    rng = np.random.default_rng(18)
+    line, image = cmm_profile(rng), ratio_image(rng)
+    rows = [f"{x!r},{t!r},0.15" for x, t in zip(line.position.tolist(), line.thickness.tolist(), strict=True)]
+    plain = read_profile(write_profile(tmp_path / "line.csv", rows))
+    header = "x_mm,y_mm,thickness_um,uncertainty_um"
+    for wander in (0.0, 0.003):
+        across = (1.5 + rng.uniform(-wander, wander, len(rows))).tolist()
+        listed = [row.replace(",", f",{y!r},", 1) for row, y in zip(rows, across, strict=True)]
+        order = rng.permutation(len(rows))
+        found = read_profile(write_profile(tmp_path / "scan.csv", [listed[n] for n in order], header))
+        npt.assert_array_equal(found.position, plain.position)
+        npt.assert_array_equal(found.thickness, plain.thickness)
+        assert any("a line profile along x_mm, at y_mm 1.5" in note for note in found.notes)
+        npt.assert_array_equal(
+            fit(rng, image=image, profile=found).parameters, fit(rng, image=image, profile=plain).parameters
+        )
+
+
+@pytest.mark.parametrize(
+    ("rows", "header"),
+    [
+        ([f"2.0,{y},{1 + y}" for y in range(9)], "x_mm,y_mm,thickness_um"),
+        (["2.0,3.0,1.0"] * 9, "x_mm,y_mm,thickness_um"),
+        (["2.0,1.0"] * 9, "x_mm,thickness_um"),
+    ],
+)
+def test_a_profile_without_extent_along_x_is_refused(tmp_path, rows, header):
+    with pytest.raises(CalibrationError, match="x_mm to change along the profile"):
+        read_profile(write_profile(tmp_path / "p.csv", rows, header))
+
+
+def test_a_surface_without_extent_is_refused_where_it_is_used():
+    x = np.arange(0, 18.9, 0.3)
+    profile = Profile(np.stack([x, np.full_like(x, 1.5)], axis=1), 0.1 + x, np.full_like(x, 0.1))
+    with pytest.raises(CalibrationError, match="extent"):
+        fit(np.random.default_rng(19), profile=profile)

@@ -20,6 +20,7 @@ LEAST_POINTS = 8
 """Points below which a profile says too little."""
 
 _HIGHEST_DEGREES = (40, 16)  # of the polynomial that follows the form of a line and of a surface
+_LINE = 1e-3  # extent across by extent along: below it a scan is a line, whose axes the machine kept to its own error
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,14 @@ def read_profile(path: Path) -> Profile:
 
     Points out of order are sorted and repeated ones averaged, and the notes say so.
 
+    A scan along x at one y (to a thousandth of its length) is a line: its position is x alone, its y is left out, and as for a file
+    without y_mm the film is taken to be the same across the profile, so that every pixel across it counts.
+
     Raises
     ------
     CalibrationError
-        If the file is missing, its header is another, a value is no number, or fewer than eight points are left.
+        If the file is missing, its header is another, a value is no number, fewer than eight points are left, or x does not change
+        along the profile.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -86,6 +91,19 @@ def read_profile(path: Path) -> Profile:
                     f"Expected a number in row {n + 2}, column {name} of {path.name}; got {row[m] if m < len(row) else 'nothing'!r}."
                 )
     notes: list[str] = []
+    if len(values) >= LEAST_POINTS:  # fewer are refused below
+        along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
+        if along <= _LINE * across:
+            raise CalibrationError(
+                f"Expected x_mm to change along the profile in {path.name}; it is {values[0, 0]:g} at all points. A scan along y is given "
+                "with y_mm as x_mm, and direction in fixture.toml turned by 90 deg."
+            )
+        if surface and across <= _LINE * along:
+            notes.append(
+                f"{path.name}: a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out, and the film taken to be the "
+                "same across the profile"
+            )
+            values, surface = np.delete(values, 1, axis=1), False
     axes = 2 if surface else 1
     order = np.lexsort(values[:, :axes].T[::-1])
     if np.any(order != np.arange(len(order))) and not surface:
@@ -118,8 +136,18 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
 
     It is that of the polynomial whose degree the Bayesian information criterion (Schwarz 1978) prefers. A straight wedge is found to be one:
     no form is made of the noise, from which a pose could seem to be told.
+
+    Raises
+    ------
+    CalibrationError
+        If the profile has no extent along an axis.
     """
     middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
+    if not reach.all():
+        raise CalibrationError(
+            "Expected a profile with extent along each of its axes; all points lie at one place of an axis. Give a line by its places "
+            "along it alone."
+        )
     scaled = (position - middle) / reach
     known = uncertainty is not None and bool(np.isfinite(uncertainty).all())
     weight = 1 / uncertainty if uncertainty is not None and known else np.ones(thickness.size)
