@@ -61,7 +61,7 @@ def uncertainty_budget(
     calibration : Calibration or path, optional
         As for `erlif.process`.
     films : tuple of float, optional
-        Films for whose pixels the budget is made; default: near the 10th, 50th and 90th percentile of the map. [um]
+        Films for whose pixels the budget is made; default: the 10th, 50th and 90th percentile of the map. [um]
     progress : callable, optional
 
     Returns
@@ -94,11 +94,13 @@ def uncertainty_budget(
     averaging = []
     with one_thread_per_frame():
         for frame in frames_of[trigger]:
-            total.add(chain.ratio(frame))
-            averaging.append(_add_sources(variances, chain, frame))
+            ratios = chain.ratio(frame)
+            averaging.append(_add_sources(variances, chain, frame, total.weigh(ratios, 0).astype(float)))
+            total.add(ratios)
     frames = len(averaging)
+    weight = np.where(total.weight > 0, total.weight, np.inf)
     for source, variance in variances.items():
-        variance /= frames**2 if _SOURCES[source] == RANDOM else frames
+        variance /= weight**2 if _SOURCES[source] == RANDOM else weight
     ratio = total.mean()
     maps = measure_thickness(ratio, calibration)
     x, y = pixel_positions(recording)
@@ -108,6 +110,10 @@ def uncertainty_budget(
         ratio, maps, calibration, x=x, y=y, rows=rows, columns=columns, sliding_along_x=sliding_along_x
     )
     valid = maps.flags.values == 0
+    if not valid.any():
+        raise ConfigError(
+            f"Expected a trigger with valid pixels; trigger {trigger} has none, every pixel is flagged. Name another trigger."
+        )
     table = calibration.inverse
     places = table.start + table.step * np.arange(table.thickness.size)
     film = np.interp(np.where(valid, maps.log_ratio_near.values, 0.0), places, table.thickness)
@@ -140,12 +146,12 @@ def uncertainty_budget(
 
 
 def _typical_films(film: Array) -> tuple[float, ...]:
-    """Films to the half micrometre near three percentiles."""
-    return tuple(sorted({max(0.5, round(2 * float(value)) / 2) for value in np.percentile(film, [10, 50, 90])}))
+    """Three percentiles, to three digits."""
+    return tuple(sorted({float(f"{value:.3g}") for value in np.percentile(film, [10, 50, 90])}))
 
 
-def _add_sources(variances: dict[str, Array], chain: Chain, frame: int) -> float:
-    """Add the relative variance that each source leaves in one frame; returns how far interpolation lowers that of camera 2."""
+def _add_sources(variances: dict[str, Array], chain: Chain, frame: int, weight: Array) -> float:
+    """Add the weighted relative variance of each source in one frame; returns how far interpolation lowers that of camera 2."""
     frames = read_frames(chain.recording, [frame])
     corrected = correct_frames(frames, chain.references, least_signal=chain.recording.settings.thickness.least_signal)
     aligned = chain.aligned(frame)
@@ -170,9 +176,12 @@ def _add_sources(variances: dict[str, Array], chain: Chain, frame: int) -> float
         )
         moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
         for name, image in ((one, moved.signal_var), (other, moved.signal_var_fixed)):
-            relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
+            with np.errstate(divide="ignore", invalid="ignore"):  # where nothing was seen, and nothing weighs
+                relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
             for camera in (1, 2):
-                variances[f"{name}, camera {camera}"] += relative[camera - 1]
+                source = f"{name}, camera {camera}"
+                power = weight**2 if _SOURCES[source] == RANDOM else weight
+                variances[source] += power * np.where(weight > 0, relative[camera - 1], 0.0)
     return float(aligned.interpolation[0])
 
 

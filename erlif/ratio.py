@@ -295,15 +295,14 @@ class RatioSum:
         """Add ratio images (frame, y, x) of the same trigger."""
         require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
         for n in range(ratios.sizes["frame"]):
-            flag, fixed = ratios.flags.values[n], ratios.log_ratio_var_fixed.values[n]
-            random = ratios.log_ratio_var.values[n] - fixed
+            fixed = ratios.log_ratio_var_fixed.values[n]
             _add_frame(
                 ratios.log_ratio.values[n],
-                mean_of_surroundings(random, flag == 0),
-                random,
+                self.weigh(ratios, n),
+                ratios.log_ratio_var.values[n] - fixed,
                 fixed,
                 ratios.log_ratio_var_shared.values[n],
-                flag,
+                ratios.flags.values[n],
                 self.weight,
                 self.total,
                 self.random,
@@ -314,6 +313,14 @@ class RatioSum:
             )
             self.frames += 1
             self.correlation += float(ratios.noise_correlation[n]) if "noise_correlation" in ratios else 1.0
+
+    @staticmethod
+    def weigh(ratios: RatioImages, frame: int) -> Image:
+        """Weight of each pixel of a frame: one over the variance, new in this frame, of its surroundings; 0 where it is flagged."""
+        sound = ratios.flags.values[frame] == 0
+        variance = ratios.log_ratio_var.values[frame] - ratios.log_ratio_var_fixed.values[frame]
+        expected = mean_of_surroundings(variance, sound)
+        return np.divide(1, expected, out=np.zeros(sound.shape, np.float32), where=sound)
 
     def mean(self) -> RatioImages:
         """Weighted mean of what was added, as RatioImages without a frame dimension."""
@@ -337,7 +344,7 @@ class RatioSum:
 @numba.njit(nogil=True, cache=True)
 def _add_frame(  # type: ignore[no-untyped-def]
     log_ratio,
-    expected,
+    frame_weight,
     variance,
     variance_fixed,
     variance_shared,
@@ -355,7 +362,7 @@ def _add_frame(  # type: ignore[no-untyped-def]
         for j in range(log_ratio.shape[1]):
             flags[i, j] |= flag[i, j]
             if flag[i, j] == 0:
-                w = 1.0 / expected[i, j]
+                w = frame_weight[i, j]
                 weight[i, j] += w
                 total[i, j] += w * log_ratio[i, j]
                 random[i, j] += w * w * variance[i, j]

@@ -126,7 +126,7 @@ def _invert(  # type: ignore[no-untyped-def]
             f = place - k
             thickness[i, j] = table[k] + f * (table[k + 1] - table[k])
             # where the curve bends, its slope at a noisy ratio goes with the error; halfway to the surroundings it spans the error
-            place = 0.5 * (place + (near[i, j] - start) / step)
+            place = min(max(0.5 * (place + (near[i, j] - start) / step), 0.0), float(last))
             k = min(int(place), last - 1)
             f = place - k
             rate = per_log_ratio[k] + f * (per_log_ratio[k + 1] - per_log_ratio[k])

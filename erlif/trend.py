@@ -28,6 +28,7 @@ SLOWEST = 0.1
 _BLOCK = 8  # pixels averaged before the gap is fitted
 _CLIP = 4.685  # standard deviations off the gap at which a block has lost its say; 95 % efficient where noise is normal
 _LAG = 3  # strips of blocks over which the marks of a surface go together
+_STRIPS_PER_LAG = 7
 _LEAST_BLOCKS = 16
 _MOST_STEPS = 30
 
@@ -208,7 +209,7 @@ def _least_film(
     limits = calibration.predict_log([low, high])
     start = np.interp(value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500))
     use = (value > limits[0]) & (value < limits[1])
-    if use.sum() < _LEAST_BLOCKS:
+    if not _determine_a_gap(blocks, use):
         return nothing
     gap = np.linalg.lstsq(design[use], start[use], rcond=None)[0]
     trust = use.astype(float)
@@ -220,12 +221,14 @@ def _least_film(
         if step >= 2:
             # choose by the fitted gap, never by the noisy value, so that the choice leaves no bias
             use = film < high
-            if use.sum() < _LEAST_BLOCKS:
+            if not _determine_a_gap(blocks, use):
                 return nothing
             surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
             # biweight (Beaton and Tukey 1974): scratches, dust and unseen bubbles lose their say
             square = np.clip(1 - (residual / _CLIP) ** 2 / (noise + slope**2 * surface), 0, None)
             trust = np.where(use, square**2, 0.0)
+            if not _determine_a_gap(blocks, square > 0.2):
+                return nothing
             response = np.where(use, square * (5 * square - 4), 0.0)  # of trust times residual to the residual
         weight = trust / (noise + slope**2 * surface)
         jacobian = design * slope[:, None]
@@ -247,6 +250,12 @@ def _least_film(
     return float(at @ gap), math.sqrt(random), math.sqrt(max(total - random, 0.0)), np.asarray(by_parameter)
 
 
+def _determine_a_gap(blocks: _Blocks, use: npt.NDArray[np.bool_]) -> bool:
+    """Whether the chosen blocks tell a parabola along sliding and a tilt across."""
+    along, across = (np.unique(strip[use]).size for strip in (blocks.strip_across, blocks.strip_along))
+    return bool(use.sum() >= _LEAST_BLOCKS and along >= 4 and across >= 3)
+
+
 def _excess_variance(residual: Array, variance: Array) -> float:
     """Variance that residuals have beyond their own, by their median absolute deviation."""
     excess = 0.0
@@ -260,12 +269,18 @@ def _excess_variance(residual: Array, variance: Array) -> float:
 
 
 def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
-    """Variance of a sum whose terms go together within a strip and, less and less, with the next strips (Newey and West 1987)."""
+    """Variance of a sum whose terms go together within a strip and, less and less, with the next strips (Newey and West 1987).
+
+    The fit has taken from few strips a good part of what they share, so their number is corrected for, and where there are few,
+    each is taken by itself.
+    """
     sums = np.bincount(strip, score)
+    count = np.unique(strip).size
+    lags = min(max(count // _STRIPS_PER_LAG, 1), _LAG)
     total = float((sums**2).sum())
-    for lag in range(1, min(_LAG, sums.size)):
-        total += 2 * (1 - lag / _LAG) * float((sums[lag:] * sums[:-lag]).sum())
-    return total
+    for lag in range(1, lags):
+        total += 2 * (1 - lag / lags) * float((sums[lag:] * sums[:-lag]).sum())
+    return total * count / (count - 1)
 
 
 @dataclass(frozen=True)

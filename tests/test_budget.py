@@ -1,11 +1,13 @@
 """The budget adds up to the error bars that the maps carry."""
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
 import pytest
+import tifffile
 from click.testing import CliRunner
 
 import erlif
@@ -37,6 +39,22 @@ def test_terms_add_up_to_the_error_bars_of_the_pixels(lab):
         npt.assert_allclose(sums.sel(term="shared part"), np.median(one.thickness_std_shared.values[near]), rtol=0.05)
 
 
+def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
+    """One frame of the trigger black: its other frame answers, and the terms are those of that frame alone."""
+    _, whole, out, calibration = lab
+    copy = shutil.copytree(out / "run", tmp_path / "run")
+    triggers = len(list((copy / "camera1").iterdir())) // 2
+    for camera in ("camera1", "camera2"):
+        path = sorted((copy / camera).iterdir())[2 + triggers]
+        tifffile.imwrite(path, np.full_like(tifffile.imread(path), 64))
+    budget = erlif.uncertainty_budget(copy, trigger=2, calibration=calibration, films=(6.0, 8.0))
+    assert np.isfinite(budget["std"].sel(term="total")).all()
+    photons = [b["std"].isel(quantity=0).sel(term="photons, camera 1") for b in (budget, whole)]
+    npt.assert_allclose(photons[0] / photons[1], np.sqrt(2), rtol=0.05)
+    named = erlif.uncertainty_budget(copy, trigger=2, calibration=calibration)
+    assert named.sizes["quantity"] == 5
+
+
 def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
     film, budget, _, _ = lab
     for name, title in (("film_mean", "mean film"), ("film_min", "least film")):
@@ -48,8 +66,6 @@ def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
 def test_photons_are_the_square_root_of_their_number(lab):
     """Shot noise of a pixel from the counts in the files and the gain alone."""
     film, budget, out, calibration = lab
-    import tifffile
-
     pages = [tifffile.imread(path) for path in sorted((out / "run" / "camera1").iterdir())]
     triggers = film.sizes["trigger"]
     electrons = (

@@ -372,3 +372,11 @@ def test_drawing_is_loaded_only_when_asked_for_and_never_opens_pyplot():
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_calibration_figures_of_a_film_without_its_calibration_draw_the_curve_alone(film):
+    """A film moved away from its fixture keeps the curve and its range, and no points."""
+    kept = plots.calibration_of(film)
+    fit, *_ = plots.ratio_against_thickness(kept)
+    npt.assert_allclose(fit.get_ydata(), kept.predict(fit.get_xdata()))
+    assert isinstance(plots.calibration_figure(kept), Figure)

@@ -92,3 +92,17 @@ def test_earlier_flags_stay(calibration):
     images.flags.values[0, 1] = Flag.DIM
     maps = measure_thickness(images, calibration)
     npt.assert_array_equal(maps.flags, [[Flag.SATURATED, Flag.DIM], [0, 0]])
+
+
+def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
+    """Pixels above the limit in surroundings below it: the slope between them must not come from the thick end of the curve."""
+    calibration = Calibration(K, P, Q, 1e-8 * np.eye(3), (1.0, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+    rng = np.random.default_rng(3)
+    film = np.clip(1.25 + 0.25 * rng.standard_normal((200, 200)), 0.3, None)
+    maps = measure_thickness(ratio_images(log_ratio_of(film), variance=1e-6), calibration)
+    valid = maps.flags.values == 0
+    assert 0.2 < valid.mean() < 0.95
+    expected = 1e-3 / (Q / np.expm1(Q * film) - P / np.expm1(P * film))
+    ratio = maps.thickness_std.values[valid] / expected[valid]
+    assert ratio.min() > 0.9
+    assert ratio.max() < 1.1

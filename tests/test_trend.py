@@ -287,3 +287,13 @@ def test_mean_film_is_that_of_the_answered_pixels_where_much_lies_beyond_the_ran
     assert found.censored > 0.05
     assert abs(np.mean(errors)) < 4 / np.sqrt(20)
     assert np.std(errors) < 1.6
+
+
+def test_region_covered_but_for_one_row_of_blocks_has_no_least_film(calibration):
+    """What is left tells no tilt: NaN, not a singular fit."""
+    ratios = ratios_of(gap(3.0), 0.01, np.random.default_rng(10))
+    ratios.flags.values[8:] = 128
+    found = summarise_film(ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE)
+    assert np.isnan(found.minimum)
+    assert np.isnan(found.minimum_std)
+    assert np.isfinite(found.mean)

@@ -142,7 +142,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label=model)
     artists: list[Artist] = [fit, band]
     curve = calibration.curve
-    if "curve_thickness" in curve:
+    if "curve_ratio" in curve:
         bars = ax.errorbar(
             curve.curve_thickness.values,
             curve.curve_ratio.values,
@@ -195,7 +195,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
         artists += ax.plot(t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone")
         ax.legend(loc="best")
     curve = calibration.curve
-    if "curve_thickness" in curve:
+    if "curve_ratio" in curve:
         fitted = curve.curve_ratio.values - curve.curve_residual.values
         bars = ax.errorbar(
             curve.curve_thickness.values,
