@@ -109,7 +109,7 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
             here.sum(),
             (np.abs(pull) < 1).sum(),
             (np.abs(pull) < 2).sum(),
-            here.sum() / max((wanted & (known >= low) & (known < high)).sum(), 1),
+            (wanted & (known >= low) & (known < high)).sum(),
             np.mean(error[here]) / np.mean(film.thickness_std.values[here]) if here.any() else np.nan,
         )
     inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
@@ -186,7 +186,7 @@ def maps(scratch: Path, processes: int, *, exact: bool) -> None:
         print(line + f" | {max(r['beyond5'] for r in chosen):.5f}")
         for span in ((1, 10), *OCTAVES):
             count, one, two = (sum(r[span][n] for r in chosen) for n in range(3))
-            share = np.mean([r[span][3] for r in chosen])
+            share = count / max(sum(r[span][3] for r in chosen), 1)
             bias = [r[span][4] for r in chosen]
             print(
                 f"      {span[0]:2d}-{span[1]:2d} um {share:6.1%} {one / max(count, 1):7.1%} {two / max(count, 1):6.1%}  "
