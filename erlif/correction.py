@@ -46,13 +46,16 @@ _FRAMES_SEEN = 8  # frames searched for saturation below full scale
 
 @dataclass(frozen=True)
 class CameraNoise:
-    """Gain [electron/DN] and read noise [electron] of one camera with their standard deviations, and its response spread [1]."""
+    """Gain [electron/DN] and read noise [electron] of one camera with their standard deviations, and its response spread [1].
+
+    The response spread is NaN where nothing tells it.
+    """
 
     gain: float
     gain_std: float
     read_noise: float
     read_noise_std: float
-    response_spread: float = 0.0
+    response_spread: float = float("nan")
 
 
 def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise | None] = (None, None)) -> References:
@@ -267,7 +270,7 @@ def _measure_camera(
         spread = measure_response_spread(flat, flat_var, bad)
     elif estimated is not None:
         spread = estimated.response_spread
-        flat_var += spread**2  # what is not corrected is noise, the same in every frame
+        flat_var += np.nan_to_num(spread) ** 2  # what is not corrected is noise, the same in every frame
     dark = float(darks.mean[~darks.bad].mean())
     record.put("full_scale", saturation, "DN", "count at which the camera saturates")
     record.put("dark_signal", dark, "DN", "mean dark level")

@@ -36,6 +36,8 @@ _UNLIKE = 0.05  # how probable two cameras of unlike gain are beforehand
 _UNLIKENESS = 0.4  # by how much of themselves such gains differ
 _FREEDOM = 10  # degrees of freedom of a standard deviation found from the blocks
 _WORST = 0.3  # relative standard deviation of a gain that is still an answer
+_STILL = 1e-3  # share of a pattern in the variance of differences that a drift of about 0.01 px leaves
+_SHARP, _VAGUE = 0.005**2, 0.01**2  # std of the response's variance: an answer though it be zero, and none at all [1]
 
 
 _RING = np.zeros((5, 5))  # a pixel less the mean of the eight two pixels off: takes off a tilted film
@@ -47,7 +49,8 @@ def complete_noise(chain: Chain) -> Chain:
     """Estimate what neither settings nor darks and flats tell of gain and noise, from the frames of the recording.
 
     The chain needs a gain to know its noise, so it begins with a guess and takes a few turns. Without a flat the pixels' unequal
-    response stays in the ratio; how unequal camera 2's pixels are, and camera 1's like them, becomes part of the variance.
+    response stays in the ratio; how unequal camera 2's pixels are, and camera 1's like them, becomes part of the variance. Only a drift of camera 2 tells that:
+    of cameras that stand still it is left out, and the notes say so.
 
     Parameters
     ----------
@@ -75,7 +78,7 @@ def complete_noise(chain: Chain) -> Chain:
         estimate = found
         chain = replace(chain, references=measure_references(chain.recording, estimated=estimate.cameras))
         chain = replace(chain, blur=measure_blur(chain))
-        now = np.array([[noise.gain, noise.response_spread] for noise in estimate.cameras])
+        now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])
         if np.all(np.abs(now - before) <= 5e-3 * now):
             break
         before = now
@@ -127,9 +130,13 @@ def _say(references: References, estimate: _Estimate, wanted: _Open) -> Referenc
             )
     if wanted.response[1]:
         cameras = "both cameras" if wanted.response[0] else "camera 2"
+        spread = estimate.cameras[1].response_spread
         said.append(
-            f"pixels of {cameras} differ by {100 * estimate.cameras[1].response_spread:.1f} %, as the drift of camera 2 shows; for want of a "
-            "flat this is counted as noise"
+            f"how pixels of {cameras} differ is not known, for the cameras did not move, or hardly, against each other; for want of a flat, "
+            "pixel response is neither corrected nor counted"
+            if np.isnan(spread)
+            else f"pixels of {cameras} differ by {100 * spread:.1f} %, as the drift of camera 2 shows; for want of a flat this is counted as "
+            "noise"
         )
     attributes = {kind: "\n".join(filter(None, [references.attrs[kind], *said])) for kind in ("notes", "warnings")}
     return References(references.assign_attrs(attributes))
@@ -150,9 +157,14 @@ def _estimate(chain: Chain, wanted: _Open) -> _Estimate | None:
             f"with enough light and overlap, got {len(frames)} with {len(cells.variance)} usable patches. Give gain = "
             '"4.4 electron/DN" and read_noise = "9 electron", or flats and darks with at least two pages each.'
         )
-    fit, alike = _fit(cells, references, wanted, one_gain=True), float("nan")
+    pattern = bool(wanted.response[1] and cells.pattern.mean() > _STILL)
+    fit, alike = _fit(cells, references, wanted, one_gain=True, pattern=pattern), float("nan")
+    if pattern and not fit.tells_response:
+        # a column so like the constant would take from it, or give to it, at random
+        pattern = False
+        fit = _fit(cells, references, wanted, one_gain=True, pattern=False)
     if wanted.gain.all():
-        fit, alike = _weigh(fit, _fit(cells, references, wanted, one_gain=False))
+        fit, alike = _weigh(fit, _fit(cells, references, wanted, one_gain=False, pattern=pattern))
     gain_std = np.zeros(2)
     for n in np.nonzero(wanted.gain)[0]:
         slope, std = fit.slope[n], float(np.sqrt(fit.slope_covariance[n, n]))
@@ -358,7 +370,7 @@ def _spline_table() -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Fit:
-    """What the frames say; zeros where it was known."""
+    """What the frames say; zeros where gain or dark was known."""
 
     slope: Array
     """(camera,), 1/gain. [DN/electron]"""
@@ -367,14 +379,20 @@ class _Fit:
     """Variance of the dark. [DN2]"""
     dark_std: float
     response: float
-    """Relative variance of the response of camera 2. [1]"""
+    """Relative variance of the response of camera 2, NaN where it was left out. [1]"""
+    response_std: float
+
+    @property
+    def tells_response(self) -> bool:
+        """Whether the response is an answer: sharp, or at least clearly there."""
+        return self.response_std < _SHARP or self.response_std < min(_VAGUE, self.response / 3)
 
 
-def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool) -> _Fit:
+def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool, pattern: bool) -> _Fit:
     """Causes of the variance: light, dark, pattern and a rest.
 
-    The pattern is that of camera 2 where it has no flat, which its drift moves, and the rest a constant: speckle that alignment
-    and blur have not made the same to the last.
+    The pattern, where it is asked for, is that of camera 2 without a flat, which its drift moves, and the rest a constant: speckle
+    that alignment and blur have not made the same to the last.
     """
     gain, read_noise = references.gain.values, references.read_noise.values
     known = np.zeros(len(cells.variance))
@@ -390,9 +408,9 @@ def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool
     columns = [cells.shot @ cameras for cameras in share]
     if wanted.read_noise.any():
         columns.append(cells.read[:, wanted.read_noise].sum(axis=1))
-    if wanted.response[1]:
+    if pattern:
         columns.append(cells.pattern)
-    else:
+    elif not wanted.response[1]:
         two = references.isel(camera=1)
         good = ~two.bad.values
         known += cells.pattern * float((two.flat_var.values / two.flat.values**2)[good].mean())
@@ -404,7 +422,8 @@ def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool
         slope_covariance=share.T @ covariance[:gains, :gains] @ share,
         dark=float(values[gains]) if dark else 0.0,
         dark_std=float(np.sqrt(covariance[gains, gains])) if dark else 0.0,
-        response=float(values[-2]) if wanted.response[1] else 0.0,
+        response=float(values[-2]) if pattern else float("nan"),
+        response_std=float(np.sqrt(covariance[-2, -2])) if pattern else float("nan"),
     )
 
 

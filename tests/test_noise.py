@@ -168,6 +168,34 @@ def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
     assert "pixels of both cameras differ by" in chain.references.attrs["warnings"]
 
 
+@pytest.mark.parametrize("vibration", [0.0, 0.05])
+@pytest.mark.parametrize("seed", [812, 813])
+def test_cameras_that_stand_still_do_not_tell_the_spread_of_the_response(tmp_path, seed, vibration):
+    """A pattern that does not move leaves the differences of frames; nothing is to be made of what little does."""
+    simulate(
+        tmp_path / "rig",
+        seed=seed,
+        rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration),
+    )
+    run = tmp_path / "rig" / "run"
+    forget(run / "run.toml", "flat")
+    references = estimate(run).references
+    npt.assert_array_equal(references.response_spread, np.nan)
+    npt.assert_array_equal(references.flat_var, 0.0)
+    assert "pixel response is neither corrected nor counted" in references.attrs["warnings"]
+    assert "response spread" not in references.attrs["notes"]
+    assert "differ by" not in references.attrs["notes"]
+
+
+def test_frames_that_are_alike_tell_the_gain_without_a_pattern(laboratory, monkeypatch):
+    """Drift of exactly zero: the pattern has no share in the differences at all."""
+    monkeypatch.setattr("erlif.noise._overlap", lambda kernel, first, second: np.full(first.shape[1:], 0.5))
+    forget(laboratory / "run" / "run.toml", "gain", "flat")
+    references = estimate(laboratory / "run").references
+    assert np.all(np.isfinite(references.gain))
+    npt.assert_array_equal(references.response_spread, np.nan)
+
+
 def test_a_single_frame_does_not_tell_the_gain(lab, refused):
     forget(lab.fixture / "fixture.toml", "gain", "flat")
     for camera in (1, 2):
