@@ -335,3 +335,12 @@ def test_a_surface_without_extent_is_refused_where_it_is_used():
     profile = Profile(np.stack([x, np.full_like(x, 1.5)], axis=1), 0.1 + x, np.full_like(x, 0.1))
     with pytest.raises(CalibrationError, match="extent"):
         fit(np.random.default_rng(19), profile=profile)
+
+
+def test_a_fixture_of_one_thickness_is_refused():
+    x = np.arange(0, 18.9, 0.1)
+    for seed in range(4):  # whichever way the noise lets the ratio rise
+        rng = np.random.default_rng(seed)
+        image = ratio_image(rng, ratio=np.full(SHAPE[1], integrated_ratio(5.0)))
+        with pytest.raises(CalibrationError, match="is 5 um thick at all points"):
+            fit(rng, image=image, profile=Profile(x, np.full_like(x, 5.0), np.full_like(x, 0.1)))

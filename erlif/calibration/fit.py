@@ -70,11 +70,16 @@ def fit_calibration(
     Raises
     ------
     CalibrationError
-        If too little of the profile lies in the image, or the ratio falls with thickness (cameras swapped).
+        If too little of the profile lies in the image, its thickness or its place does not change, or the ratio falls with thickness (cameras swapped).
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "flags")
     pose = Pose(origin, direction, pixel_pitch)
     points, notes = pair_profile_with_image(ratios, profile, pose)
+    if np.ptp(points.thickness) == 0:
+        raise CalibrationError(
+            f"Expected a fixture of films of many thicknesses; its profile is {points.thickness[0]:g} um thick at all points in the image. "
+            "Photograph a wedge or a gap that widens."
+        )
     _refuse_swapped_cameras(points)
     freedom, found = Freedom.none(points), None
     if align:
