@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from erlif import __version__
-from erlif.core.errors import ErlifError, OutputError
+from erlif.core.errors import CalibrationError, ErlifError, OutputError
 from erlif.rig.command import simulate
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from erlif.calibration import Calibration
 
 _DIRECTORY = click.Path(path_type=Path)
 _OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
@@ -146,6 +148,7 @@ def calibrate(
     """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
 
     A calibration of the same fixture that --overwrite replaces is compared with the new one, as is the one named by --against.
+    Where they share no film there is nothing to compare: one line says so, and the new calibration is written all the same.
 
     \b
     Example:
@@ -153,7 +156,6 @@ def calibrate(
       erlif calibrate calibration/wedge_in_may --against calibration/wedge/calibration.nc
     """
     from erlif import pipeline
-    from erlif.calibration import compare_calibrations
     from erlif.core.store import refuse_existing
     from erlif.summary import describe_calibration
 
@@ -163,27 +165,49 @@ def calibrate(
     picture = output.with_suffix(".png")
     if picture.exists() and not overwrite:
         raise OutputError(f"{picture} exists already; use --overwrite to replace it, or -o for another name.")
-    earlier = None if against is None else pipeline.open_calibration(against)
+    earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = None
     if output.exists():
         with suppress(ErlifError):  # whatever it is, it was said that it may be replaced
             replaced = pipeline.open_calibration(output)
     with _progress() as progress:
         calibration = pipeline.calibrate(fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress)
-    verdicts = []
-    if earlier is not None:
-        verdicts.append(f"against {against}: {compare_calibrations(calibration, earlier).verdict}")
-    if replaced is not None and replaced.fixture == calibration.fixture and output != against:
-        with suppress(ErlifError):  # of other bands or films: nothing to compare
-            verdicts.append(f"against the one replaced: {compare_calibrations(calibration, replaced).verdict}")
     pipeline.save_calibration(calibration, output, overwrite=overwrite)
     from erlif.plots import write_calibration_figure
 
     figure = write_calibration_figure(calibration, picture)
     click.echo(describe_calibration(calibration))
-    for verdict in verdicts:
-        click.echo(verdict)
+    if earlier is not None:
+        click.echo(f"against {against}: {_compare(calibration, earlier)}")
+    if replaced is not None and replaced.fixture == calibration.fixture and output != against:
+        click.echo(f"against the one replaced: {_compare(calibration, replaced)}")
     click.echo(f"written: {output}, {figure}")
+
+
+def _open_comparable(against: Path, fixture_dir: Path) -> Calibration:
+    """The calibration to compare with, refused before the work if it is of other bands than the fixture."""
+    from erlif.calibration import share_bands
+    from erlif.config import read_fixture_settings
+    from erlif.pipeline import open_calibration
+
+    earlier, settings = open_calibration(against), read_fixture_settings(fixture_dir)
+    bands = settings.camera1.band, settings.camera2.band
+    if not share_bands(earlier.bands, bands):
+        raise CalibrationError(
+            f"Expected --against to name a calibration of the bands in fixture.toml, {bands[0]:g} and {bands[1]:g} nm; {against} is of "
+            f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm. Name one made with the same filters, or leave --against out."
+        )
+    return earlier
+
+
+def _compare(calibration: Calibration, earlier: Calibration) -> str:
+    """The verdict on drift, or why there is none: the calibration is written and stays."""
+    from erlif.calibration import compare_calibrations
+
+    try:
+        return compare_calibrations(calibration, earlier).verdict
+    except CalibrationError as error:
+        return f"not compared. {error}"
 
 
 @main.command()

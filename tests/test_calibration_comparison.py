@@ -113,3 +113,26 @@ def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_r
 
 def test_a_calibration_to_compare_with_must_be_one(lab, refused):
     assert "does not exist" in refused("calibrate", lab.fixture, "--overwrite", "--against", lab.fixture / "none.nc")
+
+
+def test_a_calibration_of_other_bands_is_refused_before_the_work(lab, refused, monkeypatch, tmp_path):
+    """Not only at the end of it, with everything thrown away."""
+    stored = erlif.open_calibration(lab.fixture / "calibration.nc")
+    other = erlif.save_calibration(replace(stored, bands=(560.0, 650.0)), tmp_path / "other.nc")
+    monkeypatch.setattr("erlif.pipeline.calibrate", lambda *_, **__: pytest.fail("the fixture was calibrated"))
+    message = refused("calibrate", lab.fixture, "--overwrite", "--against", other)
+    assert f"{other} is of 560 and 650 nm" in message
+    assert "bands in fixture.toml" in message
+    assert "of the run" not in message
+
+
+def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, command, tmp_path):
+    stored = erlif.open_calibration(lab.fixture / "calibration.nc")
+    other = erlif.save_calibration(replace(stored, thickness_range=(90.0, 120.0)), tmp_path / "other.nc")
+    written = tmp_path / "new.nc"
+    said = command("calibrate", lab.fixture, "-o", written, "--against", other).stdout
+    (line,) = (line for line in said.splitlines() if line.startswith(f"against {other}"))
+    assert "not compared" in line
+    assert "share a range of films" in line
+    assert f"written: {written}" in said
+    npt.assert_array_equal(erlif.open_calibration(written).parameters, stored.parameters)

@@ -7,7 +7,7 @@ form, a spline follows what departs from the model where the residuals insist, a
 """
 
 from erlif.calibration.comparison import Comparison, compare_calibrations
-from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands
+from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
 from erlif.calibration.fit import fit_calibration
 from erlif.calibration.profile import Profile, read_profile
 
@@ -21,4 +21,5 @@ __all__ = [
     "compare_calibrations",
     "fit_calibration",
     "read_profile",
+    "share_bands",
 ]

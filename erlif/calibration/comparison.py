@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
-from erlif.calibration.curve import Calibration, check_bands
+from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
 from erlif.core.errors import CalibrationError
 
@@ -124,7 +124,11 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     CalibrationError
         If the bands differ, or no film is answered by both.
     """
-    check_bands(earlier, calibration.bands)
+    if not share_bands(calibration.bands, earlier.bands):
+        raise CalibrationError(
+            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm, the other of "
+            f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm."
+        )
     low, high = (limit(calibration.thickness_range[n], earlier.thickness_range[n]) for n, limit in ((0, max), (1, min)))
     if high <= low:
         raise CalibrationError(

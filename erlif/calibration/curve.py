@@ -273,6 +273,11 @@ class InverseTable:
         )
 
 
+def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool:
+    """Whether the filter bands of camera 1 and 2 are the same to 1 nm. [nm]"""
+    return bool(np.allclose(bands, others, rtol=0.0, atol=1.0))
+
+
 def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
     """Refuse a calibration of other filter bands.
 
@@ -281,12 +286,10 @@ def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
     CalibrationError
         If a band differs by more than 1 nm, recognising exchanged cameras.
     """
-    if np.allclose(calibration.bands, bands, atol=1.0):
+    if share_bands(calibration.bands, bands):
         return
     swapped = (
-        " The bands are exchanged: the cameras look swapped."
-        if np.allclose(calibration.bands, bands[::-1], atol=1.0)
-        else ""
+        " The bands are exchanged: the cameras look swapped." if share_bands(calibration.bands, bands[::-1]) else ""
     )
     raise CalibrationError(
         f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got one of {calibration.bands[0]:g} and "
