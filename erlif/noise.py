@@ -49,8 +49,10 @@ def complete_noise(chain: Chain) -> Chain:
     """Estimate what neither settings nor darks and flats tell of gain and noise, from the frames of the recording.
 
     The chain needs a gain to know its noise, so it begins with a guess and takes a few turns. Without a flat the pixels' unequal
-    response stays in the ratio; how unequal camera 2's pixels are, and camera 1's like them, becomes part of the variance. Only a drift of camera 2 tells that:
-    of cameras that stand still it is left out, and the notes say so.
+    response stays in the ratio; how unequal camera 2's pixels are, and camera 1's like them, becomes part of the variance. Only a
+    drift of camera 2 tells that: of cameras that stand still it is left out, and the notes say so. Two open gains are taken to be
+    the same by as much as is probable; where both read noises are open, one dark variance is fitted, and one read noise [DN] for
+    both.
 
     Parameters
     ----------
@@ -117,16 +119,15 @@ def _say(references: References, estimate: _Estimate, wanted: _Open) -> Referenc
     for camera, noise in enumerate(estimate.cameras):
         if wanted.noise[camera]:
             what = " and ".join(["gain"] * int(wanted.gain[camera]) + ["read noise"] * int(wanted.read_noise[camera]))
-            same = (
-                ""
-                if np.isnan(estimate.alike)
-                else f" and gains of both cameras that are the same with a probability of {estimate.alike:.2f}"
-            )
-            assumed = same if wanted.gain[camera] else ""
+            assumed = ["shot noise"]
+            if wanted.gain[camera] and not np.isnan(estimate.alike):
+                assumed.append(f"gains of both cameras that are the same with a probability of {estimate.alike:.2f}")
+            if wanted.read_noise.all():
+                assumed.append("one read noise [DN] for both")
             relative = f", the gain to {100 * noise.gain_std / noise.gain:.0f} %" if wanted.gain[camera] else ""
             said.append(
                 f"camera{camera + 1}: {what} estimated from the noise that {estimate.frames} frames of the two cameras do not have in "
-                f"common{relative}, assuming shot noise{assumed}; give them, or record darks and flats, for something better"
+                f"common{relative}, assuming {' and '.join(assumed)}; give them, or record darks and flats, for something better"
             )
     if wanted.response[1]:
         cameras = "both cameras" if wanted.response[0] else "camera 2"
@@ -179,7 +180,7 @@ def _estimate(chain: Chain, wanted: _Open) -> _Estimate | None:
     read_noise[dark] = gain[dark] * np.sqrt(fit.dark)
     # of the root of a variance near zero, the root of its standard deviation is what can be said
     read_std[dark] = gain[dark] * fit.dark_std / (2 * np.sqrt(max(fit.dark, fit.dark_std / 4, 1e-12)))
-    response = np.where(wanted.response & wanted.response[1], np.sqrt(fit.response), 0.0)
+    response = np.where(wanted.response & wanted.response[1], np.sqrt(fit.response), np.nan)
     one, two = (
         CameraNoise(*map(float, row)) for row in zip(gain, gain_std, read_noise, read_std, response, strict=True)
     )

@@ -106,6 +106,7 @@ def test_read_noise_comes_from_the_frames_where_darks_are_too_few(laboratory):
     assert np.all(np.abs(references.read_noise - READ) < 3 * references.read_noise_std)
     assert np.all(references.read_noise_std < READ)
     assert "camera1: read noise estimated" in references.attrs["warnings"]
+    assert references.attrs["warnings"].count("one read noise [DN] for both") == 2
 
 
 @pytest.fixture
@@ -128,6 +129,7 @@ def test_the_gain_of_one_camera_follows_from_that_of_the_other(unlike):
     assert abs(references.gain[1] - GAIN / 2) < 3 * references.gain_std[1]
     assert references.gain_std[1] < 0.15 * GAIN / 2
     assert "the same with" not in references.attrs["notes"]
+    assert "one read noise" not in references.attrs["notes"]
 
 
 def test_cameras_of_unlike_gain_are_told_apart_or_the_uncertainty_says_not(unlike):
@@ -166,6 +168,19 @@ def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
     npt.assert_allclose(chain.references.response_spread, 0.01, rtol=0.25)
     npt.assert_allclose(chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5)
     assert "pixels of both cameras differ by" in chain.references.attrs["warnings"]
+
+
+def test_nothing_is_said_of_the_response_of_a_camera_that_alone_has_no_flat(laboratory):
+    """Its pixels do not move against the image that the differences are taken in."""
+    forget(laboratory / "run" / "run.toml", "gain", camera="2")
+    forget(laboratory / "run" / "run.toml", "gain", "flat", camera="1")
+    references = estimate(laboratory / "run").references
+    assert np.isnan(references.response_spread[0])
+    npt.assert_array_equal(references.flat_var[0], 0.0)
+    npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
+    one = [line for line in references.attrs["notes"].splitlines() if line.startswith("camera1: ")]
+    assert not any("response spread" in line for line in one)
+    assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
 
 @pytest.mark.parametrize("vibration", [0.0, 0.05])
