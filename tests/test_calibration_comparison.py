@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from fixture_scene import K, Q, calibrate_wedge, log_ratio, wedge_profile
+from fixture_scene import PITCH, SHAPE, K, Q, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
 from scipy.stats import binom
 
 import erlif
-from erlif.calibration import compare_calibrations
+from erlif.calibration import Profile, compare_calibrations
 from erlif.core.errors import CalibrationError
 
 
@@ -136,3 +136,50 @@ def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, co
     assert "share a range of films" in line
     assert f"written: {written}" in said
     npt.assert_array_equal(erlif.open_calibration(written).parameters, stored.parameters)
+
+
+def with_hash(calibration, digest, *, places=True):
+    """As the file of a fixture directory keeps it; `places` are missing in those written before they were recorded."""
+    curve = calibration.curve if places else calibration.curve.drop_vars("curve_x")
+    return replace(calibration, curve=curve, input_hashes={"fixture.toml": "f", "wedge.csv": digest, "dark.tif": "d"})
+
+
+def test_readings_are_not_said_to_differ_where_that_is_not_known():
+    calibration, earlier = pair(np.random.default_rng(7), shared=True)
+    found = compare_calibrations(calibration, replace(earlier, curve=earlier.curve.drop_vars("curve_x")))
+    assert not found.same_profile
+    assert "whether both rest on the same CMM readings is not recorded; they were taken as independent" in found.verdict
+    assert "differ and" not in found.verdict
+    found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "b", places=False))
+    assert "the CMM readings differ" in found.verdict
+    found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "a", places=False))
+    assert (
+        "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
+        in found.verdict
+    )
+    apart = compare_calibrations(*pair(np.random.default_rng(7), shared=False))
+    npt.assert_allclose(found.difference_std, apart.difference_std, rtol=0.5)
+
+
+def test_readings_are_recognised_through_a_hash_and_to_rounding():
+    calibration, earlier = pair(np.random.default_rng(8), shared=True)
+    rounded = replace(earlier, curve=earlier.curve.assign(curve_x=earlier.curve.curve_x + 1e-9))
+    for one, other in ((calibration, rounded), (with_hash(calibration, "a"), with_hash(rounded, "a"))):
+        found = compare_calibrations(one, other)
+        assert found.same_profile
+        assert "both rest on the same CMM readings, whose error cancels" in found.verdict
+
+
+def test_a_dense_profile_is_thinned_alike_wherever_each_photograph_was_laid():
+    """Two photographs of a wavy ramp, laid on its profile anew: their pitches come out differently, the readings are the same."""
+    rng = np.random.default_rng(9)
+
+    def wave(x):
+        return 9 + 0.4 * (x - 9) + 2.5 * np.sin(x)
+
+    x = np.arange(0, SHAPE[1] * PITCH, 0.02)
+    profile = Profile(x, wave(x) + rng.normal(0, 0.05, x.size), np.full(x.size, 0.05))
+    ratio = log_ratio(wave(PITCH * np.arange(SHAPE[1])))
+    one, other = (calibrate(image(rng, ratio, noise=0.01), profile, align=True) for _ in range(2))
+    assert one.pose.pose.pixel_pitch != other.pose.pose.pixel_pitch
+    assert compare_calibrations(one, other).same_profile

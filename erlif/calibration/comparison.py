@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
@@ -23,6 +24,8 @@ _NO_VARIANCE = (
     1e-5  # share of the largest variance below which a shape of the difference is not told by the covariances
 )
 _SHARED = 0.8  # of the CMM points: above it, two calibrations rest on the same readings
+_ROUNDING = 1e-5  # mm and um: nearer points of the CMM are one
+_PLACES = ("curve_x", "curve_y")
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,10 @@ class Comparison:
         Of a difference as large by chance.
     bends : bool
         Whether the ratio changed by more at some films than at others.
-    same_profile : bool
-        Whether both rest on the same CMM readings, whose error then cancels.
+    same_profile : bool or None
+        Whether both rest on the same CMM readings; None where that is not recorded.
+    paired : bool
+        Whether the ratios were compared point by point, so that the error of the readings cancels.
     earlier : str
         Name and date of the earlier calibration.
     """
@@ -57,7 +62,8 @@ class Comparison:
     own_std: Array
     probability: float
     bends: bool
-    same_profile: bool
+    same_profile: bool | None
+    paired: bool
     earlier: str
 
     @property
@@ -73,11 +79,7 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """What was found, in a sentence or two."""
-        basis = (
-            "both rest on the same CMM readings, whose error cancels"
-            if self.same_profile
-            else "the CMM readings differ and count with all their error"
-        )
+        basis = self._basis()
         if not self.significant:
             return f"not drifted from {self.earlier}: {self._size()}, as chance has it (probability {self.probability:.2f}; {basis})"
         chance = "below 1e-12" if self.probability < 1e-12 else f"{self.probability:.1g}"
@@ -96,6 +98,18 @@ class Comparison:
                 "bleaching"
             )
         return f"drifted from {self.earlier}: {told}. {cause}"
+
+    def _basis(self) -> str:
+        """How the error of the CMM readings counts."""
+        if self.paired:
+            return "both rest on the same CMM readings, whose error cancels"
+        if self.same_profile:
+            return (
+                "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
+            )
+        if self.same_profile is None:
+            return "whether both rest on the same CMM readings is not recorded; they were taken as independent"
+        return "the CMM readings differ and count with all their error"
 
     def _size(self) -> str:
         """How differently films are read, at most and at some films."""
@@ -157,6 +171,7 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
         calibration.thickness_std(film),
         probability,
         bends,
+        _rest_on_same_readings(calibration, earlier, paired=pairs is not None),
         pairs is not None,
         f"{earlier.fixture or 'the earlier calibration'}{f' of {earlier.date}' if earlier.date else ''}",
     )
@@ -177,25 +192,33 @@ def _test_curves(difference: Array, covariance: Array) -> tuple[float, bool]:
 
 def _match_points(calibration: Calibration, earlier: Calibration) -> tuple[Array, Array, Array] | None:
     """Place, CMM thickness and change of log ratio of the points that both share; None where they rest on other readings."""
-    names = ("curve_x", "curve_y", "curve_thickness")
+    names = [name for name in _PLACES if name in calibration.curve]
+    if not names or names != [name for name in _PLACES if name in earlier.curve]:
+        return None
     ones, others = (
-        {
-            tuple(row[:-1]): float(row[-1])
-            for row in np.column_stack(
-                [each.curve[name].values for name in names if name in each.curve]
-                + [np.log(each.curve.curve_ratio.values)]
-            ).tolist()
-        }
-        if {"curve_x", "curve_ratio"} <= set(each.curve)
-        else {}
+        np.stack([each.curve[name].values for name in [*names, "curve_thickness"]], axis=1)
         for each in (calibration, earlier)
     )
-    shared = sorted(set(ones) & set(others))
-    if len(shared) < 20 or len(shared) < _SHARED * min(len(ones), len(others)):
+    distance, other = (np.asarray(found) for found in cKDTree(others).query(ones))
+    shared = distance <= _ROUNDING
+    if shared.sum() < 20 or shared.sum() < _SHARED * min(len(ones), len(others)):
         return None
-    places = np.array(shared)
-    change = np.array([ones[place] - others[place] for place in shared])
-    return places[:, :-1], places[:, -1], change
+    change = np.log(calibration.curve.curve_ratio.values[shared] / earlier.curve.curve_ratio.values[other[shared]])
+    return ones[shared, :-1], ones[shared, -1], change
+
+
+def _rest_on_same_readings(calibration: Calibration, earlier: Calibration, *, paired: bool) -> bool | None:
+    """Whether both rest on the same CMM readings: by their points, or by the file's hash; None where neither tells."""
+    if paired:
+        return True
+    # a fixture's other inputs are its settings and frames
+    ones, others = (
+        {value for name, value in each.input_hashes.items() if name.lower().endswith((".csv", ".txt"))}
+        for each in (calibration, earlier)
+    )
+    if ones and others:
+        return not ones.isdisjoint(others)
+    return False if all("curve_x" in each.curve for each in (calibration, earlier)) else None
 
 
 def _test_pairs(

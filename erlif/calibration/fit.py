@@ -11,7 +11,7 @@ import xarray as xr
 
 from erlif.calibration.curve import DIRECTION, Calibration
 from erlif.calibration.departure import STRUCTURE, Candidate, choose_departure, find_correlation, fit_departure
-from erlif.calibration.pairing import Points, pair_profile_with_image
+from erlif.calibration.pairing import Points, pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.pose import Freedom, Pose
 from erlif.calibration.profile import Profile
@@ -73,7 +73,7 @@ def fit_calibration(
         If too little of the profile lies in the image, its thickness or its place does not change, or the ratio falls with thickness (cameras swapped).
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "flags")
-    pose = Pose(origin, direction, pixel_pitch)
+    pose, profile = Pose(origin, direction, pixel_pitch), thin_out(profile, pixel_pitch=pixel_pitch)
     points, notes = pair_profile_with_image(ratios, profile, pose)
     if np.ptp(points.thickness) == 0:
         raise CalibrationError(

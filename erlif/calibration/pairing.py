@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,7 +38,7 @@ class Points:
 
 
 def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -> tuple[Points, list[str]]:
-    """Average the ratio over the pixels nearest to each CMM point."""
+    """Average the ratio over the pixels nearest to each point of a profile that `thin_out` has thinned."""
     notes: list[str] = []
     good = (ratios.flags.values == 0) & np.isfinite(ratios.log_ratio.values)
     row, column = np.nonzero(good)
@@ -47,7 +47,8 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
     fixed = ratios.log_ratio_var_fixed.values[good].astype(float)
     along, across = pose.place(column.astype(float), row.astype(float))
     place = along[:, None] if profile.position.ndim == 1 else np.stack([along, across], axis=1)
-    position, thickness, uncertainty = _thin_out(profile, 1.5 * pose.pixel_pitch)
+    position = profile.position.reshape(len(profile.position), -1)
+    thickness, uncertainty = profile.thickness, profile.uncertainty
     tree = cKDTree(position)
     spacing = float(np.median(np.asarray(tree.query(position, k=2)[0])[:, 1]))
     distance, cell = (np.asarray(found) for found in tree.query(place))
@@ -99,13 +100,15 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
     return points, notes
 
 
-def _thin_out(profile: Profile, least: float) -> tuple[Array, Array, Array | None]:
-    """Points of the profile as (point, axis), those of a line closer than `least` mm averaged."""
-    if profile.position.ndim == 2:
-        return profile.position, profile.thickness, profile.uncertainty
+def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
+    """The profile with those points of a line averaged that lie closer than one and a half pixels. `pixel_pitch` in mm.
+
+    It is done once, with the pitch that was given: two photographs of one fixture then rest on the same points, wherever each is laid.
+    """
+    least = 1.5 * pixel_pitch
+    if profile.position.ndim == 2 or np.median(np.diff(profile.position)) >= least:
+        return profile
     group = np.floor((profile.position - profile.position[0]) / least).astype(int)
-    if np.median(np.diff(profile.position)) >= least:
-        return profile.position[:, None], profile.thickness, profile.uncertainty
     count = np.bincount(group)
     full = count > 0
     position, thickness = (
@@ -114,7 +117,7 @@ def _thin_out(profile: Profile, least: float) -> tuple[Array, Array, Array | Non
     uncertainty = None
     if profile.uncertainty is not None:
         uncertainty = np.sqrt(np.bincount(group, profile.uncertainty**2)[full]) / count[full]
-    return position[:, None], thickness, uncertainty
+    return replace(profile, position=position, thickness=thickness, uncertainty=uncertainty)
 
 
 def _robust_cell_mean(

@@ -30,6 +30,7 @@ def refine_pose(
     ----------
     ratios : RatioImages
     profile : Profile
+        As it was paired.
     points : Points
         Paired at the given pose.
     given : Pose
