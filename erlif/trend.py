@@ -28,7 +28,7 @@ SLOWEST = 0.1
 _BLOCK = 8  # pixels averaged before the gap is fitted
 _CLIP = 4.685  # standard deviations off the gap at which a block has lost its say; 95 % efficient where noise is normal
 _LAG = 3  # strips of blocks over which the marks of a surface go together
-_STRIPS_PER_LAG = 7
+_STRIPS_PER_LAG = 6
 _LEAST_BLOCKS = 16
 _MOST_STEPS = 30
 
