@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from film import photon_limit
 
 FILMS = {701: (0.62, 6.0), 702: (0.40, 4.0), 703: (0.62, 3.0), 704: (0.50, 5.0), 705: (0.70, 8.0)}
 """Seed: exponent and least film at top speed [um]."""
@@ -52,17 +53,6 @@ def exactly_known(fixture: Path, seed: int) -> Path:
     copy = shutil.copytree(fixture, fixture.with_name("fixture_exact"), dirs_exist_ok=True)
     write_profile(copy / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture"))
     return copy
-
-
-def photon_limit(truth: xr.Dataset):
-    from erlif.rig.dyes import BANDS, tabulate_signal
-
-    electrons = truth.expected_electrons.values
-    variance = ((electrons + 81 + 4.4**2 / 12) / electrons**2).sum(axis=0)
-    grid = np.linspace(0.02, 40, 8000)
-    one, two = (tabulate_signal(band)(grid) for band in BANDS)
-    slope = np.gradient(np.log(two / one), grid)
-    return np.sqrt(variance) / np.interp(truth.film.values, grid, slope)
 
 
 def examine(case: tuple[Path, int, float, float, bool]) -> dict:
