@@ -12,6 +12,7 @@ import pytest
 import tifffile
 import xarray as xr
 from click.testing import CliRunner
+from tiff_pages import rewrite
 
 import erlif
 from erlif.cli import main
@@ -22,15 +23,6 @@ from erlif.core.store import PartialFilm
 def read_film(path, group=None):
     with erlif.open_film(path, group=group) as film:
         return film.load()
-
-
-def rewrite(path, change):
-    """Change the counts of every page of a TIFF."""
-    with tifffile.TiffFile(path) as file:
-        pages = [change(page.asarray()) for page in file.pages]
-    with tifffile.TiffWriter(path) as file:
-        for page in pages:
-            file.write(page, contiguous=False, metadata=None)
 
 
 def rewrite_all(directory, change):

@@ -8,6 +8,7 @@ import numpy.testing as npt
 import pytest
 import tifffile
 from scipy import ndimage
+from tiff_pages import rewrite
 
 import erlif
 from erlif.chain import prepare_chain, silent
@@ -30,14 +31,6 @@ def forget(path, *keys, camera=r"12"):
 def estimate(directory):
     recording = (open_run if (directory / "run.toml").is_file() else open_fixture)(directory)
     return complete_noise(prepare_chain(recording, measure_references(recording), silent))
-
-
-def rewrite(path, change):
-    with tifffile.TiffFile(path) as file:
-        pages = [change(page.asarray()) for page in file.pages]
-    with tifffile.TiffWriter(path) as file:
-        for page in pages:
-            file.write(page, contiguous=False, metadata=None)
 
 
 def test_known_cameras_are_left_alone(small_rig):

@@ -32,8 +32,8 @@ _REASONS = {
     Flag.DIM: "too little light above the dark level for a ratio to mean anything",
     Flag.BAD_PIXEL: "hot, dead or noisy pixel of a camera",
     Flag.OUTSIDE_OVERLAP: "seen by one camera only",
-    Flag.BELOW_RANGE: "ratio below the thinnest film that the calibration answers for",
-    Flag.ABOVE_RANGE: "ratio above the thickest film that the calibration answers for",
+    Flag.BELOW_RANGE: "film too thin for the calibration, or for a single pixel in this light",
+    Flag.ABOVE_RANGE: "film too thick for the calibration, or for a single pixel in this light",
     Flag.POOR_REGISTRATION: "the cameras are not laid over each other well enough",
     Flag.NO_FILM: "bubble or bare wall: the fluorescence of both bands is missing",
 }
