@@ -66,7 +66,9 @@ def accuracy(scratch: Path) -> None:
 
     import erlif
 
-    print("seed  exponent in  exponent out       coverage  | erlif: scatter, median %, answered % | script: the same")
+    print(
+        "seed  exponent in  exponent out       coverage  | erlif: scatter, median %, answered % | script: the same"
+    )
     for seed, exponent, top in ((601, 0.62, 6.0), (602, 0.40, 4.0), (603, 0.62, 3.0)):
         made = simulate(scratch / str(seed), seed=seed, exponent=exponent, film_reference=top)
         calibration = erlif.calibrate(made / "fixture")
@@ -75,7 +77,9 @@ def accuracy(scratch: Path) -> None:
             truth.load()
         limit = photon_limit(truth)
         ours = score(film.thickness.values, truth, limit)
-        peers = score(user_script.process(made / "run", user_script.calibrate(made / "fixture")), truth, limit)
+        peers = score(
+            user_script.process(made / "run", user_script.calibrate(made / "fixture")), truth, limit
+        )
         inside = (truth.film.values >= 1) & (truth.film.values <= 10) & (film.flags.values == 0)
         error = np.abs(film.thickness.values - truth.film.values)
         coverage = np.mean((error < film.thickness_std.values)[inside])
@@ -98,11 +102,15 @@ def speed(scratch: Path) -> None:
     times = []
     for _ in range(3):
         start = time.perf_counter()
-        erlif.process(made / "run", calibration=calibration, output=scratch / "film.nc", overwrite=True).close()
+        erlif.process(
+            made / "run", calibration=calibration, output=scratch / "film.nc", overwrite=True
+        ).close()
         times.append(time.perf_counter() - start)
     pairs = len(list((made / "run" / "camera1").iterdir()))
     curve = user_script.calibrate(made / "fixture")
-    frames = zip(user_script.corrected(made / "run", 1), user_script.corrected(made / "run", 2), strict=True)
+    frames = zip(
+        user_script.corrected(made / "run", 1), user_script.corrected(made / "run", 2), strict=True
+    )
     images = [pair for pair, _ in zip(frames, range(4), strict=False)]
     peer = []
     for one, two in images:
@@ -114,7 +122,9 @@ def speed(scratch: Path) -> None:
     print(
         f"erlif process   {min(ours):.3f} {np.median(ours):.3f} {max(ours):.3f} s per pair (min, median, max of 3; first compiles)"
     )
-    print(f"user script     {min(peer):.3f} {np.median(peer):.3f} {max(peer):.3f} s per pair, reading not counted")
+    print(
+        f"user script     {min(peer):.3f} {np.median(peer):.3f} {max(peer):.3f} s per pair, reading not counted"
+    )
     print(f"ratio of medians {np.median(peer) / np.median(ours):.1f}")
 
 
@@ -124,7 +134,9 @@ def memory(scratch: Path) -> None:
         made = simulate(scratch / f"memory{cycles}", seed=8, cycles=cycles, fixture_frames=4)
         command = [sys.executable, "-m", "erlif", "process", str(made / "run"), "--overwrite"]
         for _ in range(2):  # the first call compiles
-            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            process = subprocess.Popen(
+                command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
             _, status, usage = os.wait4(process.pid, 0)
             if status:
                 raise SystemExit(f"{' '.join(command)} failed")
@@ -136,7 +148,9 @@ def memory(scratch: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=["accuracy", "speed", "memory"])
     chosen = {"accuracy": accuracy, "speed": speed, "memory": memory}[parser.parse_args().what]
     warnings.simplefilter("ignore")

@@ -48,7 +48,9 @@ CASES: dict[str, dict[str, Any]] = {
 # the frames ---------------------------------------------------------------------------------------------------------
 
 
-def displacement(case: str, shape: tuple[int, int]) -> Callable[[Array, Array], tuple[Array, Array]]:
+def displacement(
+    case: str, shape: tuple[int, int]
+) -> Callable[[Array, Array], tuple[Array, Array]]:
     """The smooth map of the rig; with a ripple of 160 px for ``wave``, a bump that is no polynomial for ``lens``."""
     smooth = smooth_map(shape, offset=(9.4, -6.7), rotation=0.3, scale=1.009)
     h, w = shape
@@ -76,7 +78,10 @@ def dusty(clean: Array, rng: np.random.Generator) -> Array:
     out = clean.copy()
     for _ in range(int(150e-6 * h * w)):
         cx, cy, r = rng.uniform(0, w), rng.uniform(0, h), rng.uniform(2, 9)
-        part = (slice(max(int(cy - 16), 0), int(cy + 17)), slice(max(int(cx - 16), 0), int(cx + 17)))
+        part = (
+            slice(max(int(cy - 16), 0), int(cy + 17)),
+            slice(max(int(cx - 16), 0), int(cx + 17)),
+        )
         y, x = np.mgrid[part[0].start : min(part[0].stop, h), part[1].start : min(part[1].stop, w)]
         depth = rng.choice([0.25, 0.5, 1.7]) - 1
         out[part] *= 1 + depth / (1 + np.exp((np.hypot(x - cx, y - cy) - r) / 0.5))
@@ -89,8 +94,12 @@ def make_views(case: str, shape: tuple[int, int], seed: int) -> Views:
     if case != "dust":
         return views
     rng = np.random.default_rng(1000 + seed)
-    frames = [expose(dusty(clean, rng), rng) for clean in (views.clean_reference, views.clean_moving)]
-    return Views(frames[0], frames[1], views.dx, views.dy, views.clean_reference, views.clean_moving)
+    frames = [
+        expose(dusty(clean, rng), rng) for clean in (views.clean_reference, views.clean_moving)
+    ]
+    return Views(
+        frames[0], frames[1], views.dx, views.dy, views.clean_reference, views.clean_moving
+    )
 
 
 # the methods --------------------------------------------------------------------------------------------------------
@@ -110,11 +119,16 @@ def as_bytes(image: Array) -> Array:
     return np.clip((flattened(image) + 3) * (255 / 6), 0, 255).astype(np.uint8)
 
 
-def on_pixels(x: Array, y: Array, dx: Array, dy: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
+def on_pixels(
+    x: Array, y: Array, dx: Array, dy: Array, shape: tuple[int, int]
+) -> tuple[Array, Array]:
     """Vectors on a grid to every pixel by a bicubic spline."""
     from scipy.interpolate import RectBivariateSpline
 
-    rows, cols = np.clip(np.arange(shape[0]), y[0], y[-1]), np.clip(np.arange(shape[1]), x[0], x[-1])
+    rows, cols = (
+        np.clip(np.arange(shape[0]), y[0], y[-1]),
+        np.clip(np.arange(shape[1]), x[0], x[-1]),
+    )
     return tuple(RectBivariateSpline(y, x, f)(rows, cols) for f in (dx, dy))  # type: ignore[return-value]
 
 
@@ -182,14 +196,18 @@ def openpiv_quintic(a: Array, b: Array) -> tuple[Array, Array]:
 def skimage_ilk(a: Array, b: Array) -> tuple[Array, Array]:
     from skimage.registration import optical_flow_ilk
 
-    v = optical_flow_ilk(flattened(a), flattened(b), radius=12, num_warp=10, gaussian=True, dtype=np.float32)
+    v = optical_flow_ilk(
+        flattened(a), flattened(b), radius=12, num_warp=10, gaussian=True, dtype=np.float32
+    )
     return v[1], v[0]
 
 
 def opencv_dis(a: Array, b: Array) -> tuple[Array, Array]:
     import cv2
 
-    v = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM).calc(as_bytes(a), as_bytes(b), None)
+    v = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM).calc(
+        as_bytes(a), as_bytes(b), None
+    )
     return v[..., 0], v[..., 1]
 
 
@@ -251,13 +269,25 @@ def measure(name: str, views: Views, repeats: int) -> tuple[float, float, float,
         processor.append(time.process_time() - c)
     peak = memory("VmHWM") - start
     error = np.hypot(dx - views.dx, dy - views.dy)[views.inside(32)]
-    return float(np.sqrt(np.mean(error**2))), float(np.percentile(error, 95)), min(wall), min(processor), peak
+    return (
+        float(np.sqrt(np.mean(error**2))),
+        float(np.percentile(error, 95)),
+        min(wall),
+        min(processor),
+        peak,
+    )
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", default="base", help="comma-separated, or all: " + ", ".join(CASES))
-    parser.add_argument("--peers", default="all", help="comma-separated, or all: " + ", ".join(METHODS))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--cases", default="base", help="comma-separated, or all: " + ", ".join(CASES)
+    )
+    parser.add_argument(
+        "--peers", default="all", help="comma-separated, or all: " + ", ".join(METHODS)
+    )
     parser.add_argument("--size", default="1280x1024", help="width x height")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
@@ -275,7 +305,9 @@ def main() -> None:
             if find_spec(METHODS[name][1]) is None:
                 continue
             with get_context("spawn").Pool(1) as fresh:
-                rms, p95, wall, processor, peak = fresh.apply(measure, (name, views, options.repeats))
+                rms, p95, wall, processor, peak = fresh.apply(
+                    measure, (name, views, options.repeats)
+                )
             if name == "erlif":
                 ours = rms, wall
             ratio = f"{rms / ours[0]:8.1f} {wall / ours[1]:8.1f}" if ours else ""

@@ -31,7 +31,9 @@ PEERS = {
 def sample_15(directory: Path, name: str):
     """Reference, deformed image and v (y, x); the command is given where the material has gone to."""
     images = directory / "dic_challenge_15" / "images"
-    reference, deformed = (tifffile.imread(images / file) for file in ("Reference.tif", f"P200_K{name}_N2.tif"))
+    reference, deformed = (
+        tifffile.imread(images / file) for file in ("Reference.tif", f"P200_K{name}_N2.tif")
+    )
     table = np.loadtxt(directory / "dic_challenge_15" / "command.csv", delimiter=",")
     command = table[:, int(name) // 50]
     known = command > -900
@@ -55,7 +57,9 @@ def star(directory: Path):
 def main() -> None:
     warnings.simplefilter("ignore")
     directory = Path(sys.argv[1])
-    cases = {f"sample 15, K{k}": sample_15(directory, str(k)) for k in (50, 200, 400)} | {"star": star(directory)}
+    cases = {f"sample 15, K{k}": sample_15(directory, str(k)) for k in (50, 200, 400)} | {
+        "star": star(directory)
+    }
     for case, (reference, deformed, truth) in cases.items():
         inside = np.zeros(truth.shape, bool)
         inside[32:-32, 32:-32] = True
@@ -64,7 +68,8 @@ def main() -> None:
         if case == "star":
             x = np.arange(truth.shape[1])
             parts = {
-                f", period {low} to {high} px": inside & ((10 + 0.07 * x >= low) & (10 + 0.07 * x < high))[None, :]
+                f", period {low} to {high} px": inside
+                & ((10 + 0.07 * x >= low) & (10 + 0.07 * x < high))[None, :]
                 for low, high in ((31, 59), (59, 94), (94, 147))
             }
         for name, peer in PEERS.items():

@@ -51,7 +51,9 @@ def exactly_known(fixture: Path, seed: int) -> Path:
     from erlif.rig.run import random_stream, write_profile
 
     copy = shutil.copytree(fixture, fixture.with_name("fixture_exact"), dirs_exist_ok=True)
-    write_profile(copy / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture"))
+    write_profile(
+        copy / "profile.csv", Wedge(RigSettings(cmm_noise=0.0)), random_stream(seed, "fixture")
+    )
     return copy
 
 
@@ -62,11 +64,17 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
     warnings.simplefilter("ignore")
     scratch, seed, light, texture, exact = case
     made = photograph(scratch / f"{seed}_{light}_{texture}", seed, light, texture)
-    calibration = erlif.calibrate(exactly_known(made / "fixture", seed) if exact else made / "fixture")
+    calibration = erlif.calibrate(
+        exactly_known(made / "fixture", seed) if exact else made / "fixture"
+    )
     output = made / "film.nc"
-    film = erlif.process(made / "run", calibration=calibration, output=output, overwrite=True, workers=1).load()
+    film = erlif.process(
+        made / "run", calibration=calibration, output=output, overwrite=True, workers=1
+    ).load()
     film.close()
-    drift, found_map = (erlif.open_film(output, group=name).load() for name in ("frames", "registration"))
+    drift, found_map = (
+        erlif.open_film(output, group=name).load() for name in ("frames", "registration")
+    )
     with xr.open_dataset(made / "truth.nc", engine="h5netcdf") as truth:
         truth.load()
     known = truth.film.values
@@ -83,7 +91,9 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
         "answered": good.sum() / wanted.sum(),
         "scatter": 1.4826 * np.median(np.abs(scatter - np.median(scatter))),
         "medians": [
-            np.median((error / known)[k][good[k]]) for k in range(len(known)) if good[k].sum() > 0.2 * wanted[k].size
+            np.median((error / known)[k][good[k]])
+            for k in range(len(known))
+            if good[k].sum() > 0.2 * wanted[k].size
         ],
         "medians_std": [
             np.median((film.thickness_std_shared.values / known)[k][good[k]])
@@ -100,11 +110,15 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
             (np.abs(pull) < 1).sum(),
             (np.abs(pull) < 2).sum(),
             (wanted & (known >= low) & (known < high)).sum(),
-            np.mean(error[here]) / np.mean(film.thickness_std.values[here]) if here.any() else np.nan,
+            np.mean(error[here]) / np.mean(film.thickness_std.values[here])
+            if here.any()
+            else np.nan,
         )
     inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
     for name, group in (("displacement", found_map), ("drift", drift)):
-        square = sum((group[f"{name}_{axis}"] - truth[f"{name}_{axis}"]).values ** 2 for axis in "xy")
+        square = sum(
+            (group[f"{name}_{axis}"] - truth[f"{name}_{axis}"]).values ** 2 for axis in "xy"
+        )
         found[name] = np.sqrt(np.nanmean(square[inner] if square.ndim == 2 else square))
     mean = region_mean(film, truth)
     found["film_mean"] = (film.film_mean.values - mean) / film.film_mean_std.values
@@ -117,10 +131,16 @@ def examine(case: tuple[Path, int, float, float, bool]) -> dict:
 def region_mean(film: xr.Dataset, truth: xr.Dataset):
     """True mean film over the valid pixels of the region of interest, by trigger. [um]"""
     roi = tomllib.loads(film.settings)["thickness"]["roi"]
-    inside = [(axis >= low) & (axis <= high) for axis, (low, high) in ((film.x, roi["x"]), (film.y, roi["y"]))]
+    inside = [
+        (axis >= low) & (axis <= high)
+        for axis, (low, high) in ((film.x, roi["x"]), (film.y, roi["y"]))
+    ]
     use = (film.flags.values == 0) & inside[1].values[:, None] & inside[0].values
     return np.array(
-        [known[good].mean() if good.any() else np.nan for known, good in zip(truth.film.values, use, strict=True)]
+        [
+            known[good].mean() if good.any() else np.nan
+            for known, good in zip(truth.film.values, use, strict=True)
+        ]
     )
 
 
@@ -140,14 +160,18 @@ def weigh_fixture(case: tuple[Path, int]) -> dict:
     return {
         "film_mean": (film.film_mean.values - region_mean(film, truth)) / film.film_mean_std.values,
         "film_min": ((film.film_min - truth.film_min) / film.film_min_std).values,
-        "exponent": np.array([(float(film.speed_exponent) - rig.exponent) / float(film.speed_exponent_std)]),
+        "exponent": np.array(
+            [(float(film.speed_exponent) - rig.exponent) / float(film.speed_exponent_std)]
+        ),
     }
 
 
 def fixtures(scratch: Path, processes: int, rigs: int) -> None:
     with ProcessPoolExecutor(processes) as pool:
         results = list(pool.map(weigh_fixture, [(scratch, 5000 + n) for n in range(rigs)]))
-    print(f"{rigs} rigs of 320 x 256 pixels, each with its own cameras, surfaces, fixture and profile")
+    print(
+        f"{rigs} rigs of 320 x 256 pixels, each with its own cameras, surfaces, fixture and profile"
+    )
     for name in ("film_mean", "film_min", "exponent"):
         pulls = np.array([r[name] for r in results])
         known = np.isfinite(pulls)
@@ -189,7 +213,10 @@ def maps(scratch: Path, processes: int, *, exact: bool) -> None:
                 f"      {name}: {pulls.size} values, {np.mean(np.abs(pulls) < 1):.1%} {np.mean(np.abs(pulls) < 2):.1%}, mean pull by seed "
                 + " ".join(f"{np.nanmean(r[name]):+.2f}({np.nanstd(r[name]):.2f})" for r in chosen)
             )
-        print("      map, drift px " + " ".join(f"{r['displacement']:.4f},{r['drift']:.4f}" for r in chosen))
+        print(
+            "      map, drift px "
+            + " ".join(f"{r['displacement']:.4f},{r['drift']:.4f}" for r in chosen)
+        )
         print(
             "      film_mean rel err % "
             + " ".join(f"{100 * np.nanmean(r['film_mean_rel']):+.2f}" for r in chosen)
@@ -200,7 +227,9 @@ def maps(scratch: Path, processes: int, *, exact: bool) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=["maps", "fixtures"])
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--exact", action="store_true", help="a profile without error")

@@ -56,10 +56,15 @@ def calibrate(fixture: Path):
     """Thickness against ratio: the model of eq. 5.7 fitted to the mean ratio over the CMM profile."""
     settings = tomllib.loads((fixture / "fixture.toml").read_text())
     pitch = float(settings["optics"]["pixel_pitch"].split()[0]) / 1e3
-    mean = np.mean([ratio(a, b) for a, b in zip(corrected(fixture, 1), corrected(fixture, 2), strict=True)], axis=0)
+    mean = np.mean(
+        [ratio(a, b) for a, b in zip(corrected(fixture, 1), corrected(fixture, 2), strict=True)],
+        axis=0,
+    )
     profile = np.genfromtxt(fixture / "profile.csv", delimiter=",", names=True)
     columns = np.nanmedian(mean, axis=0)[16:-16]
-    thickness = np.interp(np.arange(mean.shape[1]) * pitch, profile["x_mm"], profile["thickness_um"])[16:-16]
+    thickness = np.interp(
+        np.arange(mean.shape[1]) * pitch, profile["x_mm"], profile["thickness_um"]
+    )[16:-16]
 
     def model(t, K, p, q):
         t = np.maximum(t, 1e-6)

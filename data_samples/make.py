@@ -30,7 +30,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         made = simulate(Path(scratch) / "made", seed=SEED, rig=RIG)
         settings = made / "run" / "run.toml"
-        text = settings.read_text().replace("../fixture/calibration.nc", "../../calibration/wedge/calibration.nc")
+        text = settings.read_text().replace(
+            "../fixture/calibration.nc", "../../calibration/wedge/calibration.nc"
+        )
         settings.write_text(text)
         replace_data(made / "run", run)
         replace_data(made / "fixture", fixture)

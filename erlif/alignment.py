@@ -16,7 +16,9 @@ Array = npt.NDArray[np.float64]
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
 
 
-def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array | None = None) -> AlignedFrames:
+def align_frames(
+    frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array | None = None
+) -> AlignedFrames:
     """Sample camera 2 where camera 1 has its pixels.
 
     The signal is interpolated by a cubic B-spline; its variance is that of the neighbourhood times the factor by which the
@@ -48,7 +50,9 @@ def align_frames(frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array
     dx, dy = camera_map.displacement_x, camera_map.displacement_y
     averaging = np.ones(signal.shape[1])
     for n, (x, y) in enumerate(offsets.tolist()):
-        moving, *noise, moving_flags = (np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names)
+        moving, *noise, moving_flags = (
+            np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
+        )
         signal[1, n] = warp(moving, dx, dy, (x, y))
         factor = interpolation_variance_factor(dx, dy, (x, y))
         _gather_flags(moving_flags, dx, dy, x, y, flags[1, n])

@@ -81,10 +81,21 @@ def assemble_film(
 ) -> xr.Dataset:
     """Everything of the film but its maps."""
     numbers = [partial.numbers(trigger) for trigger in range(triggers.sizes["trigger"])]
-    stacked = {name: np.stack([record[name] for record in numbers]) for name in numbers[0] if name not in _BY_FRAME}
+    stacked = {
+        name: np.stack([record[name] for record in numbers])
+        for name in numbers[0]
+        if name not in _BY_FRAME
+    }
     film = triggers.copy()
-    film["frames_used"] = ("trigger", stacked["frames_used"], {"units": "1", "long_name": "frames of this trigger"})
-    for name, meaning in (("mean", "mean film over the region of interest"), ("min", "least film of a smooth gap")):
+    film["frames_used"] = (
+        "trigger",
+        stacked["frames_used"],
+        {"units": "1", "long_name": "frames of this trigger"},
+    )
+    for name, meaning in (
+        ("mean", "mean film over the region of interest"),
+        ("min", "least film of a smooth gap"),
+    ):
         source = {"mean": "mean", "min": "minimum"}[name]
         attrs = {"units": "um", "long_name": meaning, "ancillary_variables": f"film_{name}_std"}
         film[f"film_{name}"] = ("trigger", stacked[source], attrs)
@@ -108,7 +119,9 @@ def assemble_film(
             stacked[f"{source}_random_std"],
             speed=film.rocker_speed.values,
             load=film["load"].values,
-            gradient=np.column_stack([stacked[f"{source}_gradient"], stacked[f"{source}_surface_std"]]),
+            gradient=np.column_stack(
+                [stacked[f"{source}_gradient"], stacked[f"{source}_surface_std"]]
+            ),
             covariance=shared,
         )
         what = "film_min" if suffix == "" else "film_mean"
@@ -122,7 +135,11 @@ def assemble_film(
                 "triggers_used": exponent.triggers,
             },
         )
-        film[f"speed_exponent{suffix}_std"] = ((), exponent.std, {"units": "1", "long_name": "its standard deviation"})
+        film[f"speed_exponent{suffix}_std"] = (
+            (),
+            exponent.std,
+            {"units": "1", "long_name": "its standard deviation"},
+        )
     x, y = pixel_positions(recording)
     film = film.assign_coords(
         x=("x", x, {"units": "mm", "long_name": f"position along x, {settings.optics.x_axis}"}),
@@ -158,7 +175,9 @@ def _censoring_notes(censored: Array) -> list[str]:
     ]
 
 
-def describe_triggers(recording: Recording, located: xr.Dataset, frames_of: list[list[int]]) -> xr.Dataset:
+def describe_triggers(
+    recording: Recording, located: xr.Dataset, frames_of: list[list[int]]
+) -> xr.Dataset:
     """Means of what log and kinematics say of the frames of each trigger, checked to be enough for a film.
 
     Raises
@@ -187,8 +206,16 @@ def describe_triggers(recording: Recording, located: xr.Dataset, frames_of: list
             means = [float(column.values[frames].mean()) for frames in every]
             film[name] = ("trigger", np.array(means), column.attrs)
         else:
-            film[name] = ("trigger", np.array([str(column.values[frames[0]]) for frames in every]), column.attrs)
-    film["stroke"] = ("trigger", np.array([located.stroke.values[f[0]] for f in every]), located.stroke.attrs)
+            film[name] = (
+                "trigger",
+                np.array([str(column.values[frames[0]]) for frames in every]),
+                column.attrs,
+            )
+    film["stroke"] = (
+        "trigger",
+        np.array([located.stroke.values[f[0]] for f in every]),
+        located.stroke.attrs,
+    )
     angles = [np.exp(1j * np.radians(located.crank_angle.values[f])).mean() for f in every]
     film["crank_angle"] = ("trigger", np.degrees(np.angle(angles)) % 360, located.crank_angle.attrs)
     predict_film(film, settings)
@@ -224,8 +251,16 @@ def describe_frames(
         {
             "trigger": located.trigger,
             "cycle": located.cycle,
-            "drift_x": ("frame", drift[:, 0], {"units": "px", "long_name": "drift of camera 2 along x"}),
-            "drift_y": ("frame", drift[:, 1], {"units": "px", "long_name": "drift of camera 2 along y"}),
+            "drift_x": (
+                "frame",
+                drift[:, 0],
+                {"units": "px", "long_name": "drift of camera 2 along x"},
+            ),
+            "drift_y": (
+                "frame",
+                drift[:, 1],
+                {"units": "px", "long_name": "drift of camera 2 along y"},
+            ),
             "pulse_energy": (
                 "frame",
                 energy / np.nanmean(energy) if np.isfinite(energy).any() else energy,
@@ -275,7 +310,9 @@ def record_calibration(calibration: Calibration) -> str:
         "input_hashes": calibration.input_hashes,
     }
     if calibration.departure is not None:
-        kept["departure"] = {name: values.tolist() for name, values in vars(calibration.departure).items()}
+        kept["departure"] = {
+            name: values.tolist() for name, values in vars(calibration.departure).items()
+        }
     return json.dumps(kept, sort_keys=True)
 
 

@@ -85,7 +85,9 @@ def uncertainty_budget(
     if trigger is None:
         trigger = int(located.trigger[int(np.argmax(np.abs(located.rocker_speed.values)))])
     if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
-        raise ConfigError(f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}.")
+        raise ConfigError(
+            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}."
+        )
     calibration = find_calibration(recording, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     chain = open_chain(recording, measure_references(recording), calibration, progress)
@@ -95,7 +97,9 @@ def uncertainty_budget(
     with one_thread_per_frame():
         for frame in frames_of[trigger]:
             ratios = chain.ratio(frame)
-            averaging.append(_add_sources(variances, chain, frame, total.weigh(ratios, 0).astype(float)))
+            averaging.append(
+                _add_sources(variances, chain, frame, total.weigh(ratios, 0).astype(float))
+            )
             total.add(ratios)
     frames = len(averaging)
     weight = np.where(total.weight > 0, total.weight, np.inf)
@@ -107,7 +111,14 @@ def uncertainty_budget(
     rows, columns = region_mask(settings, x, y)
     sliding_along_x = settings.optics.x_axis == "sliding"
     statistics = summarise_film(
-        ratio, maps, calibration, x=x, y=y, rows=rows, columns=columns, sliding_along_x=sliding_along_x
+        ratio,
+        maps,
+        calibration,
+        x=x,
+        y=y,
+        rows=rows,
+        columns=columns,
+        sliding_along_x=sliding_along_x,
     )
     valid = maps.flags.values == 0
     if not valid.any():
@@ -128,14 +139,17 @@ def uncertainty_budget(
                 f"to {film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another trigger."
             )
         terms = {
-            source: float(np.median(np.sqrt(variance[near]) * rate[near])) for source, variance in variances.items()
+            source: float(np.median(np.sqrt(variance[near]) * rate[near]))
+            for source, variance in variances.items()
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
         terms["calibration"] = float(calibration.thickness_std(wanted))
         columns_of.append((f"pixel of {wanted:g} um", wanted, terms))
     region = np.zeros_like(valid)
     region[rows, columns] = valid[rows, columns]
-    columns_of.append(_mean_column(statistics, calibration, variances, rate, region, float(np.mean(averaging))))
+    columns_of.append(
+        _mean_column(statistics, calibration, variances, rate, region, float(np.mean(averaging)))
+    )
     least = {
         "noise of all kinds": statistics.minimum_random_std,
         "marks of the surfaces": statistics.minimum_surface_std,
@@ -153,14 +167,18 @@ def _typical_films(film: Array) -> tuple[float, ...]:
 def _add_sources(variances: dict[str, Array], chain: Chain, frame: int, weight: Array) -> float:
     """Add the weighted relative variance of each source in one frame; returns how far interpolation lowers that of camera 2."""
     frames = read_frames(chain.recording, [frame])
-    corrected = correct_frames(frames, chain.references, least_signal=chain.recording.settings.thickness.least_signal)
+    corrected = correct_frames(
+        frames, chain.references, least_signal=chain.recording.settings.thickness.least_signal
+    )
     aligned = chain.aligned(frame)
     drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
     references = chain.references
     flat, flat_var, dark_var = (
         references[name].values[:, None].astype(float) for name in ("flat", "flat_var", "dark_var")
     )
-    gain, read_noise = (references[name].values[:, None, None, None] for name in ("gain", "read_noise"))
+    gain, read_noise = (
+        references[name].values[:, None, None, None] for name in ("gain", "read_noise")
+    )
     signal = corrected.signal.values.astype(float)
     sources = {
         "photons": np.maximum(signal, 0) / (flat * gain),
@@ -176,7 +194,9 @@ def _add_sources(variances: dict[str, Array], chain: Chain, frame: int, weight: 
         )
         moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
         for name, image in ((one, moved.signal_var), (other, moved.signal_var_fixed)):
-            with np.errstate(divide="ignore", invalid="ignore"):  # where nothing was seen, and nothing weighs
+            with np.errstate(
+                divide="ignore", invalid="ignore"
+            ):  # where nothing was seen, and nothing weighs
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
             for camera in (1, 2):
                 source = f"{name}, camera {camera}"
@@ -197,7 +217,9 @@ def _mean_column(
     terms = {}
     for source, variance in variances.items():
         spread = averaging if source.endswith("camera 2") else 1.0
-        terms[source] = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread)) / int(region.sum())
+        terms[source] = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread)) / int(
+            region.sum()
+        )
     known = sum(value**2 for value in terms.values())
     terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
     terms["calibration"] = _by_calibration(statistics.mean_gradient, calibration)
@@ -208,20 +230,37 @@ def _by_calibration(gradient: Array, calibration: Calibration) -> float:
     return float(np.sqrt(gradient @ calibration.full_covariance @ gradient))
 
 
-def _as_dataset(columns: list[tuple[str, float, dict[str, float]]], name: str, trigger: int, frames: int) -> xr.Dataset:
+def _as_dataset(
+    columns: list[tuple[str, float, dict[str, float]]], name: str, trigger: int, frames: int
+) -> xr.Dataset:
     """Terms in the order of the chain, with the sums of the random and of the shared ones and of all."""
     random = [*_SOURCES, "noise of all kinds"]
     shared = ["registration", "calibration", "marks of the surfaces"]
     rows: dict[str, list[float]] = {}
     for term in [*_SOURCES, *shared]:
         rows[term] = [terms.get(term, np.nan) for _, _, terms in columns]
-    for title, members in (("random part", random), ("shared part", shared), ("total", [*random, *shared])):
-        rows[title] = [float(np.sqrt(sum(terms.get(term, 0.0) ** 2 for term in members))) for _, _, terms in columns]
+    for title, members in (
+        ("random part", random),
+        ("shared part", shared),
+        ("total", [*random, *shared]),
+    ):
+        rows[title] = [
+            float(np.sqrt(sum(terms.get(term, 0.0) ** 2 for term in members)))
+            for _, _, terms in columns
+        ]
     order = [*_SOURCES, "random part", *shared, "shared part", "total"]
-    kinds = _SOURCES | dict.fromkeys(shared, SHARED) | {"random part": "sum", "shared part": "sum", "total": "sum"}
+    kinds = (
+        _SOURCES
+        | dict.fromkeys(shared, SHARED)
+        | {"random part": "sum", "shared part": "sum", "total": "sum"}
+    )
     return xr.Dataset(
         {
-            "std": (("term", "quantity"), np.array([rows[term] for term in order]), {"units": "um"}),
+            "std": (
+                ("term", "quantity"),
+                np.array([rows[term] for term in order]),
+                {"units": "um"},
+            ),
             "kind": ("term", np.array([kinds[term] for term in order])),
             "value": ("quantity", np.array([value for _, value, _ in columns]), {"units": "um"}),
         },
@@ -240,7 +279,9 @@ def render_budget(budget: xr.Dataset) -> str:
         f"|---|{'---:|' * len(titles)}---|",
         f"| film [um] | {' | '.join(f'{value:.2f}' for value in budget['value'].values)} | |",
     ]
-    for term, row, kind in zip(budget.term.values, budget["std"].values, budget.kind.values, strict=True):
+    for term, row, kind in zip(
+        budget.term.values, budget["std"].values, budget.kind.values, strict=True
+    ):
         cells = [_in_nanometres(value) for value in row]
         if kind == "sum":
             term, cells = f"**{term}**", [f"**{cell}**" for cell in cells]

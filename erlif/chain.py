@@ -61,11 +61,18 @@ class Chain:
         cameras have no texture in common, and its highest counts.
         """
         frames = read_frames(self.recording, [frame])
-        corrected = correct_frames(frames, self.references, least_signal=self.recording.settings.thickness.least_signal)
+        corrected = correct_frames(
+            frames, self.references, least_signal=self.recording.settings.thickness.least_signal
+        )
         one, two, *weights = registration_input(corrected)
         try:
             found = estimate_drift(
-                self.camera_map, one, two, weight_reference=weights[0], weight_moving=weights[1], threads=1
+                self.camera_map,
+                one,
+                two,
+                weight_reference=weights[0],
+                weight_moving=weights[1],
+                threads=1,
             )
             drift = np.array([[found.dx, found.dy]])
         except RegistrationError:
@@ -108,7 +115,9 @@ class FrameRecord:
         highest = np.max(list(self.peaks.values()), axis=0) if self.peaks else [4095, 4095]
         seen = [
             depth_warning(settings, int(top), camera=camera)
-            for camera, (settings, top) in enumerate(zip(recording.cameras, highest, strict=True), 1)
+            for camera, (settings, top) in enumerate(
+                zip(recording.cameras, highest, strict=True), 1
+            )
         ]
         lost = [str(frame) for frame, (x, _) in sorted(self.drift.items()) if np.isnan(x)]
         if lost:
@@ -119,7 +128,11 @@ class FrameRecord:
 
 
 def prepare_chain(
-    recording: Recording, references: References, progress: Progress, *, stored: CameraMap | None = None
+    recording: Recording,
+    references: References,
+    progress: Progress,
+    *,
+    stored: CameraMap | None = None,
 ) -> Chain:
     """Register the cameras, and compare their sharpness on a few frames.
 
@@ -138,7 +151,9 @@ def prepare_chain(
     large = recording.shape[0] * recording.shape[1] > 500_000
     wanted = recording.settings.registration.frames or (4 if large else 12)
     pairs = _LazyPairs(recording, references, some_frames(recording, wanted), progress)
-    camera_map = _register(pairs, threads=2 if large else 1) if stored is None else _check(pairs, stored)
+    camera_map = (
+        _register(pairs, threads=2 if large else 1) if stored is None else _check(pairs, stored)
+    )
     chain = Chain(recording, references, camera_map)
     return replace(chain, blur=measure_blur(chain))
 
@@ -154,7 +169,11 @@ def measure_blur(chain: Chain) -> BlurDifference:
 
 def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
     """The same map with a translation taken up, so that the mean drift of its frames is zero. [px]"""
-    said = f"; the mean drift taken up is ({by[0]:.3f}, {by[1]:.3f}) px" if "stored" in camera_map.model else ""
+    said = (
+        f"; the mean drift taken up is ({by[0]:.3f}, {by[1]:.3f}) px"
+        if "stored" in camera_map.model
+        else ""
+    )
     return replace(
         camera_map,
         displacement_x=(camera_map.displacement_x + by[0]).astype(np.float32),
@@ -200,7 +219,8 @@ def registration_input(corrected: CorrectedFrames) -> tuple[Image, Image, Image,
     lit = (corrected.flags.values[:, 0] & (Flag.SATURATED | Flag.BAD_PIXEL)) == 0
     one, two = corrected.signal.values[:, 0]
     weight_one, weight_two = (
-        (use & ~is_steep(signal)).astype(np.float32) for use, signal in zip(lit, (one, two), strict=True)
+        (use & ~is_steep(signal)).astype(np.float32)
+        for use, signal in zip(lit, (one, two), strict=True)
     )
     return one, two, weight_one, weight_two
 
@@ -208,7 +228,9 @@ def registration_input(corrected: CorrectedFrames) -> tuple[Image, Image, Image,
 class _LazyPairs(Sequence[tuple[Image, Image, Image, Image]]):
     """Corrected frame pairs, freed of the light the film shapes, with the weights of their pixels, read when they are asked for."""
 
-    def __init__(self, recording: Recording, references: References, numbers: list[int], progress: Progress) -> None:
+    def __init__(
+        self, recording: Recording, references: References, numbers: list[int], progress: Progress
+    ) -> None:
         self.recording, self.references, self.progress = recording, references, progress
         self.numbers = numbers
 
@@ -217,10 +239,15 @@ class _LazyPairs(Sequence[tuple[Image, Image, Image, Image]]):
 
     def __getitem__(self, index: Any) -> Any:
         frames = read_frames(self.recording, [self.numbers[index]])
-        corrected = correct_frames(frames, self.references, least_signal=self.recording.settings.thickness.least_signal)
+        corrected = correct_frames(
+            frames, self.references, least_signal=self.recording.settings.thickness.least_signal
+        )
         self.progress("registration", index + 1, len(self))
         one, two, weight_one, weight_two = registration_input(corrected)
-        (one, weight_one), (two, weight_two) = divide_by_light(one, weight_one), divide_by_light(two, weight_two)
+        (one, weight_one), (two, weight_two) = (
+            divide_by_light(one, weight_one),
+            divide_by_light(two, weight_two),
+        )
         return one, two, weight_one, weight_two
 
 

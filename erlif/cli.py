@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 _DIRECTORY = click.Path(path_type=Path)
 _OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
 _SKIP = click.option(
-    "--skip-bad-frames", is_flag=True, help="Leave out unreadable frame pairs and say so in the output."
+    "--skip-bad-frames",
+    is_flag=True,
+    help="Leave out unreadable frame pairs and say so in the output.",
 )
 
 
@@ -42,7 +44,8 @@ class _Commands(click.Group):
             raise
         except KeyboardInterrupt:
             click.echo(
-                "erlif: interrupted; what was written before is as it was, and the next start resumes.", err=True
+                "erlif: interrupted; what was written before is as it was, and the next start resumes.",
+                err=True,
             )
             ctx.exit(130)
         except BrokenPipeError:
@@ -55,7 +58,9 @@ class _Commands(click.Group):
             ctx.exit(2)
         except Exception:
             traceback.print_exc()
-            click.echo("erlif: this is a defect of erlif; please report it with the lines above.", err=True)
+            click.echo(
+                "erlif: this is a defect of erlif; please report it with the lines above.", err=True
+            )
             ctx.exit(1)
 
 
@@ -72,8 +77,12 @@ def main(verbose: bool) -> None:
       erlif process rehearsal/run
       erlif figures rehearsal/run/film.nc
     """
-    logging.basicConfig(level=logging.INFO if verbose else logging.WARNING, format="%(name)s: %(message)s")
-    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # what it finds in damaged files, erlif says itself
+    logging.basicConfig(
+        level=logging.INFO if verbose else logging.WARNING, format="%(name)s: %(message)s"
+    )
+    logging.getLogger("tifffile").setLevel(
+        logging.CRITICAL
+    )  # what it finds in damaged files, erlif says itself
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without the signs of the trade
@@ -115,7 +124,9 @@ def _progress() -> Iterator[Callable[[str, int, int], None]]:
 def _expect_suffix(output: Path, *suffixes: str) -> None:
     """Refuse a name that promises another kind of file than is written."""
     if output.suffix not in suffixes:
-        raise OutputError(f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}.")
+        raise OutputError(
+            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}."
+        )
 
 
 @main.command()
@@ -139,11 +150,17 @@ def check(directory: Path) -> None:
 @main.command()
 @click.argument("fixture_dir", type=_DIRECTORY)
 @click.option("-o", "--output", type=_DIRECTORY, help="Default: FIXTURE_DIR/calibration.nc.")
-@click.option("--against", type=_DIRECTORY, help="Say whether the calibration drifted from this one.")
+@click.option(
+    "--against", type=_DIRECTORY, help="Say whether the calibration drifted from this one."
+)
 @_SKIP
 @_OVERWRITE
 def calibrate(
-    fixture_dir: Path, output: Path | None, against: Path | None, skip_bad_frames: bool, overwrite: bool
+    fixture_dir: Path,
+    output: Path | None,
+    against: Path | None,
+    skip_bad_frames: bool,
+    overwrite: bool,
 ) -> None:
     """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
 
@@ -164,14 +181,18 @@ def calibrate(
     refuse_existing(output, overwrite=overwrite)
     picture = output.with_suffix(".png")
     if picture.exists() and not overwrite:
-        raise OutputError(f"{picture} exists already; use --overwrite to replace it, or -o for another name.")
+        raise OutputError(
+            f"{picture} exists already; use --overwrite to replace it, or -o for another name."
+        )
     earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = None
     if output.exists():
         with suppress(ErlifError):  # whatever it is, it was said that it may be replaced
             replaced = pipeline.open_calibration(output)
     with _progress() as progress:
-        calibration = pipeline.calibrate(fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress)
+        calibration = pipeline.calibrate(
+            fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress
+        )
     pipeline.save_calibration(calibration, output, overwrite=overwrite)
     from erlif.plots import write_calibration_figure
 
@@ -213,7 +234,9 @@ def _compare(calibration: Calibration, earlier: Calibration) -> str:
 @main.command()
 @click.argument("run_dir", type=_DIRECTORY)
 @click.option("--calibration", type=_DIRECTORY, help="Default: the one run.toml names.")
-@click.option("-o", "--output", type=_DIRECTORY, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr.")
+@click.option(
+    "-o", "--output", type=_DIRECTORY, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
+)
 @click.option("--workers", type=click.IntRange(min=1), help="Threads; default: one per processor.")
 @_SKIP
 @_OVERWRITE
@@ -258,8 +281,16 @@ def process(
 @click.argument("run_dir", type=_DIRECTORY)
 @click.option("--calibration", type=_DIRECTORY, help="Default: the one run.toml names.")
 @click.option("--trigger", type=click.IntRange(min=0), help="Default: the fastest.")
-@click.option("--film", "films", type=float, multiple=True, help="Film in um to make the budget for; may be repeated.")
-def budget(run_dir: Path, calibration: Path | None, trigger: int | None, films: tuple[float, ...]) -> None:
+@click.option(
+    "--film",
+    "films",
+    type=float,
+    multiple=True,
+    help="Film in um to make the budget for; may be repeated.",
+)
+def budget(
+    run_dir: Path, calibration: Path | None, trigger: int | None, films: tuple[float, ...]
+) -> None:
     """Print the uncertainty of one map, term by term.
 
     \b
@@ -270,7 +301,11 @@ def budget(run_dir: Path, calibration: Path | None, trigger: int | None, films: 
 
     with _progress() as progress:
         found = uncertainty_budget(
-            run_dir, trigger=trigger, calibration=calibration, films=films or None, progress=progress
+            run_dir,
+            trigger=trigger,
+            calibration=calibration,
+            films=films or None,
+            progress=progress,
         )
     click.echo(render_budget(found), nl=False)
 
@@ -290,7 +325,9 @@ def figures(film: Path, output: Path | None, overwrite: bool) -> None:
 
     output = output or film.parent / "figures"
     if output.is_file():
-        raise OutputError(f"Expected a directory for the figures; {output} is a file. Give another name with -o.")
+        raise OutputError(
+            f"Expected a directory for the figures; {output} is a file. Give another name with -o."
+        )
     for path in write_figures(film, output, overwrite=overwrite):
         click.echo(str(path))
 

@@ -69,10 +69,18 @@ class CameraSettings(Settings):
     band: Wavelength = Field(description="centre of the filter band [nm]")
     bit_depth: int = Field(12, ge=8, le=16, description="bits per pixel")
     dark: FileName | None = Field(None, description="file of dark frames")
-    offset: Counts | None = Field(None, description="dark level where no dark frames were taken [DN]")
-    flat: FileName | None = Field(None, description="file of flat frames, of one or several light levels")
-    gain: Gain | None = Field(None, description="photo-electrons per count; measured from the flats if absent")
-    read_noise: Electrons | None = Field(None, description="rms read noise; measured from the darks if absent")
+    offset: Counts | None = Field(
+        None, description="dark level where no dark frames were taken [DN]"
+    )
+    flat: FileName | None = Field(
+        None, description="file of flat frames, of one or several light levels"
+    )
+    gain: Gain | None = Field(
+        None, description="photo-electrons per count; measured from the flats if absent"
+    )
+    read_noise: Electrons | None = Field(
+        None, description="rms read noise; measured from the darks if absent"
+    )
 
     @property
     def full_scale(self) -> int:
@@ -84,7 +92,9 @@ class CameraSettings(Settings):
         if self.dark is not None and self.offset is not None:
             raise ValueError("give either dark (a file) or offset (a level), not both")
         if self.dark is None and self.offset is None:
-            raise ValueError('give the dark frames as dark = "file.tif", or a level as offset = "64 DN"')
+            raise ValueError(
+                'give the dark frames as dark = "file.tif", or a level as offset = "64 DN"'
+            )
         return self
 
 
@@ -92,7 +102,9 @@ class OpticsSettings(Settings):
     """What a pixel of camera 1 is in the object plane."""
 
     pixel_pitch: Length = Field(description="size of a pixel of camera 1 in the object plane [m]")
-    x_axis: Literal["sliding", "axial"] = Field("sliding", description="direction of the joint along image x")
+    x_axis: Literal["sliding", "axial"] = Field(
+        "sliding", description="direction of the joint along image x"
+    )
 
 
 class EncoderSettings(Settings):
@@ -100,7 +112,9 @@ class EncoderSettings(Settings):
 
     file: FileName = Field(description="the log, one row per trigger")
     mounted_on: Literal["rocker", "crank"] = "rocker"
-    zero: Angle | None = Field(None, description="angle of the link the encoder sits on at reading 0 [rad]")
+    zero: Angle | None = Field(
+        None, description="angle of the link the encoder sits on at reading 0 [rad]"
+    )
     triggers_per_cycle: int | None = Field(None, ge=2, description="for folding several cycles")
 
 
@@ -165,7 +179,9 @@ class OilSettings(Settings):
 
     name: Text = ""
     viscosity: Viscosity | None = Field(None, description="dynamic viscosity [Pa s]")
-    vogel: VogelSettings | None = Field(None, description="viscosity by the logged temperature instead")
+    vogel: VogelSettings | None = Field(
+        None, description="viscosity by the logged temperature instead"
+    )
     pressure_viscosity: PressureViscosity = Field(description="Barus coefficient [1/Pa]")
 
     @model_validator(mode="after")
@@ -180,15 +196,20 @@ class RegistrationOptions(Settings):
 
     window: int = Field(32, ge=16, le=256, description="interrogation window [px]")
     step: int = Field(8, ge=4, le=128, description="distance of window centres [px]")
-    model: Literal["auto", "surface", "local"] = Field("auto", description="smooth surface or window by window")
-    orientation: Literal["normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"] = Field(
-        "normal", description="how camera 2 is mounted against camera 1"
+    model: Literal["auto", "surface", "local"] = Field(
+        "auto", description="smooth surface or window by window"
     )
+    orientation: Literal[
+        "normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"
+    ] = Field("normal", description="how camera 2 is mounted against camera 1")
     reuse: bool = Field(
-        False, description="use the camera map stored with the calibration, once it is checked on this run's frames"
+        False,
+        description="use the camera map stored with the calibration, once it is checked on this run's frames",
     )
     frames: int | None = Field(
-        None, ge=1, description="frames used together for the fixed part of the map; default: 12 small or 4 large ones"
+        None,
+        ge=1,
+        description="frames used together for the fixed part of the map; default: 12 small or 4 large ones",
     )
 
 
@@ -202,22 +223,32 @@ class RegionOfInterest(Settings):
     def _ordered(self) -> Self:
         for name, (low, high) in (("x", self.x), ("y", self.y)):
             if not low < high:
-                raise ValueError(f"{name} must be [low, high] in mm with low < high; got [{low:g}, {high:g}]")
+                raise ValueError(
+                    f"{name} must be [low, high] in mm with low < high; got [{low:g}, {high:g}]"
+                )
         return self
 
 
 class ThicknessOptions(Settings):
     """How film is read off the ratio and summed up."""
 
-    roi: RegionOfInterest | None = Field(None, description="region of the film statistics; default: all of the image")
+    roi: RegionOfInterest | None = Field(
+        None, description="region of the film statistics; default: all of the image"
+    )
     least_signal: Electrons = Field(
         100.0, description="darker pixels are flagged dim [electron]", validate_default=False
     )
     no_film_below: float = Field(
-        0.25, gt=0, lt=1, description="fluorescence below this share of its surroundings counts as a bubble"
+        0.25,
+        gt=0,
+        lt=1,
+        description="fluorescence below this share of its surroundings counts as a bubble",
     )
     smoothing: int | None = Field(
-        None, ge=2, le=50, description="resolution in pixels of the smoothed ratio; default: not smoothed"
+        None,
+        ge=2,
+        le=50,
+        description="resolution in pixels of the smoothed ratio; default: not smoothed",
     )
 
 
@@ -255,8 +286,12 @@ class FixtureProfile(Settings):
     profile: FileName = Field(
         description="x_mm,thickness_um[,uncertainty_um] or x_mm,y_mm,thickness_um[,uncertainty_um]"
     )
-    origin: tuple[float, float] = Field((0.0, 0.0), description="pixel (x, y) of camera 1 at profile x = 0 (y = 0)")
-    direction: Angle = Field(0.0, description="turn from image x to profile x [rad]", validate_default=False)
+    origin: tuple[float, float] = Field(
+        (0.0, 0.0), description="pixel (x, y) of camera 1 at profile x = 0 (y = 0)"
+    )
+    direction: Angle = Field(
+        0.0, description="turn from image x to profile x [rad]", validate_default=False
+    )
     align: bool = Field(False, description="refine origin and scale against the image")
 
 
@@ -295,18 +330,30 @@ def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     path = directory / name
     if not directory.is_dir():
-        hint = f" Name the directory that holds it: {directory.parent}" if directory.name == name else ""
-        raise ConfigError(f"Expected a directory with {name} in it; {directory} is not a directory.{hint}")
+        hint = (
+            f" Name the directory that holds it: {directory.parent}"
+            if directory.name == name
+            else ""
+        )
+        raise ConfigError(
+            f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
+        )
     if not path.is_file():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
-        hint = f" It holds {other}: is it meant for the other command?" if (directory / other).is_file() else ""
+        hint = (
+            f" It holds {other}: is it meant for the other command?"
+            if (directory / other).is_file()
+            else ""
+        )
         raise ConfigError(
             f"Expected {name} in {directory}; there is none.{hint or ' Write one, or name another directory.'}"
         )
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
-        raise ConfigError(f"Expected settings in {path}; it cannot be read: {error.strerror}.") from error
+        raise ConfigError(
+            f"Expected settings in {path}; it cannot be read: {error.strerror}."
+        ) from error
     except (ValueError, RecursionError) as error:
         raise ConfigError(
             f"Expected valid TOML in {path}; got {error}. Correct that place; text and quantities stand in double quotes."
@@ -315,7 +362,9 @@ def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
         return kind.model_validate(raw)
     except ValidationError as error:
         faults = "\n".join(f"  {_explain(fault, kind)}" for fault in error.errors())
-        raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{faults}") from error
+        raise ConfigError(
+            f"Expected settings as documented in {path}; correct these:\n{faults}"
+        ) from error
 
 
 def _explain(fault: Any, kind: type[Settings]) -> str:
@@ -330,9 +379,17 @@ def _explain(fault: Any, kind: type[Settings]) -> str:
         return f"{where}: unknown key; {hint}"
     if fault["type"] == "missing":
         what = "table" if _tables_in(_annotation(kind, fault["loc"])) else "key"
-        return f"[{key}]: missing table" if what == "table" and not table else f"{where}: missing {what}"
+        return (
+            f"[{key}]: missing table"
+            if what == "table" and not table
+            else f"{where}: missing {what}"
+        )
     if fault["type"] in ("union_tag_not_found", "union_tag_invalid"):
-        got = fault["input"].get("kind", "nothing") if isinstance(fault["input"], dict) else fault["input"]
+        got = (
+            fault["input"].get("kind", "nothing")
+            if isinstance(fault["input"], dict)
+            else fault["input"]
+        )
         return f'[{key}] kind: expected "crank-rocker" or "slider-crank", got {got!r}'
     if fault["type"] == "value_error":
         message = fault["msg"].removeprefix("Value error, ")
@@ -350,7 +407,12 @@ def _annotation(kind: type[Settings], location: tuple[Any, ...]) -> Any:
     """Type of the key at `location`."""
     tables = _tables_at(kind, location[:-1])
     return next(
-        (table.model_fields[key].annotation for table in tables if (key := location[-1]) in table.model_fields), None
+        (
+            table.model_fields[key].annotation
+            for table in tables
+            if (key := location[-1]) in table.model_fields
+        ),
+        None,
     )
 
 
@@ -367,7 +429,11 @@ def _tables_at(kind: type[Settings], location: tuple[Any, ...]) -> list[type[Set
         elif part == "slider-crank":
             tables = [SliderCrankSettings]
         else:
-            annotations = [table.model_fields[part].annotation for table in tables if part in table.model_fields]
+            annotations = [
+                table.model_fields[part].annotation
+                for table in tables
+                if part in table.model_fields
+            ]
             tables = [found for annotation in annotations for found in _tables_in(annotation)]
     return tables
 
@@ -375,7 +441,9 @@ def _tables_at(kind: type[Settings], location: tuple[Any, ...]) -> list[type[Set
 def _tables_in(annotation: Any) -> list[type[Settings]]:
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Settings) else []
-    return [found for argument in getattr(annotation, "__args__", ()) for found in _tables_in(argument)]
+    return [
+        found for argument in getattr(annotation, "__args__", ()) for found in _tables_in(argument)
+    ]
 
 
 def to_toml(settings: Settings) -> str:

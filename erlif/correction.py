@@ -39,8 +39,13 @@ Image = npt.NDArray[np.float32]
 _SATURATED, _DIM, _BAD_PIXEL = int(Flag.SATURATED), int(Flag.DIM), int(Flag.BAD_PIXEL)
 _QUANTISATION = 1 / 12  # variance of rounding to whole counts [DN2]
 _SAME_LEVEL = 0.05  # flat pages whose means differ by less were taken at one light level
-_TOLERATED = 0.10  # a declared gain or read noise further than this from the measured one is worth a word
-_SUPPOSED_CAPACITY, _SUPPOSED_READ_NOISE = 16000.0, 10.0  # of a camera of which nothing is known yet [electron]
+_TOLERATED = (
+    0.10  # a declared gain or read noise further than this from the measured one is worth a word
+)
+_SUPPOSED_CAPACITY, _SUPPOSED_READ_NOISE = (
+    16000.0,
+    10.0,
+)  # of a camera of which nothing is known yet [electron]
 _FRAMES_SEEN = 8  # frames searched for saturation below full scale
 
 
@@ -58,7 +63,9 @@ class CameraNoise:
     response_spread: float = float("nan")
 
 
-def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise | None] = (None, None)) -> References:
+def measure_references(
+    recording: Recording, *, estimated: Sequence[CameraNoise | None] = (None, None)
+) -> References:
     """Reduce darks and flats of both cameras, and measure what the settings leave open.
 
     Parameters
@@ -85,7 +92,9 @@ def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise 
     levels = _find_saturation_in_frames(recording)
     cameras = [
         _measure_camera(recording, settings, camera=number, seen=seen, estimated=noise)
-        for number, (settings, seen, noise) in enumerate(zip(recording.cameras, levels, estimated, strict=True), 1)
+        for number, (settings, seen, noise) in enumerate(
+            zip(recording.cameras, levels, estimated, strict=True), 1
+        )
     ]
     merged = xr.concat(cameras, xr.Variable("camera", [1, 2]), combine_attrs="drop")
     for kind in ("notes", "warnings"):
@@ -93,7 +102,9 @@ def measure_references(recording: Recording, *, estimated: Sequence[CameraNoise 
     return References(merged)
 
 
-def correct_frames(frames: Frames, references: References, *, least_signal: float = 100.0) -> CorrectedFrames:
+def correct_frames(
+    frames: Frames, references: References, *, least_signal: float = 100.0
+) -> CorrectedFrames:
     """Subtract the dark, divide by the flat, and give every pixel its variance and flags.
 
     The variance holds shot noise, read noise and rounding of the pixel; the noise of its dark and flat, which does not average
@@ -146,7 +157,11 @@ def correct_frames(frames: Frames, references: References, *, least_signal: floa
     return CorrectedFrames(
         xr.Dataset(
             {
-                "signal": (dims, signal, {"units": "DN", "ancillary_variables": "signal_var flags"}),
+                "signal": (
+                    dims,
+                    signal,
+                    {"units": "DN", "ancillary_variables": "signal_var flags"},
+                ),
                 "signal_var": (dims, variance, {"units": "DN2"}),
                 "signal_var_fixed": (dims, fixed, {"units": "DN2"}),
                 "flags": (dims, flags, FLAG_ATTRS),
@@ -270,14 +285,33 @@ def _measure_camera(
         spread = measure_response_spread(flat, flat_var, bad)
     elif estimated is not None:
         spread = estimated.response_spread
-        flat_var += np.nan_to_num(spread) ** 2  # what is not corrected is noise, the same in every frame
+        flat_var += (
+            np.nan_to_num(spread) ** 2
+        )  # what is not corrected is noise, the same in every frame
     dark = float(darks.mean[~darks.bad].mean())
     record.put("full_scale", saturation, "DN", "count at which the camera saturates")
     record.put("dark_signal", dark, "DN", "mean dark level")
-    record.put("dark_signal_std", darks.mean_std, "DN", "standard deviation of dark_signal, from page to page")
-    record.put("dark_spread", darks.spread, "DN", "standard deviation of the dark level over the pixels (DSNU)")
-    record.put("response_spread", spread, "1", "standard deviation of the response from pixel to pixel (PRNU)")
-    record.put("saturation_capacity", (saturation - dark) * gain, "electron", "electrons at saturation")
+    record.put(
+        "dark_signal_std",
+        darks.mean_std,
+        "DN",
+        "standard deviation of dark_signal, from page to page",
+    )
+    record.put(
+        "dark_spread",
+        darks.spread,
+        "DN",
+        "standard deviation of the dark level over the pixels (DSNU)",
+    )
+    record.put(
+        "response_spread",
+        spread,
+        "1",
+        "standard deviation of the response from pixel to pixel (PRNU)",
+    )
+    record.put(
+        "saturation_capacity", (saturation - dark) * gain, "electron", "electrons at saturation"
+    )
     record.notes.insert(0, _summarise(record, settings, gain_known=gain_known))
     if saturation < settings.full_scale:
         record.say(
@@ -325,8 +359,18 @@ def _find_gain(
     record.put("gain", gain, "electron/DN", "gain in use")
     record.put("gain_measured", own, "electron/DN", "gain as measured")
     record.put("gain_std", std, "electron/DN", "standard deviation of gain_measured")
-    record.put("bend", measured.bend if measured else float("nan"), "1", "bend of the photon transfer curve")
-    record.put("bend_std", measured.bend_std if measured else float("nan"), "1", "standard deviation of bend")
+    record.put(
+        "bend",
+        measured.bend if measured else float("nan"),
+        "1",
+        "bend of the photon transfer curve",
+    )
+    record.put(
+        "bend_std",
+        measured.bend_std if measured else float("nan"),
+        "1",
+        "standard deviation of bend",
+    )
     if settings.gain is not None and abs(settings.gain / own - 1) > _TOLERATED:
         record.say(
             f"the declared gain, {settings.gain:g} electron/DN, is {100 * (settings.gain / own - 1):+.0f} % off the measured one; the "
@@ -362,12 +406,20 @@ def _find_read_noise(
         variance = max(darks.temporal_var - _QUANTISATION, 0.0)
         own = float(np.sqrt(variance)) * gain
         # of the root of a variance near zero, the root of its standard deviation is what can be said
-        of_root = darks.temporal_var_std / (2 * np.sqrt(max(variance, darks.temporal_var_std / 4, 1e-12)))
+        of_root = darks.temporal_var_std / (
+            2 * np.sqrt(max(variance, darks.temporal_var_std / 4, 1e-12))
+        )
         std = float(np.hypot(gain * of_root, own * (gain_std or 0.0) / gain))
     elif settings.read_noise is None and estimated is not None:
         own, std = estimated.read_noise, estimated.read_noise_std
     known = settings.read_noise is not None or not np.isnan(own)
-    read_noise = settings.read_noise if settings.read_noise is not None else own if known else _SUPPOSED_READ_NOISE
+    read_noise = (
+        settings.read_noise
+        if settings.read_noise is not None
+        else own
+        if known
+        else _SUPPOSED_READ_NOISE
+    )
     record.put("read_noise", read_noise, "electron", "read noise in use")
     record.put("read_noise_measured", own, "electron", "read noise as measured")
     record.put("read_noise_std", std, "electron", "standard deviation of read_noise_measured")
@@ -390,10 +442,14 @@ def _summarise(record: _CameraRecord, settings: CameraSettings, *, gain_known: b
     """One line about a camera: what was measured of it, and what was declared."""
 
     def noise(name: str, what: str, unit: str, declared: float | None) -> str:
-        used, own, std = (record.values[key][0] for key in (name, f"{name}_measured", f"{name}_std"))
+        used, own, std = (
+            record.values[key][0] for key in (name, f"{name}_measured", f"{name}_std")
+        )
         if np.isnan(own):
             return f"{what} {used:g} {unit} ({'declared' if declared is not None else 'supposed'})"
-        return f"{what} {_with_std(own, std)} {unit}" + (f" (declared {declared:g})" if declared is not None else "")
+        return f"{what} {_with_std(own, std)} {unit}" + (
+            f" (declared {declared:g})" if declared is not None else ""
+        )
 
     saturation, capacity = (record.values[key][0] for key in ("full_scale", "saturation_capacity"))
     spread = record.values["response_spread"][0]
@@ -443,7 +499,10 @@ def _reduce_darks(recording: Recording, settings: CameraSettings, camera: int) -
         assert settings.offset is not None  # the settings hold one or the other
         return _Darks(np.full(shape, settings.offset), 0.0, np.zeros(shape, bool), 0)
     found = find_reference_pages(recording.directory, settings.dark, what=f"camera{camera} dark")
-    read = (read_reference(page, settings, directory=recording.directory, shape=shape).astype(float) for page in found)
+    read = (
+        read_reference(page, settings, directory=recording.directory, shape=shape).astype(float)
+        for page in found
+    )
     pages: PageStack | None = None
     levels = []
     for image in read:
@@ -486,7 +545,11 @@ def _median_of_surroundings(image: Array) -> Array:
 
 
 def _read_flats(
-    recording: Recording, settings: CameraSettings, dark: Array, camera: int, seen: npt.NDArray[np.int64]
+    recording: Recording,
+    settings: CameraSettings,
+    dark: Array,
+    camera: int,
+    seen: npt.NDArray[np.int64],
 ) -> tuple[list[PageStack], int]:
     """Flats above dark, level by level, and the count at which the camera saturates.
 
@@ -529,7 +592,9 @@ def _photon_transfer(
         if point is not None:
             points.append(point)
     if darks.temporal_var is not None or settings.read_noise is None:
-        return fit_photon_transfer(points, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std)
+        return fit_photon_transfer(
+            points, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
+        )
     # a read noise declared in electrons is a variance of counts once the gain is known: two rounds settle it
     found = fit_photon_transfer(points, dark_variance=_QUANTISATION)
     for _ in range(3):
@@ -540,7 +605,11 @@ def _photon_transfer(
 
 
 def _reduce_flats(
-    levels: Sequence[PageStack], dark_var: Array, bad: npt.NDArray[np.bool_], gain: float, page_var: float
+    levels: Sequence[PageStack],
+    dark_var: Array,
+    bad: npt.NDArray[np.bool_],
+    gain: float,
+    page_var: float,
 ) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
     """Response of each pixel relative to the mean, its variance, and the dead pixels."""
     count = sum(level.count for level in levels)

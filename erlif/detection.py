@@ -21,7 +21,10 @@ Image = npt.NDArray[np.float32]
 CLEAR = 2.0
 """Standard deviations of a pixel that its film must keep from the ends of the calibration."""
 
-_AROUND, _OWN = 17, 5  # width of the surroundings that decide, and of their middle that does not [px]
+_AROUND, _OWN = (
+    17,
+    5,
+)  # width of the surroundings that decide, and of their middle that does not [px]
 
 
 def find_range(

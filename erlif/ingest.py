@@ -23,7 +23,13 @@ import numpy.typing as npt
 import tifffile
 import xarray as xr
 
-from erlif.config import CameraSettings, FixtureSettings, RunSettings, read_fixture_settings, read_run_settings
+from erlif.config import (
+    CameraSettings,
+    FixtureSettings,
+    RunSettings,
+    read_fixture_settings,
+    read_run_settings,
+)
 from erlif.core.errors import EncoderError, FrameError
 from erlif.core.products import EncoderLog, Frames
 
@@ -149,13 +155,21 @@ def read_frames(recording: Recording, frames: Sequence[int]) -> Frames:
         If a file cannot be decoded, or counts do not fit the camera's bit depth.
     """
     counts = np.empty((2, len(frames), *recording.shape), np.uint16)
-    for camera, (pages, settings) in enumerate(zip(recording.pages, recording.cameras, strict=True)):
+    for camera, (pages, settings) in enumerate(
+        zip(recording.pages, recording.cameras, strict=True)
+    ):
         for n, k in enumerate(frames):
             counts[camera, n] = _read_page(pages[k], recording.directory, recording.shape)
             _check_depth(counts[camera, n], settings, pages[k])
     return Frames(
         xr.Dataset(
-            {"counts": (("camera", "frame", "y", "x"), counts, {"units": "DN", "long_name": "raw counts"})},
+            {
+                "counts": (
+                    ("camera", "frame", "y", "x"),
+                    counts,
+                    {"units": "DN", "long_name": "raw counts"},
+                )
+            },
             {"camera": [1, 2], "frame": np.asarray(frames, np.int64)},
         )
     )
@@ -171,7 +185,9 @@ def find_reference_pages(directory: Path, pattern: str, *, what: str) -> list[Pa
     return [page for page, _ in pages]
 
 
-def read_reference(page: Page, settings: CameraSettings, *, directory: Path, shape: tuple[int, int]) -> Counts:
+def read_reference(
+    page: Page, settings: CameraSettings, *, directory: Path, shape: tuple[int, int]
+) -> Counts:
     """Read one dark or flat page and check its size and counts; raises FrameError."""
     counts = _read_page(page, directory, shape)
     _check_depth(counts, settings, page)
@@ -192,7 +208,10 @@ def hash_inputs(recording: Recording) -> dict[str, str]:
         for reference in (camera.dark, camera.flat):
             if reference is not None:
                 hashes[reference] = _hash_files(_match_files(recording.directory, reference))
-    return {os.path.relpath(recording.directory / name, recording.directory): value for name, value in hashes.items()}
+    return {
+        os.path.relpath(recording.directory / name, recording.directory): value
+        for name, value in hashes.items()
+    }
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -217,7 +236,11 @@ def read_encoder_log(path: Path) -> EncoderLog:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            table = [(n, row) for n, row in enumerate(csv.reader(file), 1) if any(cell.strip() for cell in row)]
+            table = [
+                (n, row)
+                for n, row in enumerate(csv.reader(file), 1)
+                if any(cell.strip() for cell in row)
+            ]
     except OSError as error:
         raise EncoderError(
             f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}. Correct file in [encoder] of run.toml."
@@ -235,7 +258,11 @@ def read_encoder_log(path: Path) -> EncoderLog:
     _check_header(header, path)
     for number, row in table[1:]:
         if len(row) != len(header):
-            comma = " A decimal comma makes two values of one: write decimal points." if len(row) > len(header) else ""
+            comma = (
+                " A decimal comma makes two values of one: write decimal points."
+                if len(row) > len(header)
+                else ""
+            )
             raise EncoderError(
                 f"Expected {len(header)} values in row {number} of {path.name}, as in its header; it has {len(row)}.{comma} Correct the row."
             )
@@ -246,7 +273,11 @@ def read_encoder_log(path: Path) -> EncoderLog:
     for name, cells in columns.items():
         if name in _KNOWN_COLUMNS:
             short, unit, meaning = _KNOWN_COLUMNS[name]
-            log[short] = ("frame", _number_column(cells, rows, name, path), {"units": unit, "long_name": meaning})
+            log[short] = (
+                "frame",
+                _number_column(cells, rows, name, path),
+                {"units": unit, "long_name": meaning},
+            )
         elif name:
             log[name] = ("frame", _free_column(cells))
     if "load" in log and log["load"].values.min() <= 0:
@@ -268,16 +299,22 @@ def _check_header(header: list[str], path: Path) -> None:
             )
     for place, (name, count) in enumerate(Counter(header).items(), 1):
         if count > 1 and name:
-            raise EncoderError(f"Expected each column of {path.name} once; {name} comes {count} times. Rename one.")
+            raise EncoderError(
+                f"Expected each column of {path.name} once; {name} comes {count} times. Rename one."
+            )
         if name in _RESERVED or (name and not _FURTHER_COLUMN.fullmatch(name)):
-            reason = "which erlif uses itself" if name in _RESERVED else "which a film file cannot hold"
+            reason = (
+                "which erlif uses itself" if name in _RESERVED else "which a film file cannot hold"
+            )
             raise EncoderError(
                 f"Expected a column of {path.name} to be one of frame, {', '.join(_KNOWN_COLUMNS)} or to have a name of its own that begins "
                 f"with a letter or digit; column {place} is {name!r}, {reason}. Rename it."
             )
 
 
-def _number_column(cells: Sequence[str], rows: Sequence[int], name: str, path: Path) -> npt.NDArray[np.float64]:
+def _number_column(
+    cells: Sequence[str], rows: Sequence[int], name: str, path: Path
+) -> npt.NDArray[np.float64]:
     values = np.empty(len(cells))
     for n, (row, cell) in enumerate(zip(rows, cells, strict=True)):
         try:
@@ -330,7 +367,11 @@ def _check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
         # where the files carry the numbers of the log, the gap in them is the missing one
         numbers = _numbers(pages)
         logged = log.number.values.tolist()
-        lacking = [number for number in logged if number not in numbers] if set(numbers) <= set(logged) else []
+        lacking = (
+            [number for number in logged if number not in numbers]
+            if set(numbers) <= set(logged)
+            else []
+        )
         row = logged.index(lacking[0]) if lacking else frames
         extra = f"frame {logged[row]} of {name} is the first without a file"
     else:
@@ -351,7 +392,9 @@ def _pair_cameras(
             f"Expected the band that dye 2 reabsorbs, the shorter wavelength, on camera 1; got {settings.camera1.band:g} nm on "
             f"camera 1 and {settings.camera2.band:g} nm on camera 2. The cameras look swapped: exchange the two tables."
         )
-    found = [_find_pages(directory, camera.files, f"camera{n}") for n, camera in enumerate(cameras, 1)]
+    found = [
+        _find_pages(directory, camera.files, f"camera{n}") for n, camera in enumerate(cameras, 1)
+    ]
     if skip_bad_frames:
         _pad_truncated(found)
     one, two = ([page for page, _ in pages] for pages, _ in found)
@@ -398,7 +441,9 @@ def _pair_cameras(
 
 
 def _undecodable(
-    directory: Path, cameras: Sequence[tuple[list[tuple[Page, _Kind]], dict[int, str]]], known: dict[int, str]
+    directory: Path,
+    cameras: Sequence[tuple[list[tuple[Page, _Kind]], dict[int, str]]],
+    known: dict[int, str],
 ) -> dict[int, str]:
     """Frame pairs whose headers are sound and whose pixels are not."""
     faults = {}
@@ -434,7 +479,9 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
         alike = len(set(a) & set(b)) >= len(one) / 2
         if not alike or len({first - second for first, second in zip(a, b, strict=True)}) == 1:
             return None  # each camera counts in its own way, or from its own first number
-    pages, own, other, name = (one, a, b, "camera1") if len(one) >= len(two) else (two, b, a, "camera2")
+    pages, own, other, name = (
+        (one, a, b, "camera1") if len(one) >= len(two) else (two, b, a, "camera2")
+    )
     if not set(own) & set(other):
         return f"{name}/{pages[len(other)].name}"
     return f"{name}/{next(page.name for page, number in zip(pages, own, strict=True) if number not in other)}"
@@ -465,10 +512,15 @@ _UNREADABLE: _Kind = ((0, 0), "unreadable")
 def _match_files(directory: Path, pattern: str) -> list[Path]:
     """Files that a pattern of the settings matches, in natural order; hidden ones are not meant."""
     names = glob.glob(pattern, root_dir=directory, recursive=True)
-    return sorted((path for path in (directory / name for name in names) if not path.is_dir()), key=natural_key)
+    return sorted(
+        (path for path in (directory / name for name in names) if not path.is_dir()),
+        key=natural_key,
+    )
 
 
-def _find_pages(directory: Path, pattern: str, what: str) -> tuple[list[tuple[Page, _Kind]], dict[int, str]]:
+def _find_pages(
+    directory: Path, pattern: str, what: str
+) -> tuple[list[tuple[Page, _Kind]], dict[int, str]]:
     """Pages that match a pattern, with size and type; and the faulty ones by their place."""
     paths = _match_files(directory, pattern)
     if not paths:
@@ -496,7 +548,9 @@ def _headers(path: Path) -> list[_Kind]:
         size = path.stat().st_size
         if size == 0:
             raise FrameError("the file is empty")
-        kinds = _tiff_headers(path, size) if path.suffix.lower() in _TIFF else _foreign_headers(path)
+        kinds = (
+            _tiff_headers(path, size) if path.suffix.lower() in _TIFF else _foreign_headers(path)
+        )
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
     if not kinds:
@@ -539,7 +593,9 @@ def _read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
         todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
         if "imagecodecs" in str(error):
             todo = "Install the decoders with: pip install 'erlif[formats]'"
-        raise FrameError(f"Expected an image in {name}; it cannot be decoded ({error}). {todo}") from error
+        raise FrameError(
+            f"Expected an image in {name}; it cannot be decoded ({error}). {todo}"
+        ) from error
     if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
         raise FrameError(
             f"Expected grey counts of {_size(shape)} pixels, 8 or 16-bit unsigned, in {name}; it is {image.dtype} of {_size(image.shape)}. "

@@ -82,7 +82,13 @@ def audit(directory: str | Path) -> list[Finding]:
             profile = read_profile(directory / settings.fixture.profile)
             low, high = profile.thickness.min(), profile.thickness.max()
             findings += [Finding("warning", subject, note) for note in profile.notes]
-            findings.append(Finding("ok", subject, f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"))
+            findings.append(
+                Finding(
+                    "ok",
+                    subject,
+                    f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um",
+                )
+            )
     except ErlifError as error:
         findings.append(Finding("error", subject, str(error)))
     return findings
@@ -102,7 +108,9 @@ def _look_at_counts(recording: Recording) -> list[Finding]:
         warning = depth_warning(settings, int(highest[camera - 1]), camera=camera)
         text = f"camera{camera}: highest count {highest[camera - 1]} of {settings.full_scale}, at most {saturated[camera - 1]:.2%} of a frame saturated"
         bright = saturated[camera - 1] > 0.01
-        findings.append(Finding("warning" if warning or bright else "ok", "counts", warning or text))
+        findings.append(
+            Finding("warning" if warning or bright else "ok", "counts", warning or text)
+        )
     return findings
 
 
@@ -112,22 +120,34 @@ def _look_at_log(recording: Recording, settings: RunSettings) -> Finding:
     describe_triggers(recording, located, group_frames(located, recording))
     triggers, cycles = int(located.trigger.max()) + 1, int(located.cycle.max()) + 1
     top = float(np.abs(located.rocker_speed).max())
-    return Finding("ok", "encoder log", f"{triggers} triggers in {cycles} cycle(s), joint speed up to {top:.3f} rad/s")
+    return Finding(
+        "ok",
+        "encoder log",
+        f"{triggers} triggers in {cycles} cycle(s), joint speed up to {top:.3f} rad/s",
+    )
 
 
 def _look_at_calibration(recording: Recording, settings: RunSettings) -> Finding:
     if settings.calibration is None:
-        return Finding("warning", "calibration", "run.toml names none; process will need --calibration")
+        return Finding(
+            "warning", "calibration", "run.toml names none; process will need --calibration"
+        )
     path = recording.directory / settings.calibration
     if not path.exists():
         if (path.parent / "fixture.toml").is_file():
             return Finding(
-                "ok", "calibration", f"{settings.calibration} is not made yet; process will make it from the fixture"
+                "ok",
+                "calibration",
+                f"{settings.calibration} is not made yet; process will make it from the fixture",
             )
         return Finding(
-            "warning", "calibration", f"{settings.calibration} does not exist; process will need --calibration"
+            "warning",
+            "calibration",
+            f"{settings.calibration} does not exist; process will need --calibration",
         )
     calibration = open_calibration(path)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     low, high = calibration.thickness_range
-    return Finding("ok", "calibration", f"{calibration.fixture!r}, answers from {low:.2f} to {high:.2f} um")
+    return Finding(
+        "ok", "calibration", f"{calibration.fixture!r}, answers from {low:.2f} to {high:.2f} um"
+    )

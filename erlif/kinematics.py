@@ -16,8 +16,12 @@ from erlif.models.mechanism import CrankRocker, SliderCrank
 
 Array = npt.NDArray[np.float64]
 
-_BACKWARD_COST = 3.0  # per radian beyond half a turn: a slow crank is not a fast one that turns the other way
-_ENCODER_ERROR = math.radians(0.1)  # a reading this far beyond a dead point is still taken as the dead point
+_BACKWARD_COST = (
+    3.0  # per radian beyond half a turn: a slow crank is not a fast one that turns the other way
+)
+_ENCODER_ERROR = math.radians(
+    0.1
+)  # a reading this far beyond a dead point is still taken as the dead point
 
 
 def build_mechanism(settings: RunSettings) -> CrankRocker | SliderCrank:
@@ -72,13 +76,19 @@ def locate_frames(log: EncoderLog, settings: RunSettings) -> xr.Dataset:
     variables: dict[str, tuple[str, npt.NDArray[Any], dict[str, str]]] = {
         "trigger": ("frame", trigger, {"units": "1", "long_name": "encoder trigger of the cycle"}),
         "cycle": ("frame", cycle, {"units": "1", "long_name": "turn of the crank"}),
-        "encoder_angle": ("frame", log.angle.values, {"units": "degree", "long_name": "encoder angle as logged"}),
+        "encoder_angle": (
+            "frame",
+            log.angle.values,
+            {"units": "degree", "long_name": "encoder angle as logged"},
+        ),
         "stroke": (
             "frame",
             stroke,
             {
                 "units": "1",
-                "long_name": "+1 rocker angle rising, -1 falling" if on_crank else "+1 angle rising, -1 falling",
+                "long_name": "+1 rocker angle rising, -1 falling"
+                if on_crank
+                else "+1 angle rising, -1 falling",
             },
         ),
         "crank_angle": (
@@ -86,7 +96,11 @@ def locate_frames(log: EncoderLog, settings: RunSettings) -> xr.Dataset:
             np.degrees(crank),
             {"units": "degree", "long_name": "crank angle from the ground link"},
         ),
-        "rocker_speed": ("frame", speed, {"units": "rad s-1", "long_name": "angular speed in the joint, signed"}),
+        "rocker_speed": (
+            "frame",
+            speed,
+            {"units": "rad s-1", "long_name": "angular speed in the joint, signed"},
+        ),
         "sliding_speed": (
             "frame",
             np.abs(speed) * settings.joint.pin_radius,
@@ -117,7 +131,9 @@ def _crank_from_reading(reading: Array, encoder: EncoderSettings) -> Array:
     return np.asarray((reading + (encoder.zero or 0.0)) % turn)
 
 
-def _link_angle(log: EncoderLog, mechanism: CrankRocker | SliderCrank, encoder: EncoderSettings) -> Array:
+def _link_angle(
+    log: EncoderLog, mechanism: CrankRocker | SliderCrank, encoder: EncoderSettings
+) -> Array:
     """Angle of the link that carries the encoder, from the reading and its zero. [rad]"""
     low, high = mechanism.limits()
     reading = np.radians(log.angle.values)
@@ -149,7 +165,9 @@ def _follow_crank(angle: Array, mechanism: CrankRocker | SliderCrank) -> Array:
     is taken (Viterbi's algorithm): about a dead point a single step cannot tell whether the stroke has turned, its neighbours can.
     """
     try:
-        options = np.stack([mechanism.crank_angle(angle, rising=True), mechanism.crank_angle(angle, rising=False)])
+        options = np.stack(
+            [mechanism.crank_angle(angle, rising=True), mechanism.crank_angle(angle, rising=False)]
+        )
     except ModelError as error:
         raise EncoderError(str(error)) from error
     if angle.size == 1:
@@ -162,7 +180,9 @@ def _follow_crank(angle: Array, mechanism: CrankRocker | SliderCrank) -> Array:
     cost = backward[:, :, 0]
     came_from = np.empty((angle.size - 2, 2, 2), np.intp)
     for k in range(1, angle.size - 1):
-        total = cost[:, :, None] + (size[None, :, :, k] - size[:, :, None, k - 1]) ** 2  # (before, from, to)
+        total = (
+            cost[:, :, None] + (size[None, :, :, k] - size[:, :, None, k - 1]) ** 2
+        )  # (before, from, to)
         came_from[k - 1] = total.argmin(axis=0)
         cost = total.min(axis=0) + backward[:, :, k]
     side = np.empty(angle.size, np.intp)

@@ -36,11 +36,18 @@ _UNLIKE = 0.05  # how probable two cameras of unlike gain are beforehand
 _UNLIKENESS = 0.4  # by how much of themselves such gains differ
 _FREEDOM = 10  # degrees of freedom of a standard deviation found from the blocks
 _WORST = 0.3  # relative standard deviation of a gain that is still an answer
-_STILL = 1e-3  # share of a pattern in the variance of differences that a drift of about 0.01 px leaves
-_SHARP, _VAGUE = 0.005**2, 0.01**2  # std of the response's variance: an answer though it be zero, and none at all [1]
+_STILL = (
+    1e-3  # share of a pattern in the variance of differences that a drift of about 0.01 px leaves
+)
+_SHARP, _VAGUE = (
+    0.005**2,
+    0.01**2,
+)  # std of the response's variance: an answer though it be zero, and none at all [1]
 
 
-_RING = np.zeros((5, 5))  # a pixel less the mean of the eight two pixels off: takes off a tilted film
+_RING = np.zeros(
+    (5, 5)
+)  # a pixel less the mean of the eight two pixels off: takes off a tilted film
 _RING[::2, ::2] = -1 / 8
 _RING[2, 2] = 1
 
@@ -69,7 +76,9 @@ def complete_noise(chain: Chain) -> Chain:
     FrameError
         If the frames do not tell the gain or the read noise either.
     """
-    wanted = _Open(*(~chain.references[name].values for name in ("gain_known", "read_noise_known", "has_flat")))
+    wanted = _Open(
+        *(~chain.references[name].values for name in ("gain_known", "read_noise_known", "has_flat"))
+    )
     if not wanted.any:
         return chain
     before = np.zeros((2, 2))
@@ -78,7 +87,9 @@ def complete_noise(chain: Chain) -> Chain:
         if found is None:
             return chain
         estimate = found
-        chain = replace(chain, references=measure_references(chain.recording, estimated=estimate.cameras))
+        chain = replace(
+            chain, references=measure_references(chain.recording, estimated=estimate.cameras)
+        )
         chain = replace(chain, blur=measure_blur(chain))
         now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])
         if np.all(np.abs(now - before) <= 5e-3 * now):
@@ -118,13 +129,22 @@ def _say(references: References, estimate: _Estimate, wanted: _Open) -> Referenc
     said = []
     for camera, noise in enumerate(estimate.cameras):
         if wanted.noise[camera]:
-            what = " and ".join(["gain"] * int(wanted.gain[camera]) + ["read noise"] * int(wanted.read_noise[camera]))
+            what = " and ".join(
+                ["gain"] * int(wanted.gain[camera])
+                + ["read noise"] * int(wanted.read_noise[camera])
+            )
             assumed = ["shot noise"]
             if wanted.gain[camera] and not np.isnan(estimate.alike):
-                assumed.append(f"gains of both cameras that are the same with a probability of {estimate.alike:.2f}")
+                assumed.append(
+                    f"gains of both cameras that are the same with a probability of {estimate.alike:.2f}"
+                )
             if wanted.read_noise.all():
                 assumed.append("one read noise [DN] for both")
-            relative = f", the gain to {100 * noise.gain_std / noise.gain:.0f} %" if wanted.gain[camera] else ""
+            relative = (
+                f", the gain to {100 * noise.gain_std / noise.gain:.0f} %"
+                if wanted.gain[camera]
+                else ""
+            )
             said.append(
                 f"camera{camera + 1}: {what} estimated from the noise that {estimate.frames} frames of the two cameras do not have in "
                 f"common{relative}, assuming {' and '.join(assumed)}; give them, or record darks and flats, for something better"
@@ -139,7 +159,10 @@ def _say(references: References, estimate: _Estimate, wanted: _Open) -> Referenc
             else f"pixels of {cameras} differ by {100 * spread:.1f} %, as the drift of camera 2 shows; for want of a flat this is counted as "
             "noise"
         )
-    attributes = {kind: "\n".join(filter(None, [references.attrs[kind], *said])) for kind in ("notes", "warnings")}
+    attributes = {
+        kind: "\n".join(filter(None, [references.attrs[kind], *said]))
+        for kind in ("notes", "warnings")
+    }
     return References(references.assign_attrs(attributes))
 
 
@@ -179,10 +202,13 @@ def _estimate(chain: Chain, wanted: _Open) -> _Estimate | None:
     read_std, dark = np.zeros(2), wanted.read_noise
     read_noise[dark] = gain[dark] * np.sqrt(fit.dark)
     # of the root of a variance near zero, the root of its standard deviation is what can be said
-    read_std[dark] = gain[dark] * fit.dark_std / (2 * np.sqrt(max(fit.dark, fit.dark_std / 4, 1e-12)))
+    read_std[dark] = (
+        gain[dark] * fit.dark_std / (2 * np.sqrt(max(fit.dark, fit.dark_std / 4, 1e-12)))
+    )
     response = np.where(wanted.response & wanted.response[1], np.sqrt(fit.response), np.nan)
     one, two = (
-        CameraNoise(*map(float, row)) for row in zip(gain, gain_std, read_noise, read_std, response, strict=True)
+        CameraNoise(*map(float, row))
+        for row in zip(gain, gain_std, read_noise, read_std, response, strict=True)
     )
     return _Estimate((one, two), alike, len(frames))
 
@@ -255,7 +281,9 @@ def _gather_cells(chain: Chain, frames: list[int]) -> _Cells:
             rows.append(_compare(before, view, kernels, size))
         before = view
     table = np.concatenate(rows, axis=1) if rows else np.zeros((8, 0))
-    return _Cells(table[0], table[1].astype(np.int64), table[2], table[3:5].T, table[5:7].T, table[7])
+    return _Cells(
+        table[0], table[1].astype(np.int64), table[2], table[3:5].T, table[5:7].T, table[7]
+    )
 
 
 def _look(chain: Chain, frame: int, size: int) -> _View:
@@ -273,13 +301,17 @@ def _look(chain: Chain, frame: int, size: int) -> _View:
     )
     shown = align_frames(CorrectedFrames(units), chain.camera_map, drift=drift)
     x, y = (
-        getattr(chain.camera_map, f"displacement_{axis}").astype(float) + drift[0, n] for n, axis in enumerate("xy")
+        getattr(chain.camera_map, f"displacement_{axis}").astype(float) + drift[0, n]
+        for n, axis in enumerate("xy")
     )
     # the averaging of the interpolation is reckoned cell by cell, with that of the differences
     averaged = np.stack([np.ones_like(x), interpolation_variance_factor(x, y)])
     with np.errstate(divide="ignore", invalid="ignore"):
         per_light = 1 / (shown.signal.values[:, 0] ** 2 * averaged)
-        shot, read = shown.signal_var.values[:, 0] * per_light, shown.signal_var_fixed.values[:, 0] * per_light
+        shot, read = (
+            shown.signal_var.values[:, 0] * per_light,
+            shown.signal_var_fixed.values[:, 0] * per_light,
+        )
     flagged = (ratio.flags.values[0] != 0) | ~np.isfinite(shot.sum(axis=0) + read.sum(axis=0))
     middles = (slice(size // 2, None, size), slice(size // 2, None, size))
     return _View(
@@ -303,7 +335,9 @@ def _kernels(chain: Chain) -> tuple[Array, Array]:
 def _compare(first: _View, second: _View, kernels: tuple[Array, Array], size: int) -> Array:
     """The table of the cells of two frames; columns as in _Cells."""
     difference = second.log_ratio - first.log_ratio
-    squared = np.asarray(cv2.filter2D(difference, -1, _RING, borderType=cv2.BORDER_CONSTANT), float) ** 2
+    squared = (
+        np.asarray(cv2.filter2D(difference, -1, _RING, borderType=cv2.BORDER_CONSTANT), float) ** 2
+    )
     for edge in (squared, squared.T):
         edge[:2] = edge[-2:] = np.nan
     good = np.isfinite(squared)
@@ -329,7 +363,9 @@ def _compare(first: _View, second: _View, kernels: tuple[Array, Array], size: in
 
 def _sum_cells(image: Array, size: int) -> Array:
     rows, columns = (n // size for n in image.shape)
-    return np.asarray(image[: rows * size, : columns * size].reshape(rows, size, columns, size).sum(axis=(1, 3)))
+    return np.asarray(
+        image[: rows * size, : columns * size].reshape(rows, size, columns, size).sum(axis=(1, 3))
+    )
 
 
 def _overlap(kernel: Array, first: Array, second: Array) -> Array:
@@ -340,7 +376,9 @@ def _overlap(kernel: Array, first: Array, second: Array) -> Array:
     together = correlate2d(kernel, kernel)
     reach = kernel.shape[0] - 1
     along = [
-        np.stack([_overlap_along(first[axis], second[axis] + lag) for lag in range(-reach, reach + 1)])
+        np.stack(
+            [_overlap_along(first[axis], second[axis] + lag) for lag in range(-reach, reach + 1)]
+        )
         for axis in (0, 1)
     ]
     return np.asarray(np.einsum("vu,vij,uij->ij", together, along[1], along[0]))
@@ -352,7 +390,9 @@ def _overlap_along(first: Array, second: Array) -> Array:
     base = np.floor(first)
     total = np.zeros(first.shape)
     for k in range(-7, 9):
-        total += np.interp(first - base - k, at, eta) * np.interp(second - base - k, at, eta, left=0.0, right=0.0)
+        total += np.interp(first - base - k, at, eta) * np.interp(
+            second - base - k, at, eta, left=0.0, right=0.0
+        )
     return total
 
 
@@ -389,7 +429,9 @@ class _Fit:
         return self.response_std < _SHARP or self.response_std < min(_VAGUE, self.response / 3)
 
 
-def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool, pattern: bool) -> _Fit:
+def _fit(
+    cells: _Cells, references: References, wanted: _Open, *, one_gain: bool, pattern: bool
+) -> _Fit:
     """Causes of the variance: light, dark, pattern and a rest.
 
     The pattern, where it is asked for, is that of camera 2 without a flat, which its drift moves, and the rest a constant: speckle
@@ -416,7 +458,9 @@ def _fit(cells: _Cells, references: References, wanted: _Open, *, one_gain: bool
         good = ~two.bad.values
         known += cells.pattern * float((two.flat_var.values / two.flat.values**2)[good].mean())
     columns.append(np.ones(len(known)))
-    values, covariance = _solve(np.stack(columns, axis=1), cells.variance, known, cells.pixels, cells.block)
+    values, covariance = _solve(
+        np.stack(columns, axis=1), cells.variance, known, cells.pixels, cells.block
+    )
     gains, dark = len(share), bool(wanted.read_noise.any())
     return _Fit(
         slope=values[:gains] @ share,

@@ -15,7 +15,10 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-_RELEVANT_BEND, _SIGNIFICANT = 0.02, 4.0  # a bend worth a word: in itself, and in standard deviations
+_RELEVANT_BEND, _SIGNIFICANT = (
+    0.02,
+    4.0,
+)  # a bend worth a word: in itself, and in standard deviations
 _BELOW = 16  # counts below a pile-up that must hold few pixels, each
 _STEEP = 5  # times as many pixels at the pile-up as at any of those counts
 _LEAST_PILE = 20  # pixels
@@ -35,7 +38,9 @@ class PageStack:
 
     def add(self, page: Array, *, scale: float = 1.0) -> None:
         """Add `scale` times a page (y, x)."""
-        difference = scale * page - self.first  # about the first page, so that squares do not cancel
+        difference = (
+            scale * page - self.first
+        )  # about the first page, so that squares do not cancel
         self.count += 1
         self.scales.append(scale)
         self.total += difference
@@ -153,7 +158,9 @@ def fit_photon_transfer(
     start, curve, top = parameters[0], parameters[-1], light.max()
     gradient = np.zeros(len(columns))
     gradient[0], gradient[-1] = -curve * top / start**2, top / start
-    return PhotonTransfer(gain, gain_std, curve * top / start, float(np.sqrt(gradient @ errors @ gradient)))
+    return PhotonTransfer(
+        gain, gain_std, curve * top / start, float(np.sqrt(gradient @ errors @ gradient))
+    )
 
 
 def _least_squares(design: Array, values: Array, covariance: Array) -> tuple[Array, Array]:

@@ -68,7 +68,9 @@ from erlif.thickness import measure_thickness
 from erlif.trend import region_mask, summarise_film
 
 
-def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progress: Progress = silent) -> Calibration:
+def calibrate(
+    fixture_dir: str | Path, *, skip_bad_frames: bool = False, progress: Progress = silent
+) -> Calibration:
     """Fit a calibration to a fixture directory.
 
     Parameters
@@ -126,14 +128,23 @@ def calibrate(fixture_dir: str | Path, *, skip_bad_frames: bool = False, progres
     )
 
 
-def save_calibration(calibration: Calibration, output: str | Path, *, overwrite: bool = False) -> Path:
+def save_calibration(
+    calibration: Calibration, output: str | Path, *, overwrite: bool = False
+) -> Path:
     """Write ``calibration.nc``, whole or not at all; raises OutputError if it exists and `overwrite` is not set."""
     output = Path(output)
     refuse_existing(output, overwrite=overwrite)
     dataset = calibration.to_dataset().assign_attrs(
-        Conventions="CF-1.11", title="ERLIF calibration", erlif_version=erlif.__version__, **calibration.attributes
+        Conventions="CF-1.11",
+        title="ERLIF calibration",
+        erlif_version=erlif.__version__,
+        **calibration.attributes,
     )
-    groups = {} if calibration.camera_map is None else {"registration": describe_map(calibration.camera_map)}
+    groups = (
+        {}
+        if calibration.camera_map is None
+        else {"registration": describe_map(calibration.camera_map)}
+    )
     write_dataset(dataset, output, groups=groups)
     return output
 
@@ -246,7 +257,9 @@ def _process_to(
     with PartialFilm(output, _job_key(settings, hashes, calibration, recording)) as partial:
         chain = open_chain(recording, references, calibration, progress)
         _refuse_foreign_ratio(chain, calibration)
-        _run_tasks(_TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress)
+        _run_tasks(
+            _TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress
+        )
         record = _read_record(partial, frames_of)
         notes = [*reference_notes(chain.references), *record.notes(recording)]
         film = assemble_film(recording, triggers, partial, calibration, settings, hashes, notes)
@@ -259,11 +272,15 @@ def _process_to(
         partial.discard()
 
 
-def open_chain(recording: Recording, references: References, calibration: Calibration, progress: Progress) -> Chain:
+def open_chain(
+    recording: Recording, references: References, calibration: Calibration, progress: Progress
+) -> Chain:
     """The stages from counts to ratio for a run that is read with this calibration."""
     settings = recording.settings
     assert isinstance(settings, RunSettings)
-    return complete_noise(prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings)))
+    return complete_noise(
+        prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings))
+    )
 
 
 def _stored_map(calibration: Calibration, settings: RunSettings) -> CameraMap | None:
@@ -289,7 +306,9 @@ def _read_record(partial: PartialFilm, frames_of: list[list[int]]) -> FrameRecor
     return record
 
 
-def _run_tasks(task: _TriggerTask, frames_of: list[list[int]], workers: int | None, progress: Progress) -> None:
+def _run_tasks(
+    task: _TriggerTask, frames_of: list[list[int]], workers: int | None, progress: Progress
+) -> None:
     """Compute the triggers that are not finished, several at a time."""
     todo = [trigger for trigger in range(len(frames_of)) if not task.partial.has(trigger)]
     done = len(frames_of) - len(todo)
@@ -329,7 +348,9 @@ def find_calibration(
     path = recording.directory / settings.calibration
     if not path.exists() and (path.parent / "fixture.toml").is_file():
         made = calibrate(path.parent, progress=progress)
-        with suppress(OutputError):  # kept for the next run where the fixture's directory can be written
+        with suppress(
+            OutputError
+        ):  # kept for the next run where the fixture's directory can be written
             save_calibration(made, path)
         return made
     return open_calibration(path)
@@ -373,7 +394,9 @@ class _TriggerTask:
             sliding_along_x=self.settings.optics.x_axis == "sliding",
         )
         resolution = self.settings.thickness.smoothing
-        if resolution is not None:  # the statistics above count on pixels whose noise is independent
+        if (
+            resolution is not None
+        ):  # the statistics above count on pixels whose noise is independent
             maps = measure_thickness(smooth_ratio(ratio, resolution=resolution), self.calibration)
         self.partial.put(
             trigger,
@@ -390,7 +413,9 @@ class _TriggerTask:
 
     def _brightness(self, ratios: RatioImages) -> float:
         maps = measure_thickness(ratios, self.calibration)
-        return self._brightness_of(ratios.signal_camera1.values[0], maps.thickness.values[0], maps.flags.values[0])
+        return self._brightness_of(
+            ratios.signal_camera1.values[0], maps.thickness.values[0], maps.flags.values[0]
+        )
 
     def _brightness_of(self, signal: Any, thickness: Any, flags: Any) -> float:
         """Light of camera 1 over what this film would give at unit energy, in the middle of the image."""
@@ -399,7 +424,9 @@ class _TriggerTask:
         good = flags[middle] == 0
         if good.sum() < 64:
             return float("nan")
-        expected = band_signal(thickness[middle][good], attenuation=self.calibration.attenuation_camera1)
+        expected = band_signal(
+            thickness[middle][good], attenuation=self.calibration.attenuation_camera1
+        )
         return float(np.median(signal[middle][good] / expected))
 
 
@@ -432,7 +459,9 @@ def _refuse_foreign_ratio(chain: Chain, calibration: Calibration) -> None:
         )
 
 
-def _job_key(settings: RunSettings, hashes: dict[str, str], calibration: Calibration, recording: Recording) -> str:
+def _job_key(
+    settings: RunSettings, hashes: dict[str, str], calibration: Calibration, recording: Recording
+) -> str:
     """Identity of a piece of work: what goes in and what it is done with."""
     parts = [
         erlif.__version__,

@@ -86,7 +86,11 @@ def compute_ratio(
     return RatioImages(
         xr.Dataset(
             {
-                "log_ratio": (dims, log_ratio, {"units": "1", "ancillary_variables": "log_ratio_var flags"}),
+                "log_ratio": (
+                    dims,
+                    log_ratio,
+                    {"units": "1", "ancillary_variables": "log_ratio_var flags"},
+                ),
                 "log_ratio_var": (dims, random, {"units": "1"}),
                 "log_ratio_var_fixed": (dims, fixed, {"units": "1"}),
                 "log_ratio_var_shared": (dims, shared, {"units": "1"}),
@@ -169,7 +173,9 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> np
     known = np.isfinite(blocks)
     if not known.any():
         return np.zeros(one.shape, bool)
-    surroundings = ndimage.median_filter(np.where(known, blocks, np.median(blocks[known])), size=_REACH, mode="nearest")
+    surroundings = ndimage.median_filter(
+        np.where(known, blocks, np.median(blocks[known])), size=_REACH, mode="nearest"
+    )
     dark = _below(one, two, share * surroundings, _BLOCK)
     if not dark.any():
         return np.asarray(dark, bool)
@@ -240,7 +246,9 @@ def _below(one, two, limit, block):  # type: ignore[no-untyped-def]
     return dark
 
 
-def mean_of_surroundings(image: Image, sound: npt.NDArray[np.bool_], *, width: int = _NEAR, without: int = 0) -> Image:
+def mean_of_surroundings(
+    image: Image, sound: npt.NDArray[np.bool_], *, width: int = _NEAR, without: int = 0
+) -> Image:
     """Mean of the sound pixels in a square about each pixel; NaN where there are none.
 
     Parameters
@@ -256,12 +264,16 @@ def mean_of_surroundings(image: Image, sound: npt.NDArray[np.bool_], *, width: i
     # about the middle, because the sums are taken in single precision
     middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
     values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
-    total, count = (_box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count))
+    total, count = (
+        _box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count)
+    )
     return np.where(count > 0.5, middle + total / np.maximum(count, 1), np.float32(np.nan))
 
 
 def _box(image: Image, width: int) -> Image:
-    summed = cv2.boxFilter(image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT)
+    summed = cv2.boxFilter(
+        image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT
+    )
     return np.asarray(summed, np.float32)
 
 
@@ -287,13 +299,22 @@ class RatioSum:
 
     def __post_init__(self) -> None:
         """Start from nothing."""
-        self.weight, self.total, self.random, self.fixed, self.shared = (np.zeros(self.shape) for _ in range(5))
+        self.weight, self.total, self.random, self.fixed, self.shared = (
+            np.zeros(self.shape) for _ in range(5)
+        )
         self.flags = np.zeros(self.shape, np.uint8)
         self.answered = np.zeros(self.shape, bool)
 
     def add(self, ratios: RatioImages) -> None:
         """Add ratio images (frame, y, x) of the same trigger."""
-        require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared", "flags")
+        require(
+            ratios,
+            "log_ratio",
+            "log_ratio_var",
+            "log_ratio_var_fixed",
+            "log_ratio_var_shared",
+            "flags",
+        )
         for n in range(ratios.sizes["frame"]):
             fixed = ratios.log_ratio_var_fixed.values[n]
             _add_frame(
@@ -312,7 +333,9 @@ class RatioSum:
                 self.answered,
             )
             self.frames += 1
-            self.correlation += float(ratios.noise_correlation[n]) if "noise_correlation" in ratios else 1.0
+            self.correlation += (
+                float(ratios.noise_correlation[n]) if "noise_correlation" in ratios else 1.0
+            )
 
     @staticmethod
     def weigh(ratios: RatioImages, frame: int) -> Image:
@@ -333,12 +356,20 @@ class RatioSum:
             }
         dims = ("y", "x")
         images = {
-            name: (dims, np.where(self.weight > 0, image, np.nan).astype(np.float32), {"units": "1"})
+            name: (
+                dims,
+                np.where(self.weight > 0, image, np.nan).astype(np.float32),
+                {"units": "1"},
+            )
             for name, image in means.items()
         }
         flags = np.where(self.answered, 0, self.flags).astype(np.uint8)
         correlation = ((), self.correlation / max(self.frames, 1), {"units": "1"})
-        return RatioImages(xr.Dataset(images | {"flags": (dims, flags, FLAG_ATTRS), "noise_correlation": correlation}))
+        return RatioImages(
+            xr.Dataset(
+                images | {"flags": (dims, flags, FLAG_ATTRS), "noise_correlation": correlation}
+            )
+        )
 
 
 @numba.njit(nogil=True, cache=True)

@@ -161,5 +161,6 @@ def take_out_ghost(log_ratio, one, two, along_x, along_y):  # type: ignore[no-un
                 # half the logarithm of the product is the mean of both cameras' logarithms
                 square = centre * centre
                 log_ratio[i, j] -= 0.5 * (
-                    along_x * np.log(left * right / square) + along_y * np.log(above * below / square)
+                    along_x * np.log(left * right / square)
+                    + along_y * np.log(above * below / square)
                 )

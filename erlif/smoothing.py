@@ -31,8 +31,12 @@ from erlif.core.products import RatioImages, require
 Image = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
 
-_SUSPECT = 3.5  # standard deviations of a step through a pixel from which on it is looked at closely
-_SIGNIFICANT = 4.5  # standard deviations from which on a step counts, found among hundreds in a window
+_SUSPECT = (
+    3.5  # standard deviations of a step through a pixel from which on it is looked at closely
+)
+_SIGNIFICANT = (
+    4.5  # standard deviations from which on a step counts, found among hundreds in a window
+)
 _DIRECTIONS = 16
 _LAG = 2  # pixels over which neighbours may share noise before smoothing
 _FLAT = 1e-3  # determinant, relative to its diagonal, below which the pixels about a pixel carry no plane
@@ -41,12 +45,28 @@ _FLAT = 1e-3  # determinant, relative to its diagonal, below which the pixels ab
 # Rows of the table of taps, d being the distance from the middle: the window times 1, d, d^2 (0 to 2), its square times the
 # same (3 to 5), and the window times the sign of d and times |d| (6, 7).
 # What is summed along y: of the weights (0), of weights times data (1), of the doubt (2), and with which taps.
-_DOWN = np.array([(0, 0), (0, 1), (0, 2), (0, 3), (0, 4), (0, 5), (1, 0), (1, 1), (0, 6), (0, 7), (1, 6), (2, 0)])
+_DOWN = np.array(
+    [(0, 0), (0, 1), (0, 2), (0, 3), (0, 4), (0, 5), (1, 0), (1, 1), (0, 6), (0, 7), (1, 6), (2, 0)]
+)
 # Which of these is summed along x, and with which taps.
 _ACROSS = np.array(
     [
-        *((0, 0), (0, 1), (1, 0), (0, 2), (1, 1), (2, 0)),  # normal matrix of a plane: 1, x, y, x^2, xy, y^2
-        *((3, 3), (3, 4), (4, 3), (3, 5), (4, 4), (5, 3)),  # the same with the window squared, for the variance
+        *(
+            (0, 0),
+            (0, 1),
+            (1, 0),
+            (0, 2),
+            (1, 1),
+            (2, 0),
+        ),  # normal matrix of a plane: 1, x, y, x^2, xy, y^2
+        *(
+            (3, 3),
+            (3, 4),
+            (4, 3),
+            (3, 5),
+            (4, 4),
+            (5, 3),
+        ),  # the same with the window squared, for the variance
         *((6, 0), (6, 1), (7, 0)),  # data: 1, x, y
         *((0, 6), (0, 7), (1, 6), (6, 6)),  # a step along x: with 1, x, y and data
         *((8, 0), (8, 1), (9, 0), (10, 0)),  # a step along y
@@ -92,7 +112,16 @@ def smooth_ratio(ratios: RatioImages, *, resolution: float) -> RatioImages:
     smooth, remaining = value.copy(), variance.copy()
     for n in range(value.shape[0]):
         if sound[n].any():
-            _smooth_image(value[n], variance[n], shared[n], sound[n], taps, step_noise, smooth[n], remaining[n])
+            _smooth_image(
+                value[n],
+                variance[n],
+                shared[n],
+                sound[n],
+                taps,
+                step_noise,
+                smooth[n],
+                remaining[n],
+            )
     answer = {"log_ratio": smooth, "log_ratio_var": remaining}
     if "log_ratio_var_fixed" in ratios:
         left = np.divide(remaining, variance, out=np.ones_like(variance), where=sound)
@@ -117,11 +146,18 @@ def _gaussian_window(resolution: float) -> tuple[Image, float]:
     window = np.exp(-0.5 * (d / sigma) ** 2)
     step = np.where(d >= 0, 1.0, -1.0)
     taps = np.stack(
-        [*(window * d**n for n in range(3)), *(window**2 * d**n for n in range(3)), window * step, window * d * step]
+        [
+            *(window * d**n for n in range(3)),
+            *(window**2 * d**n for n in range(3)),
+            window * step,
+            window * d * step,
+        ]
     )
     line = np.stack([np.ones_like(d), d])
     rest = step - line.T @ np.linalg.solve(window * line @ line.T, line @ (window * step))
-    noise = (window**2).sum() / window.sum() * (window**2 * rest**2).sum() / (window * rest**2).sum()
+    noise = (
+        (window**2).sum() / window.sum() * (window**2 * rest**2).sum() / (window * rest**2).sum()
+    )
     return taps.astype(np.float32), float(noise)
 
 
@@ -140,7 +176,9 @@ def _smooth_image(
     middle = np.median(value[sound][::97])  # single precision is kept for what differs
     planes = _weigh(value, variance, shared, sound, middle, reach)
     suspect = np.zeros(value.shape, np.uint8)
-    _fit_planes(planes, taps, _DOWN, _ACROSS, _SUSPECT**2 * step_noise, middle, smooth, remaining, suspect)
+    _fit_planes(
+        planes, taps, _DOWN, _ACROSS, _SUSPECT**2 * step_noise, middle, smooth, remaining, suspect
+    )
     factor = _correlation_factor(value, variance, smooth, sound, taps[0])
     distances, limit = _distances(reach), _SIGNIFICANT**2 * factor
     places = np.argwhere(suspect)
@@ -149,12 +187,18 @@ def _smooth_image(
     if on_step.any():
         near = cv2.dilate(on_step, np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)).astype(bool)
         places = np.argwhere(near & sound)
-        _fit_one_side(planes, taps[0], distances, places, limit, value, variance, middle, smooth, remaining)
-        factor = _correlation_factor(value, variance, smooth, sound, taps[0])  # freed of what the steps fed into it
+        _fit_one_side(
+            planes, taps[0], distances, places, limit, value, variance, middle, smooth, remaining
+        )
+        factor = _correlation_factor(
+            value, variance, smooth, sound, taps[0]
+        )  # freed of what the steps fed into it
     remaining[remaining < variance] *= factor
 
 
-def _correlation_factor(value: Image, variance: Image, smooth: Image, sound: Mask, window: Image) -> float:
+def _correlation_factor(
+    value: Image, variance: Image, smooth: Image, sound: Mask, window: Image
+) -> float:
     """By how much the variance of a mean over the window exceeds that of independent pixels; 1 if that is not significant.
 
     What smoothing takes off the pixels, r = n - S n for noise n and smoother S, has the autocovariance of n convolved with that
@@ -169,7 +213,9 @@ def _correlation_factor(value: Image, variance: Image, smooth: Image, sound: Mas
     line = {"once": np.zeros(2 * spread + 1), "twice": np.zeros(2 * spread + 1)}
     for name, values in (("once", kernel), ("twice", np.convolve(kernel, kernel))):
         half = min(spread, values.size // 2)
-        line[name][spread - half : spread + half + 1] = values[values.size // 2 - half : values.size // 2 + half + 1]
+        line[name][spread - half : spread + half + 1] = values[
+            values.size // 2 - half : values.size // 2 + half + 1
+        ]
     once, twice = (np.outer(values, values) for values in line.values())
     taken_off = twice - 2 * once
     taken_off[spread, spread] += 1
@@ -203,7 +249,9 @@ def _weigh(value, variance, shared, sound, middle, reach):  # type: ignore[no-un
                 w = 1.0 / variance[i, j]
                 planes[0, i + reach, j + reach] = w
                 planes[1, i + reach, j + reach] = w * (value[i, j] - middle)
-                planes[2, i + reach, j + reach] = 1.0 + (shared[i, j] * w if shared[i, j] > 0 else 0.0)
+                planes[2, i + reach, j + reach] = 1.0 + (
+                    shared[i, j] * w if shared[i, j] > 0 else 0.0
+                )
     return planes
 
 
@@ -221,7 +269,14 @@ def _invert_normal(m0, mx, my, mxx, mxy, myy):  # type: ignore[no-untyped-def]
     if not determinant > _FLAT * m0 * mxx * myy:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     d, e, f = m0 * myy - my * my, mx * my - m0 * mxy, m0 * mxx - mx * mx
-    return a / determinant, b / determinant, c / determinant, d / determinant, e / determinant, f / determinant
+    return (
+        a / determinant,
+        b / determinant,
+        c / determinant,
+        d / determinant,
+        e / determinant,
+        f / determinant,
+    )
 
 
 @numba.njit(nogil=True, cache=True)
@@ -263,7 +318,12 @@ def _fit_planes(planes, taps, down, across, limit, middle, smooth, remaining, su
                 s[k] = sums[k, j]
             inverse = _invert_normal(s[0], s[1], s[2], s[3], s[4], s[5])
             a, b, c = inverse[:3]
-            left = a * a * s[6] + b * b * s[9] + c * c * s[11] + 2 * (a * b * s[7] + a * c * s[8] + b * c * s[10])
+            left = (
+                a * a * s[6]
+                + b * b * s[9]
+                + c * c * s[11]
+                + 2 * (a * b * s[7] + a * c * s[8] + b * c * s[10])
+            )
             if not 0.0 < left < remaining[i, j]:
                 continue
             smooth[i, j] = middle + a * s[12] + b * s[13] + c * s[14]
@@ -311,7 +371,9 @@ def _find_steps(planes, distances, places, limit):  # type: ignore[no-untyped-de
 
 
 @numba.njit(nogil=True, cache=True)
-def _fit_one_side(planes, window, distances, places, limit, value, variance, middle, smooth, remaining):  # type: ignore[no-untyped-def]
+def _fit_one_side(
+    planes, window, distances, places, limit, value, variance, middle, smooth, remaining
+):  # type: ignore[no-untyped-def]
     """Fit a plane to what lies on the side of the given pixels, cutting their surroundings at steps until none is significant."""
     taps = window.size
     for n in range(places.shape[0]):

@@ -35,7 +35,11 @@ def describe_calibration(calibration: Calibration) -> str:
     """Parameters of a calibration with their uncertainties, its range, and what it has to say of itself."""
     std = calibration.standard_deviations
     low, high = calibration.thickness_range
-    names = ("K, ratio of a vanishing film", "p, attenuation camera 1 [1/um]", "q, attenuation camera 2 [1/um]")
+    names = (
+        "K, ratio of a vanishing film",
+        "p, attenuation camera 1 [1/um]",
+        "q, attenuation camera 2 [1/um]",
+    )
     lines = [
         f"{calibration.fixture}: ratio camera 2 / camera 1 against thickness, {calibration.curve.sizes['bin']} points"
     ]
@@ -48,7 +52,10 @@ def describe_calibration(calibration: Calibration) -> str:
     errors = calibration.thickness_std(middle)
     lines.append(
         f"  {'leaves in a thickness':32s}"
-        + ", ".join(f"{100 * error / t:.2f} % at {t:.1f} um" for t, error in zip(middle, errors, strict=True))
+        + ", ".join(
+            f"{100 * error / t:.2f} % at {t:.1f} um"
+            for t, error in zip(middle, errors, strict=True)
+        )
     )
     lines.append(f"  {'reduced chi-square':32s}{calibration.reduced_chi_square:.2f}")
     if calibration.departure is not None:
@@ -81,7 +88,9 @@ def _flag_lines(film: xr.Dataset) -> list[str]:
         total += flags.size
         for flag in Flag:
             counts[flag] += int(((flags & flag) > 0).sum())
-    left_out = ", ".join(f"{str(flag.name).lower()} {count / total:.2%}" for flag, count in counts.items() if count)
+    left_out = ", ".join(
+        f"{str(flag.name).lower()} {count / total:.2%}" for flag, count in counts.items() if count
+    )
     return [f"  {'pixels':14s}{answered / total:.1%} answered; flagged: {left_out or 'none'}"]
 
 

@@ -39,7 +39,8 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     flags = ratios.flags.values.copy()
     for n in np.ndindex(shape[:-2]):
         log_ratio, variance, displaced = (
-            ratios[name].values[n] for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
+            ratios[name].values[n]
+            for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
         )
         flags[n][(flags[n] == 0) & (displaced > variance)] = _POOR
         near[n], beyond = find_range(log_ratio, variance, flags[n], calibration)
@@ -81,10 +82,17 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
                 "thickness_std_shared": (
                     dims,
                     shared,
-                    {"units": "um", "long_name": "standard deviation of thickness, what all pixels share"},
+                    {
+                        "units": "um",
+                        "long_name": "standard deviation of thickness, what all pixels share",
+                    },
                 ),
                 "flags": (dims, flags, FLAG_ATTRS),
-                "log_ratio_near": (dims, near, {"units": "1", "long_name": "mean of log_ratio about the pixel"}),
+                "log_ratio_near": (
+                    dims,
+                    near,
+                    {"units": "1", "long_name": "mean of log_ratio about the pixel"},
+                ),
             },
             ratios.coords,
         )

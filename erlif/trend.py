@@ -75,7 +75,9 @@ def region_mask(settings: RunSettings, x: Array, y: Array) -> tuple[slice, slice
     roi = settings.thickness.roi
     if roi is None:
         return slice(0, y.size), slice(0, x.size)
-    columns = slice(int(np.searchsorted(x, roi.x[0])), int(np.searchsorted(x, roi.x[1], side="right")))
+    columns = slice(
+        int(np.searchsorted(x, roi.x[0])), int(np.searchsorted(x, roi.x[1], side="right"))
+    )
     rows = slice(int(np.searchsorted(y, roi.y[0])), int(np.searchsorted(y, roi.y[1], side="right")))
     if columns.stop - columns.start < 32 or rows.stop - rows.start < 32:
         raise ConfigError(
@@ -133,7 +135,11 @@ def summarise_film(
         mean_random,
         mean_gradient,
         minimum,
-        math.sqrt(minimum_random**2 + minimum_surface**2 + float(minimum_gradient @ covariance @ minimum_gradient)),
+        math.sqrt(
+            minimum_random**2
+            + minimum_surface**2
+            + float(minimum_gradient @ covariance @ minimum_gradient)
+        ),
         minimum_random,
         minimum_surface,
         minimum_gradient,
@@ -170,7 +176,9 @@ def _mean_film(
     place = np.clip(((near - first) * (bins / (last - first))).astype(np.intp), 0, bins - 1)
     centre = first + (np.arange(bins) + 0.5) * (last - first) / bins
     table = calibration.inverse
-    film = np.interp(centre, table.start + table.step * np.arange(table.thickness.size), table.thickness)
+    film = np.interp(
+        centre, table.start + table.step * np.arange(table.thickness.size), table.thickness
+    )
     rate = 1 / calibration.slope(film)
     curvature = np.gradient(rate, centre)  # of thickness over the logarithm of the ratio
     count = np.bincount(place, minlength=bins)
@@ -179,7 +187,12 @@ def _mean_film(
     linear, square = (np.bincount(place, values, bins) for values in (off, off**2 - variance))
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
     gradient = -(calibration.gradient(film) * rate * count).sum(axis=1) / size
-    random = math.sqrt(_correlation(ratios) * float((rate**2 * np.bincount(place, variance, bins)).sum())) / size
+    random = (
+        math.sqrt(
+            _correlation(ratios) * float((rate**2 * np.bincount(place, variance, bins)).sum())
+        )
+        / size
+    )
     registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
     # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
     return mean, math.hypot(random, _BLOCK * registration), gradient
@@ -205,9 +218,13 @@ def _least_film(
     blocks = _block_means(ratios, x, y, rows, columns, sliding_along_x=sliding_along_x)
     value, noise = blocks.log_ratio, blocks.variance
     low, high = calibration.thickness_range
-    design = np.column_stack([np.ones_like(value), blocks.along, blocks.across, blocks.along_squared])
+    design = np.column_stack(
+        [np.ones_like(value), blocks.along, blocks.across, blocks.along_squared]
+    )
     limits = calibration.predict_log([low, high])
-    start = np.interp(value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500))
+    start = np.interp(
+        value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500)
+    )
     use = (value > limits[0]) & (value < limits[1])
     if not _determine_a_gap(blocks, use):
         return nothing
@@ -229,7 +246,9 @@ def _least_film(
             trust = np.where(use, square**2, 0.0)
             if not _determine_a_gap(blocks, square > 0.2):
                 return nothing
-            response = np.where(use, square * (5 * square - 4), 0.0)  # of trust times residual to the residual
+            response = np.where(
+                use, square * (5 * square - 4), 0.0
+            )  # of trust times residual to the residual
         weight = trust / (noise + slope**2 * surface)
         jacobian = design * slope[:, None]
         normal = jacobian.T @ (jacobian * weight[:, None])
@@ -242,17 +261,28 @@ def _least_film(
     at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
     curvature = jacobian.T @ (jacobian * (response / (noise + slope**2 * surface))[:, None])
     pull = jacobian @ np.linalg.solve(curvature, at)
-    by_block = pull * response / (noise + slope**2 * surface)  # change of the least film with the ratio of each block
+    by_block = (
+        pull * response / (noise + slope**2 * surface)
+    )  # change of the least film with the ratio of each block
     score = pull * weight * residual
     random = float((score**2 * noise / (noise + slope**2 * surface)).sum())
-    total = max(_variance_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across))
+    total = max(
+        _variance_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)
+    )
     by_parameter = -calibration.gradient(film) @ by_block
-    return float(at @ gap), math.sqrt(random), math.sqrt(max(total - random, 0.0)), np.asarray(by_parameter)
+    return (
+        float(at @ gap),
+        math.sqrt(random),
+        math.sqrt(max(total - random, 0.0)),
+        np.asarray(by_parameter),
+    )
 
 
 def _determine_a_gap(blocks: _Blocks, use: npt.NDArray[np.bool_]) -> bool:
     """Whether the chosen blocks tell a parabola along sliding and a tilt across."""
-    along, across = (np.unique(strip[use]).size for strip in (blocks.strip_across, blocks.strip_along))
+    along, across = (
+        np.unique(strip[use]).size for strip in (blocks.strip_across, blocks.strip_along)
+    )
     return bool(use.sum() >= _LEAST_BLOCKS and along >= 4 and across >= 3)
 
 
@@ -367,7 +397,12 @@ def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
                 'temperature, or give viscosity = "0.12 Pa s".'
             )
         viscosity = np.asarray(
-            vogel_viscosity(triggers.temperature.values + 273.15, a=oil.vogel.a, b=oil.vogel.b, c=oil.vogel.c + 273.15)
+            vogel_viscosity(
+                triggers.temperature.values + 273.15,
+                a=oil.vogel.a,
+                b=oil.vogel.b,
+                c=oil.vogel.c + 273.15,
+            )
         )
     else:
         viscosity = np.full(triggers.sizes["trigger"], oil.viscosity)
@@ -378,7 +413,9 @@ def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
         "radius": radius,
         "contact_modulus": modulus,
     }
-    speed = triggers.sliding_speed.values / 2  # the bushing surface rests: entrainment is half the sliding speed
+    speed = (
+        triggers.sliding_speed.values / 2
+    )  # the bushing surface rests: entrainment is half the sliding speed
     theory = line_contact_film(speed, stroke=entrained_stroke(settings), **contact)
     regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
     chosen = str(regimes[np.argmax(count)])
@@ -404,9 +441,15 @@ def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
             ),
         }
     )
-    if joint.pin.roughness is not None and joint.bushing.roughness is not None and "film_min" in triggers:
+    if (
+        joint.pin.roughness is not None
+        and joint.bushing.roughness is not None
+        and "film_min" in triggers
+    ):
         film = np.maximum(triggers.film_min.values, 0.0) * 1e-6
-        ratio = film_parameter(film, roughness_a=joint.pin.roughness, roughness_b=joint.bushing.roughness)
+        ratio = film_parameter(
+            film, roughness_a=joint.pin.roughness, roughness_b=joint.bushing.roughness
+        )
         predicted["film_parameter"] = (
             "trigger",
             ratio,

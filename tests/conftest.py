@@ -13,7 +13,9 @@ import erlif
 from erlif.cli import main
 from erlif.rig import RigSettings, simulate
 
-SMALL = RigSettings(width=128, height=96, spacing=8.0, fixture_frames=3, dark_pages=4, flat_pages=3, bubbles=0)
+SMALL = RigSettings(
+    width=128, height=96, spacing=8.0, fixture_frames=3, dark_pages=4, flat_pages=3, bubbles=0
+)
 """Six triggers of 128 x 96 pixels."""
 
 
@@ -61,7 +63,9 @@ def small_rig(tmp_path_factory) -> Laboratory:
 def two_cycles(tmp_path_factory) -> Laboratory:
     """The same rig over two turns of the crank, not calibrated; never to be changed."""
     lab = Laboratory(tmp_path_factory.mktemp("cycles"))
-    simulate(lab.directory, seed=12, rig=RigSettings(**{**vars(SMALL), "cycles": 2, "fixture_frames": 1}))
+    simulate(
+        lab.directory, seed=12, rig=RigSettings(**{**vars(SMALL), "cycles": 2, "fixture_frames": 1})
+    )
     return lab
 
 
@@ -83,8 +87,13 @@ def film(small_rig, tmp_path_factory) -> Path:
 
 def snapshot(directory: Path) -> dict[str, str]:
     """Every file below a directory with the hash of its bytes."""
-    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.is_symlink()]
-    return {str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    files = [
+        path for path in sorted(directory.rglob("*")) if path.is_file() and not path.is_symlink()
+    ]
+    return {
+        str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in files
+    }
 
 
 @pytest.fixture

@@ -79,14 +79,20 @@ def rocker_angle(crank: np.ndarray) -> np.ndarray:
     t = np.radians(crank)
     x, y = a * np.cos(t), a * np.sin(t)
     diagonal = np.hypot(d - x, y)
-    return np.degrees(np.arccos((diagonal**2 + c**2 - b**2) / (2 * diagonal * c)) + np.arctan2(y, d - x))
+    return np.degrees(
+        np.arccos((diagonal**2 + c**2 - b**2) / (2 * diagonal * c)) + np.arctan2(y, d - x)
+    )
 
 
 def rocker_speed(crank: np.ndarray) -> np.ndarray:
     """Rocker speed [rad/s] by central differences of the angle."""
     step = 1e-3
     return (
-        np.radians(rocker_angle(crank + step) - rocker_angle(crank - step)) / np.radians(2 * step) * 114 * math.pi / 30
+        np.radians(rocker_angle(crank + step) - rocker_angle(crank - step))
+        / np.radians(2 * step)
+        * 114
+        * math.pi
+        / 30
     )
 
 
@@ -111,7 +117,8 @@ def make_run(directory: Path) -> RunSettings:
         one = np.full(film.shape, 1000.0)
         for camera, light in ((1, one), (2, one * true_ratio(film))):
             tifffile.imwrite(
-                directory / f"camera{camera}" / f"frame_{k:02d}.tif", np.rint(light + 64).astype(np.uint16)
+                directory / f"camera{camera}" / f"frame_{k:02d}.tif",
+                np.rint(light + 64).astype(np.uint16),
             )
     angle = rocker_angle(CRANK) - LEAST_ANGLE
     rows = "".join(f"{k},{0.05 * k:.3f},{value:.6f}\n" for k, value in enumerate(angle))
@@ -180,7 +187,11 @@ def make_film(directory: Path) -> Path:
     film["flags"] = (("trigger", "y", "x"), flags, FLAG_ATTRS)
     for suffix, power in (("", POWER), ("_mean", 0.4)):
         scale = math.log(2.0 * LOAD**POWER)
-        film[f"speed_exponent{suffix}"] = ((), power, {"log_scale": scale, "triggers_used": TRIGGERS})
+        film[f"speed_exponent{suffix}"] = (
+            (),
+            power,
+            {"log_scale": scale, "triggers_used": TRIGGERS},
+        )
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
     film.film_theory.attrs.update(
         regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""

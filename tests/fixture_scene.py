@@ -23,7 +23,9 @@ def light(thickness, attenuation):
 
 def log_ratio(thickness, *, k=K, p=P, q=Q, background=0.0):
     """Of camera 2 over camera 1, where `background` adds to camera 2 light that no dye absorbs."""
-    return np.log((k * light(thickness, q) + background * np.asarray(thickness)) / light(thickness, p))
+    return np.log(
+        (k * light(thickness, q) + background * np.asarray(thickness)) / light(thickness, p)
+    )
 
 
 def image(rng, values, *, noise=0.004, shape=SHAPE):
@@ -46,12 +48,16 @@ def image(rng, values, *, noise=0.004, shape=SHAPE):
 def wedge_profile(rng, *, noise=0.15):
     x = np.arange(0, SHAPE[1] * PITCH, 0.1)
     return Profile(
-        x, np.interp(x, PITCH * np.arange(SHAPE[1]), WEDGE) + rng.normal(0, noise, x.size), np.full(x.size, noise)
+        x,
+        np.interp(x, PITCH * np.arange(SHAPE[1]), WEDGE) + rng.normal(0, noise, x.size),
+        np.full(x.size, noise),
     )
 
 
 def calibrate(ratios, profile, **options):
-    return fit_calibration(ratios, profile, **{"pixel_pitch": PITCH, "bands": (580.0, 610.0), "frames": 12, **options})
+    return fit_calibration(
+        ratios, profile, **{"pixel_pitch": PITCH, "bands": (580.0, 610.0), "frames": 12, **options}
+    )
 
 
 def calibrate_wedge(rng, *, profile=None, noise=0.15, **ratio):
@@ -68,4 +74,6 @@ def assert_covers(pulls):
     """68 and 95 % within one and two standard deviations, to three standard deviations of the binomial."""
     count = len(pulls)
     for width, share in ((1, 0.683), (2, 0.954)):
-        assert np.all(np.abs(share_within(pulls, width) - share) < 3 * np.sqrt(share * (1 - share) / count))
+        assert np.all(
+            np.abs(share_within(pulls, width) - share) < 3 * np.sqrt(share * (1 - share) / count)
+        )

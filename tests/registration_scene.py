@@ -19,7 +19,14 @@ Field = Callable[[Array, Array], tuple[Array, Array]]
 
 @njit(cache=True, nogil=True)
 def _sum_blobs(
-    x: Array, y: Array, left: float, top: float, pitch: float, sigma: float, blobs: Array, out: Array
+    x: Array,
+    y: Array,
+    left: float,
+    top: float,
+    pitch: float,
+    sigma: float,
+    blobs: Array,
+    out: Array,
 ) -> None:
     rows, cols, _ = blobs.shape
     reach = int(np.ceil(4.2 * sigma / pitch))
@@ -38,7 +45,9 @@ def _sum_blobs(
 class Blobs:
     """A random field of unit variance whose correlation falls to 1/e at twice ``sigma``."""
 
-    def __init__(self, shape: tuple[int, int], sigma: float, rng: np.random.Generator, *, margin: float = 0.6) -> None:
+    def __init__(
+        self, shape: tuple[int, int], sigma: float, rng: np.random.Generator, *, margin: float = 0.6
+    ) -> None:
         h, w = shape
         self.sigma, self.pitch = sigma, 1.5 * sigma
         self.left, self.top = -margin * w, -margin * h
@@ -55,14 +64,18 @@ class Blobs:
         """Value at any points."""
         x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
         out = np.empty(x.size)
-        _sum_blobs(x.ravel(), y.ravel(), self.left, self.top, self.pitch, self.sigma, self.blobs, out)
+        _sum_blobs(
+            x.ravel(), y.ravel(), self.left, self.top, self.pitch, self.sigma, self.blobs, out
+        )
         return out.reshape(x.shape)
 
 
 class Scratches:
     """Straight lines of Gaussian profile with soft ends."""
 
-    def __init__(self, shape: tuple[int, int], per_megapixel: float, rng: np.random.Generator) -> None:
+    def __init__(
+        self, shape: tuple[int, int], per_megapixel: float, rng: np.random.Generator
+    ) -> None:
         h, w = shape
         n = int(rng.poisson(per_megapixel * h * w / 1e6))
         angle = rng.uniform(0, np.pi, n)
@@ -78,7 +91,9 @@ class Scratches:
             near = np.abs(across) < 6 * self.width[k]
             along = ((x - self.x[k]) * self.cos[k] + (y - self.y[k]) * self.sin[k])[near]
             ends = 1 / (1 + np.exp((np.abs(along) - self.half[k]) / 3))
-            total[near] += self.height[k] * ends * np.exp(-(across[near] ** 2) / (2 * self.width[k] ** 2))
+            total[near] += (
+                self.height[k] * ends * np.exp(-(across[near] ** 2) / (2 * self.width[k] ** 2))
+            )
         return total
 
 
@@ -139,10 +154,18 @@ class Views:
         y, x = np.mgrid[:h, :w]
         qx, qy = x + self.dx, y + self.dy
         near = (x >= margin) & (x < w - margin) & (y >= margin) & (y < h - margin)
-        return near & (qx >= margin / 4) & (qx <= w - 1 - margin / 4) & (qy >= margin / 4) & (qy <= h - 1 - margin / 4)
+        return (
+            near
+            & (qx >= margin / 4)
+            & (qx <= w - 1 - margin / 4)
+            & (qy >= margin / 4)
+            & (qy <= h - 1 - margin / 4)
+        )
 
 
-def expose(clean: Array, rng: np.random.Generator, *, gain: float = 4.0, read: float = 8.0) -> Array:
+def expose(
+    clean: Array, rng: np.random.Generator, *, gain: float = 4.0, read: float = 8.0
+) -> Array:
     """Counts of a 12-bit camera: shot noise at ``gain`` electrons per count, read noise in electrons, rounding."""
     electrons = rng.poisson(np.maximum(clean, 0) * gain) + rng.normal(0, read, clean.shape)
     return np.clip(np.rint(electrons / gain), 0, 4095).astype(np.uint16)
@@ -200,5 +223,7 @@ class Scene:
 def vector_rms(camera_map: Any, views: Views, inside: Array | None = None) -> float:
     """Rms length of the displacement error over the pixels that both cameras see. [px]"""
     inside = views.inside() if inside is None else inside
-    error = np.hypot(camera_map.displacement_x - views.dx, camera_map.displacement_y - views.dy)[inside]
+    error = np.hypot(camera_map.displacement_x - views.dx, camera_map.displacement_y - views.dy)[
+        inside
+    ]
     return float(np.sqrt(np.mean(error**2)))

@@ -36,7 +36,12 @@ def corrected(images, variance=1.0, flags=None):
                 "signal": (dims, signal),
                 "signal_var": (dims, np.full(signal.shape, variance, np.float32)),
                 "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
-                "flags": (dims, np.zeros(signal.shape, np.uint8) if flags is None else np.stack([flags * 0, flags])),
+                "flags": (
+                    dims,
+                    np.zeros(signal.shape, np.uint8)
+                    if flags is None
+                    else np.stack([flags * 0, flags]),
+                ),
             },
             {"camera": [1, 2]},
         )
@@ -52,16 +57,22 @@ def test_camera_2_is_sampled_where_camera_1_looks():
     y, x = np.indices(SHAPE, dtype=float)
     aligned = align_frames(corrected(smooth(y, x)[None]), camera_map(3.3, -2.7))
     inside = (slice(8, -8), slice(8, -8))
-    npt.assert_allclose(aligned.signal.values[1, 0][inside], smooth(y - 2.7, x + 3.3)[inside], atol=0.03)
+    npt.assert_allclose(
+        aligned.signal.values[1, 0][inside], smooth(y - 2.7, x + 3.3)[inside], atol=0.03
+    )
     npt.assert_array_equal(aligned.signal.values[0, 0], smooth(y, x).astype(np.float32))
 
 
 def test_drift_moves_a_frame_on_top_of_the_map():
     y, x = np.indices(SHAPE, dtype=float)
     images = np.stack([smooth(y, x)] * 2)
-    aligned = align_frames(corrected(images), camera_map(1.0, 1.0), drift=np.array([[0.0, 0.0], [0.4, -0.6]]))
+    aligned = align_frames(
+        corrected(images), camera_map(1.0, 1.0), drift=np.array([[0.0, 0.0], [0.4, -0.6]])
+    )
     inside = (slice(8, -8), slice(8, -8))
-    npt.assert_allclose(aligned.signal.values[1, 1][inside], smooth(y + 0.4, x + 1.4)[inside], atol=0.03)
+    npt.assert_allclose(
+        aligned.signal.values[1, 1][inside], smooth(y + 0.4, x + 1.4)[inside], atol=0.03
+    )
 
 
 def test_variance_is_the_scatter_of_interpolated_noise():
@@ -72,13 +83,17 @@ def test_variance_is_the_scatter_of_interpolated_noise():
         inside = (slice(8, -8), slice(8, -8))
         scatter = aligned.signal.values[1].var(axis=0)[inside]
         # 800 draws of 3,000 pixels: the mean is good to about 0.2 %
-        npt.assert_allclose(aligned.signal_var.values[1, 0][inside].mean(), scatter.mean(), rtol=0.006)
+        npt.assert_allclose(
+            aligned.signal_var.values[1, 0][inside].mean(), scatter.mean(), rtol=0.006
+        )
 
 
 def test_pixel_inherits_the_flags_it_is_made_from():
     flags = np.zeros((1, *SHAPE), np.uint8)
     flags[0, 30, 40] = Flag.BAD_PIXEL
-    aligned = align_frames(corrected(np.full((1, *SHAPE), 100.0), flags=flags), camera_map(0.5, 0.5))
+    aligned = align_frames(
+        corrected(np.full((1, *SHAPE), 100.0), flags=flags), camera_map(0.5, 0.5)
+    )
     hit = np.argwhere(aligned.flags.values[1, 0] & Flag.BAD_PIXEL)
     assert {tuple(place) for place in hit} == {(y, x) for y in range(28, 32) for x in range(38, 42)}
     assert not aligned.flags.values[0].any()

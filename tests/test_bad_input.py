@@ -183,7 +183,9 @@ def test_damaged_frames_are_left_out_on_request_and_the_film_says_so(lab, comman
     film, frames = read_film(lab.film), read_film(lab.film, "frames")
     assert film.frames_used.values.tolist() == [0, 0, 0, 0, 0, 1]
     for k, reason in enumerate(DAMAGE):
-        assert f"frame pair {k} left out: camera{1 + k % 2}/frame_{k:04d}.tif" in film.attrs["notes"]
+        assert (
+            f"frame pair {k} left out: camera{1 + k % 2}/frame_{k:04d}.tif" in film.attrs["notes"]
+        )
         assert reason in frames.attrs["skipped_frames"]
     assert (film.flags[:5] == Flag.OUTSIDE_OVERLAP).all()
     assert (np.isnan(film.thickness) == (film.flags != 0)).all()
@@ -199,7 +201,10 @@ def test_a_run_of_damaged_frames_only_is_refused_even_then(lab, refused):
 def test_the_fixture_leaves_out_damaged_frames_too(lab, command):
     (lab.fixture / "camera1" / "frame_0001.tif").write_bytes(b"")
     command("calibrate", lab.fixture, "--skip-bad-frames", "--overwrite")
-    assert any("frame pair 1 left out" in note for note in erlif.open_calibration(lab.fixture / "calibration.nc").notes)
+    assert any(
+        "frame pair 1 left out" in note
+        for note in erlif.open_calibration(lab.fixture / "calibration.nc").notes
+    )
 
 
 @pytest.mark.parametrize("reason", ["truncated", "empty", "damaged", "cannot be decoded"])
@@ -237,13 +242,22 @@ def cell(row, column, value):
         (cell(7, "frame", "6"), ["row 7, column frame", "got 6", "missing"]),
         (cell(7, "frame", "5.5"), ["row 7, column frame", "5.5"]),
         (lambda rows: [*rows[:3], *rows[4:]], ["row 4, column frame", "Expected frame 2", "got 3"]),
-        (lambda rows: [*rows[:3], "", *cell(4, "angle_deg", "x")(rows)[3:]], ["row 5, column angle_deg", "'x'"]),
+        (
+            lambda rows: [*rows[:3], "", *cell(4, "angle_deg", "x")(rows)[3:]],
+            ["row 5, column angle_deg", "'x'"],
+        ),
         (lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], ["row 4", "6 values", "decimal"]),
         (lambda rows: [row.replace(",", ";") for row in rows], ["column frame", "commas"]),
         (lambda rows: [rows[0].replace("angle_deg", "angle"), *rows[1:]], ["column angle_deg"]),
         (lambda rows: [rows[0].replace("laser_mJ", "load_N"), *rows[1:]], ["load_N comes 2 times"]),
-        (lambda rows: [rows[0].replace("laser_mJ", "laser/mJ"), *rows[1:]], ["column 6", "'laser/mJ'", "Rename"]),
-        (lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]], ["column 6", "'thickness'", "Rename"]),
+        (
+            lambda rows: [rows[0].replace("laser_mJ", "laser/mJ"), *rows[1:]],
+            ["column 6", "'laser/mJ'", "Rename"],
+        ),
+        (
+            lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]],
+            ["column 6", "'thickness'", "Rename"],
+        ),
         (lambda rows: rows[:1], ["one row per trigger"]),
         (lambda rows: [], ["one row per trigger"]),
     ],
@@ -271,7 +285,9 @@ def test_a_log_that_swings_too_far_is_refused_where_no_zero_is_given(lab, refuse
     log = lab.run / "encoder.csv"
     log.write_text("\n".join(cell(4, "angle_deg", "40")(log.read_text().splitlines())))
     text = (lab.run / "run.toml").read_text()
-    (lab.run / "run.toml").write_text("\n".join(line for line in text.splitlines() if not line.startswith("zero")))
+    (lab.run / "run.toml").write_text(
+        "\n".join(line for line in text.splitlines() if not line.startswith("zero"))
+    )
     message = refused("process", lab.run)
     assert "24.426 deg" in message
     assert "40.000 deg" in message
@@ -357,7 +373,10 @@ def test_profile_points_out_of_order_are_sorted_and_it_is_said(lab, command):
     ("change", "expected"),
     [
         (lambda rows: rows[:6], "at least 8 points"),
-        (lambda rows: [rows[0], *(f"{500 + n},1.0,0.1" for n in range(50))], "points of the profile in the image"),
+        (
+            lambda rows: [rows[0], *(f"{500 + n},1.0,0.1" for n in range(50))],
+            "points of the profile in the image",
+        ),
         (lambda rows: [*rows[:4], "0.3,thin,0.1", *rows[5:]], "row 5, column thickness_um"),
         (lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
         (lambda rows: [], "x_mm,thickness_um"),
@@ -465,7 +484,9 @@ else:
 from erlif.cli import main
 main({["process", str(lab.run), "--workers", "1", *option]!r})
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
     assert done.returncode == -9, done.stderr
 
 
@@ -492,7 +513,9 @@ def test_a_killed_process_is_resumed_and_gives_the_same_bytes(lab, film, command
     assert [path.name for path in lab.run.iterdir() if "film" in path.name] == ["film.nc"]
 
 
-def test_a_process_killed_while_writing_leaves_the_previous_film_and_resumes(lab, film, command, computed):
+def test_a_process_killed_while_writing_leaves_the_previous_film_and_resumes(
+    lab, film, command, computed
+):
     shutil.copy(film, lab.film)
     process_and_die(lab, at="the end", option=["--overwrite"])
     assert lab.film.read_bytes() == film.read_bytes()
@@ -535,14 +558,18 @@ def interrupt_at_third_trigger(monkeypatch, lab, error=KeyboardInterrupt):
 
     with monkeypatch.context() as patch:
         patch.setattr(PartialFilm, "put", put_others)
-        result = CliRunner().invoke(main, ["process", str(lab.run), "--workers", "1", "--overwrite"])
+        result = CliRunner().invoke(
+            main, ["process", str(lab.run), "--workers", "1", "--overwrite"]
+        )
     kept = [int(path.stem[-5:]) for path in sorted(lab.run.glob("film.nc.partial/trigger_*.npz"))]
     assert kept[:2] == [0, 1]
     assert 2 not in kept
     return result, kept
 
 
-def test_an_interrupted_process_says_so_keeps_the_previous_film_and_resumes(lab, film, monkeypatch, command, computed):
+def test_an_interrupted_process_says_so_keeps_the_previous_film_and_resumes(
+    lab, film, monkeypatch, command, computed
+):
     lab.film.write_bytes(b"")
     result, kept = interrupt_at_third_trigger(monkeypatch, lab)
     assert result.exit_code == 130
@@ -555,7 +582,9 @@ def test_an_interrupted_process_says_so_keeps_the_previous_film_and_resumes(lab,
     assert lab.film.read_bytes() == film.read_bytes()
 
 
-def test_a_disk_that_fills_up_between_triggers_keeps_what_is_done(lab, film, monkeypatch, command, computed):
+def test_a_disk_that_fills_up_between_triggers_keeps_what_is_done(
+    lab, film, monkeypatch, command, computed
+):
     save = np.savez
 
     def save_two(file, **record):
@@ -588,7 +617,9 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 main(["process", {str(lab.run)!r}, "--workers", "1", "--overwrite"])
 """
     assert film.stat().st_size > 100_000
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 2, done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.count("erlif: ") == 1

@@ -21,11 +21,15 @@ ROOT = Path(__file__).parents[1]
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
     out = tmp_path_factory.mktemp("lab")
-    rig = RigSettings(width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=4, cycles=2)
+    rig = RigSettings(
+        width=224, height=160, field_width=13.44, spacing=7.0, fixture_frames=4, cycles=2
+    )
     simulate(out, seed=71, rig=rig)
     calibration = erlif.calibrate(out / "fixture")
     film = erlif.process(out / "run", calibration=calibration)
-    budget = erlif.uncertainty_budget(out / "run", trigger=2, calibration=calibration, films=(6.0, 8.0))
+    budget = erlif.uncertainty_budget(
+        out / "run", trigger=2, calibration=calibration, films=(6.0, 8.0)
+    )
     return film, budget, out, calibration
 
 
@@ -35,8 +39,14 @@ def test_terms_add_up_to_the_error_bars_of_the_pixels(lab):
     for n, wanted in enumerate((6.0, 8.0)):
         near = np.abs(one.thickness.values / wanted - 1) < 0.05
         sums = budget["std"].isel(quantity=n)
-        npt.assert_allclose(sums.sel(term="random part"), np.median(one.thickness_std.values[near]), rtol=0.05)
-        npt.assert_allclose(sums.sel(term="shared part"), np.median(one.thickness_std_shared.values[near]), rtol=0.05)
+        npt.assert_allclose(
+            sums.sel(term="random part"), np.median(one.thickness_std.values[near]), rtol=0.05
+        )
+        npt.assert_allclose(
+            sums.sel(term="shared part"),
+            np.median(one.thickness_std_shared.values[near]),
+            rtol=0.05,
+        )
 
 
 def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
@@ -60,7 +70,9 @@ def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
     for name, title in (("film_mean", "mean film"), ("film_min", "least film")):
         column = budget.sel(quantity=title)
         npt.assert_allclose(column["value"], film[name].values[2], rtol=1e-6)
-        npt.assert_allclose(column["std"].sel(term="total"), film[f"{name}_std"].values[2], rtol=1e-4)
+        npt.assert_allclose(
+            column["std"].sel(term="total"), film[f"{name}_std"].values[2], rtol=1e-4
+        )
 
 
 def test_photons_are_the_square_root_of_their_number(lab):
@@ -87,10 +99,16 @@ def test_trigger_and_film_that_are_not_there_are_refused(lab):
 
 def numbers(table):
     """Titles, terms and numbers of a table in Markdown."""
-    rows = [line.replace("*", "").strip("|").split("|") for line in table.splitlines() if line.startswith("|")]
+    rows = [
+        line.replace("*", "").strip("|").split("|")
+        for line in table.splitlines()
+        if line.startswith("|")
+    ]
     cells = [[cell.strip() for cell in row] for row in rows]
     words = [[cell for cell in row if not re.fullmatch(r"[\d.]+", cell)] for row in cells]
-    return words, np.array([float(cell) for row in cells for cell in row if re.fullmatch(r"[\d.]+", cell)])
+    return words, np.array(
+        [float(cell) for row in cells for cell in row if re.fullmatch(r"[\d.]+", cell)]
+    )
 
 
 @pytest.mark.slow

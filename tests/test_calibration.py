@@ -60,7 +60,9 @@ def fit(rng, **changes):
 
 
 def test_exact_fixture_gives_the_parameters():
-    calibration = fit(np.random.default_rng(1), profile=cmm_profile(np.random.default_rng(1), noise=0.0))
+    calibration = fit(
+        np.random.default_rng(1), profile=cmm_profile(np.random.default_rng(1), noise=0.0)
+    )
     npt.assert_allclose(calibration.parameters, [K, P, Q], rtol=4e-3)
     npt.assert_allclose(calibration.predict(WEDGE), RATIO, rtol=3e-4)
 
@@ -77,7 +79,9 @@ def test_uncertainties_of_parameters_and_films_cover():
         calibration = fit(rng)
         assert calibration.departure is None
         found = (calibration.invert(read) - films) / calibration.thickness_std(films)
-        pulls.append([*(calibration.parameters - [K, P, Q]) / calibration.standard_deviations, *found])
+        pulls.append(
+            [*(calibration.parameters - [K, P, Q]) / calibration.standard_deviations, *found]
+        )
     pulls = np.array(pulls)
     within = [(np.abs(pulls) < width).mean(axis=0) for width in (1, 2)]
     # 200 draws scatter by 3.3 and 1.5 % about 68.3 and 95.4 %
@@ -96,7 +100,9 @@ def test_unknown_cmm_uncertainty_is_estimated():
     profile = cmm_profile(rng)
     calibration = fit(rng, profile=Profile(profile.position, profile.thickness, None))
     assert any("estimated from the scatter" in note for note in calibration.notes)
-    npt.assert_allclose(calibration.parameters, [K, P, Q], atol=4 * calibration.standard_deviations.max())
+    npt.assert_allclose(
+        calibration.parameters, [K, P, Q], atol=4 * calibration.standard_deviations.max()
+    )
     truth = fit(np.random.default_rng(3))
     npt.assert_allclose(calibration.standard_deviations, truth.standard_deviations, rtol=0.3)
 
@@ -116,7 +122,10 @@ def test_range_ends_where_a_pixel_tells_too_little():
 def test_dim_light_leaves_a_range():
     """With a fifteenth of the light no pixel tells a quarter of its thickness, yet averages do: films of 1 to 10 um stay in."""
     noise = 0.055
-    calibration = fit(np.random.default_rng(4), image=ratio_image(np.random.default_rng(4), noise=noise / np.sqrt(12)))
+    calibration = fit(
+        np.random.default_rng(4),
+        image=ratio_image(np.random.default_rng(4), noise=noise / np.sqrt(12)),
+    )
     low, high = calibration.thickness_range
     slope = Q / np.expm1(Q * WEDGE) - P / np.expm1(P * WEDGE)
     best = (noise / slope / WEDGE).min()
@@ -160,7 +169,10 @@ def test_wrong_origin_is_found_by_align_where_the_profile_has_form():
 
 def test_straight_wedge_says_that_it_cannot_tell_its_origin():
     calibration = fit(np.random.default_rng(6), align=True)
-    assert any("left as given: origin along the profile, scale, direction" in note for note in calibration.notes)
+    assert any(
+        "left as given: origin along the profile, scale, direction" in note
+        for note in calibration.notes
+    )
     npt.assert_array_equal(calibration.parameters, fit(np.random.default_rng(6)).parameters)
 
 
@@ -174,9 +186,13 @@ def test_turned_profile_is_laid_over_the_image():
 
 def test_surface_profile_is_used_point_by_point():
     rng = np.random.default_rng(8)
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0.3, 18.9, 0.6), np.arange(0.3, 3.6, 0.6)))
+    x, y = (
+        axis.ravel() for axis in np.meshgrid(np.arange(0.3, 18.9, 0.6), np.arange(0.3, 3.6, 0.6))
+    )
     thickness = 0.1 + 17.9 * x / (PITCH * (SHAPE[1] - 1))
-    profile = Profile(np.stack([x, y], axis=1), thickness + rng.normal(0, 0.1, x.size), np.full(x.size, 0.1))
+    profile = Profile(
+        np.stack([x, y], axis=1), thickness + rng.normal(0, 0.1, x.size), np.full(x.size, 0.1)
+    )
     calibration = fit(rng, profile=profile)
     assert np.all(np.abs(calibration.parameters - [K, P, Q]) < 4 * calibration.standard_deviations)
 
@@ -197,7 +213,9 @@ def test_thin_wedge_says_what_it_cannot_tell():
 
 def test_exchanged_cameras_are_recognised():
     with pytest.raises(CalibrationError, match="cameras look swapped"):
-        fit(np.random.default_rng(10), image=ratio_image(np.random.default_rng(10), ratio=1 / RATIO))
+        fit(
+            np.random.default_rng(10), image=ratio_image(np.random.default_rng(10), ratio=1 / RATIO)
+        )
 
 
 def test_partly_covering_profile_is_used_and_said():
@@ -223,7 +241,9 @@ def test_inverse_undoes_the_prediction_and_leaves_the_rest():
 def test_table_of_the_inverse_agrees_with_root_finding():
     calibration = fit(np.random.default_rng(13))
     table = calibration.inverse
-    last = np.interp(calibration.thickness_range[1], table.thickness, np.arange(table.thickness.size))
+    last = np.interp(
+        calibration.thickness_range[1], table.thickness, np.arange(table.thickness.size)
+    )
     place = np.random.default_rng(0).uniform(0, last, 200)
     log_ratio = table.start + table.step * place
     interpolated = np.interp(place, np.arange(table.thickness.size), table.thickness)
@@ -255,7 +275,9 @@ def test_file_round_trip_keeps_everything(tmp_path):
 
 
 def test_ratio_the_other_way_round_is_refused(tmp_path):
-    dataset = fit(np.random.default_rng(16)).to_dataset().assign_attrs(ratio_direction="camera1/camera2")
+    dataset = (
+        fit(np.random.default_rng(16)).to_dataset().assign_attrs(ratio_direction="camera1/camera2")
+    )
     with pytest.raises(CalibrationError, match=r"camera1/camera2"):
         Calibration.from_dataset(dataset)
 
@@ -289,7 +311,11 @@ def test_profile_out_of_order_is_sorted_and_repeats_averaged(tmp_path):
         (["0,1,0.1"] * 3, "x_mm,thickness_um,uncertainty_um", "at least 8 points"),
         (["0,1"] * 9, "x,t", "Expected the header"),
         (["0,1", "1,two"], "x_mm,thickness_um", "row 3, column thickness_um"),
-        ([f"{x},1,0" for x in range(9)], "x_mm,thickness_um,uncertainty_um", "positive values of uncertainty_um"),
+        (
+            [f"{x},1,0" for x in range(9)],
+            "x_mm,thickness_um,uncertainty_um",
+            "positive values of uncertainty_um",
+        ),
     ],
 )
 def test_unusable_profile_is_refused(tmp_path, rows, header, message):
@@ -301,19 +327,25 @@ def test_a_line_scan_with_a_y_column_is_a_line(tmp_path):
     """A CMM writes y_mm although it ran along a line, to a few micrometres: the same calibration as without the column."""
     rng = np.random.default_rng(18)
     line, image = cmm_profile(rng), ratio_image(rng)
-    rows = [f"{x!r},{t!r},0.15" for x, t in zip(line.position.tolist(), line.thickness.tolist(), strict=True)]
+    rows = [
+        f"{x!r},{t!r},0.15"
+        for x, t in zip(line.position.tolist(), line.thickness.tolist(), strict=True)
+    ]
     plain = read_profile(write_profile(tmp_path / "line.csv", rows))
     header = "x_mm,y_mm,thickness_um,uncertainty_um"
     for wander in (0.0, 0.003):
         across = (1.5 + rng.uniform(-wander, wander, len(rows))).tolist()
         listed = [row.replace(",", f",{y!r},", 1) for row, y in zip(rows, across, strict=True)]
         order = rng.permutation(len(rows))
-        found = read_profile(write_profile(tmp_path / "scan.csv", [listed[n] for n in order], header))
+        found = read_profile(
+            write_profile(tmp_path / "scan.csv", [listed[n] for n in order], header)
+        )
         npt.assert_array_equal(found.position, plain.position)
         npt.assert_array_equal(found.thickness, plain.thickness)
         assert any("a line profile along x_mm, at y_mm 1.5" in note for note in found.notes)
         npt.assert_array_equal(
-            fit(rng, image=image, profile=found).parameters, fit(rng, image=image, profile=plain).parameters
+            fit(rng, image=image, profile=found).parameters,
+            fit(rng, image=image, profile=plain).parameters,
         )
 
 

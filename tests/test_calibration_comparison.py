@@ -5,7 +5,17 @@ from dataclasses import replace
 import numpy as np
 import numpy.testing as npt
 import pytest
-from fixture_scene import PITCH, SHAPE, K, Q, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
+from fixture_scene import (
+    PITCH,
+    SHAPE,
+    K,
+    Q,
+    calibrate,
+    calibrate_wedge,
+    image,
+    log_ratio,
+    wedge_profile,
+)
 from scipy.stats import binom
 
 import erlif
@@ -51,7 +61,9 @@ def test_changed_parameters_are_found_and_told_apart(shared, later, bends):
         film = found.thickness[middle]
         grid = np.linspace(2, 9, 20001)
         now = np.interp(log_ratio(film), log_ratio(grid, **later), grid)
-        npt.assert_allclose(found.film_change[middle], now - film, atol=0.05 * abs(now - film) + 0.05)
+        npt.assert_allclose(
+            found.film_change[middle], now - film, atol=0.05 * abs(now - film) + 0.05
+        )
 
 
 def test_the_same_cmm_readings_make_the_check_sharper():
@@ -81,7 +93,8 @@ def test_a_calibration_has_not_drifted_from_itself():
 def test_departures_are_compared_too():
     rng = np.random.default_rng(5)
     earlier, same, other = (
-        calibrate_wedge(rng, noise=0.05, background=background) for background in (0.01, 0.01, 0.012)
+        calibrate_wedge(rng, noise=0.05, background=background)
+        for background in (0.01, 0.01, 0.012)
     )
     assert earlier.departure is not None
     assert not compare_calibrations(same, earlier).drifted
@@ -96,10 +109,16 @@ def test_calibrations_without_a_film_in_common_are_refused():
         compare_calibrations(replace(calibration, bands=(560.0, 610.0)), calibration)
 
 
-def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_replaced(lab, command, tmp_path):
+def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_replaced(
+    lab, command, tmp_path
+):
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
     other = erlif.save_calibration(
-        replace(stored, ratio_at_zero=0.98 * stored.ratio_at_zero, curve=stored.curve[["curve_thickness"]]),
+        replace(
+            stored,
+            ratio_at_zero=0.98 * stored.ratio_at_zero,
+            curve=stored.curve[["curve_thickness"]],
+        ),
         tmp_path / "other.nc",
     )
     said = command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout
@@ -112,14 +131,20 @@ def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_r
 
 
 def test_a_calibration_to_compare_with_must_be_one(lab, refused):
-    assert "does not exist" in refused("calibrate", lab.fixture, "--overwrite", "--against", lab.fixture / "none.nc")
+    assert "does not exist" in refused(
+        "calibrate", lab.fixture, "--overwrite", "--against", lab.fixture / "none.nc"
+    )
 
 
-def test_a_calibration_of_other_bands_is_refused_before_the_work(lab, refused, monkeypatch, tmp_path):
+def test_a_calibration_of_other_bands_is_refused_before_the_work(
+    lab, refused, monkeypatch, tmp_path
+):
     """Not only at the end of it, with everything thrown away."""
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
     other = erlif.save_calibration(replace(stored, bands=(560.0, 650.0)), tmp_path / "other.nc")
-    monkeypatch.setattr("erlif.pipeline.calibrate", lambda *_, **__: pytest.fail("the fixture was calibrated"))
+    monkeypatch.setattr(
+        "erlif.pipeline.calibrate", lambda *_, **__: pytest.fail("the fixture was calibrated")
+    )
     message = refused("calibrate", lab.fixture, "--overwrite", "--against", other)
     assert f"{other} is of 560 and 650 nm" in message
     assert "bands in fixture.toml" in message
@@ -128,7 +153,9 @@ def test_a_calibration_of_other_bands_is_refused_before_the_work(lab, refused, m
 
 def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, command, tmp_path):
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
-    other = erlif.save_calibration(replace(stored, thickness_range=(90.0, 120.0)), tmp_path / "other.nc")
+    other = erlif.save_calibration(
+        replace(stored, thickness_range=(90.0, 120.0)), tmp_path / "other.nc"
+    )
     written = tmp_path / "new.nc"
     said = command("calibrate", lab.fixture, "-o", written, "--against", other).stdout
     (line,) = (line for line in said.splitlines() if line.startswith(f"against {other}"))
@@ -141,14 +168,23 @@ def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, co
 def with_hash(calibration, digest, *, places=True):
     """As the file of a fixture directory keeps it; `places` are missing in those written before they were recorded."""
     curve = calibration.curve if places else calibration.curve.drop_vars("curve_x")
-    return replace(calibration, curve=curve, input_hashes={"fixture.toml": "f", "wedge.csv": digest, "dark.tif": "d"})
+    return replace(
+        calibration,
+        curve=curve,
+        input_hashes={"fixture.toml": "f", "wedge.csv": digest, "dark.tif": "d"},
+    )
 
 
 def test_readings_are_not_said_to_differ_where_that_is_not_known():
     calibration, earlier = pair(np.random.default_rng(7), shared=True)
-    found = compare_calibrations(calibration, replace(earlier, curve=earlier.curve.drop_vars("curve_x")))
+    found = compare_calibrations(
+        calibration, replace(earlier, curve=earlier.curve.drop_vars("curve_x"))
+    )
     assert not found.same_profile
-    assert "whether both rest on the same CMM readings is not recorded; they were taken as independent" in found.verdict
+    assert (
+        "whether both rest on the same CMM readings is not recorded; they were taken as independent"
+        in found.verdict
+    )
     assert "differ and" not in found.verdict
     found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "b", places=False))
     assert "the CMM readings differ" in found.verdict
@@ -164,7 +200,10 @@ def test_readings_are_not_said_to_differ_where_that_is_not_known():
 def test_readings_are_recognised_through_a_hash_and_to_rounding():
     calibration, earlier = pair(np.random.default_rng(8), shared=True)
     rounded = replace(earlier, curve=earlier.curve.assign(curve_x=earlier.curve.curve_x + 1e-9))
-    for one, other in ((calibration, rounded), (with_hash(calibration, "a"), with_hash(rounded, "a"))):
+    for one, other in (
+        (calibration, rounded),
+        (with_hash(calibration, "a"), with_hash(rounded, "a")),
+    ):
         found = compare_calibrations(one, other)
         assert found.same_profile
         assert "both rest on the same CMM readings, whose error cancels" in found.verdict

@@ -5,7 +5,16 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from fixture_scene import FILMS, WEDGE, assert_covers, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
+from fixture_scene import (
+    FILMS,
+    WEDGE,
+    assert_covers,
+    calibrate,
+    calibrate_wedge,
+    image,
+    log_ratio,
+    wedge_profile,
+)
 
 from erlif.assembly import record_calibration
 from erlif.calibration import Calibration, Profile
@@ -26,8 +35,12 @@ def through_broad_filters(thickness, width):
     light = []
     for band in dyes.BANDS:
         wavelength = np.arange(band - 60, band + 60.1, 0.1)
-        weight = dyes.emission(wavelength) * np.exp(-4 * np.log(2) * ((wavelength - band) / width) ** 2)
-        depth = np.multiply.outer(thickness, dyes.absorption(np.asarray(dyes.LASER)) + dyes.absorption(wavelength))
+        weight = dyes.emission(wavelength) * np.exp(
+            -4 * np.log(2) * ((wavelength - band) / width) ** 2
+        )
+        depth = np.multiply.outer(
+            thickness, dyes.absorption(np.asarray(dyes.LASER)) + dyes.absorption(wavelength)
+        )
         light.append(thickness * ((-np.expm1(-depth) / depth) @ weight))
     return np.log(light[1] / light[0])
 
@@ -45,7 +58,13 @@ def largest_error(calibration, true):
 def model_alone(calibration):
     return Calibration.from_dataset(
         calibration.to_dataset()
-        .drop_vars([name for name in calibration.to_dataset().variables if str(name).startswith("departure")])
+        .drop_vars(
+            [
+                name
+                for name in calibration.to_dataset().variables
+                if str(name).startswith("departure")
+            ]
+        )
         .assign_attrs(calibration.attributes)
     )
 
@@ -72,7 +91,9 @@ def test_filters_of_the_rig_need_no_departure():
     """10 nm wide, they leave less than 0.05 % once K, p and q are fitted, so model and data agree."""
     rng = np.random.default_rng(3)
     one, two = (dyes.tabulate_signal(band) for band in dyes.BANDS)
-    calibration = calibrate(image(rng, np.log(two(WEDGE) / one(WEDGE))), wedge_profile(rng, noise=0.001))
+    calibration = calibrate(
+        image(rng, np.log(two(WEDGE) / one(WEDGE))), wedge_profile(rng, noise=0.001)
+    )
     assert calibration.departure is None
     assert largest_error(calibration, np.log(two(GRID) / one(GRID))) < 0.05
 
@@ -90,7 +111,9 @@ def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
     low, high = departing.thickness_range
     film = np.linspace(low + 0.01, high - 0.01, 200)
     step = 1e-5
-    numerical = (departing.predict_log(film + step) - departing.predict_log(film - step)) / (2 * step)
+    numerical = (departing.predict_log(film + step) - departing.predict_log(film - step)) / (
+        2 * step
+    )
     npt.assert_allclose(departing.slope(film), numerical, rtol=1e-5, atol=1e-8)
     assert np.all(departing.slope(np.linspace(0, 30, 500)) > 0)
     assert departing.gradient(film).shape == (len(departing.full_covariance), film.size)
@@ -98,7 +121,9 @@ def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
     npt.assert_allclose(departing.invert(departing.predict_log(film)), film, atol=1e-7)
     table = departing.inverse
     place = (departing.predict_log(film) - table.start) / table.step
-    npt.assert_allclose(np.interp(place, np.arange(table.thickness.size), table.thickness), film, atol=2e-5)
+    npt.assert_allclose(
+        np.interp(place, np.arange(table.thickness.size), table.thickness), film, atol=2e-5
+    )
 
 
 def test_departure_survives_the_file_and_older_files_open(departing, tmp_path):
@@ -120,9 +145,13 @@ def test_pose_survives_the_file(tmp_path):
 def test_departure_is_said_and_drawn(departing):
     assert "followed by a spline" in describe_calibration(departing)
     artists = ratio_residuals(departing)
-    dashed = next(artist for artist in artists if getattr(artist, "get_label", str)() == "model alone")
+    dashed = next(
+        artist for artist in artists if getattr(artist, "get_label", str)() == "model alone"
+    )
     drawn = np.interp(6.0, *dashed.get_data())
-    expected = 100 * np.expm1(model_alone(departing).predict_log(6.0) - log_ratio(6.0, background=BACKGROUND))
+    expected = 100 * np.expm1(
+        model_alone(departing).predict_log(6.0) - log_ratio(6.0, background=BACKGROUND)
+    )
     assert abs(drawn - expected) < 0.05
 
 
@@ -131,7 +160,8 @@ def test_smaller_departure_is_said_but_not_used():
     rng = np.random.default_rng(6)
     said = [calibrate_wedge(rng, noise=0.15, background=0.003) for _ in range(15)]
     assert any(
-        calibration.departure is None and any("residuals have structure" in note for note in calibration.notes)
+        calibration.departure is None
+        and any("residuals have structure" in note for note in calibration.notes)
         for calibration in said
     )
 
@@ -142,13 +172,20 @@ def test_falling_ratio_is_never_the_curve():
     ratios = image(rng, log_ratio(WEDGE) + 0.01 * np.sin(WEDGE / 2))
     calibration = calibrate(ratios, wedge_profile(rng, noise=0.02))
     assert np.all(calibration.slope(np.linspace(0, 18, 1000)) > 0)
-    assert any("the ratio would fall" in note or "lets the ratio fall" in note for note in calibration.notes)
+    assert any(
+        "the ratio would fall" in note or "lets the ratio fall" in note
+        for note in calibration.notes
+    )
 
 
 def test_correlated_errors_of_the_profile_are_said_and_widen_the_error_bars():
     rng = np.random.default_rng(8)
     straight = wedge_profile(rng, noise=0.1)
-    wavy = Profile(straight.position, straight.thickness + 0.15 * np.sin(4.2 * straight.position), straight.uncertainty)
+    wavy = Profile(
+        straight.position,
+        straight.thickness + 0.15 * np.sin(4.2 * straight.position),
+        straight.uncertainty,
+    )
     ratios = image(rng, log_ratio(WEDGE))
     before, after = (calibrate(ratios, profile) for profile in (straight, wavy))
     assert any("neighbouring points along the profile err alike" in note for note in after.notes)

@@ -24,7 +24,9 @@ def turned_line(rng, *, along, scale, turn, film=wave, noise=0.1):
     """A line profile whose image starts `along` mm further, is larger by `scale`, and turned about the given origin [rad]."""
     x = along + (1 + scale) * (np.cos(turn) * COLUMN + np.sin(turn) * ROW)
     place = np.arange(0, 19.2, 0.1)
-    profile = Profile(place, film(place) + rng.normal(0, noise, place.size), np.full(place.size, noise))
+    profile = Profile(
+        place, film(place) + rng.normal(0, noise, place.size), np.full(place.size, noise)
+    )
     return image(rng, log_ratio(film(x))), profile
 
 
@@ -34,14 +36,21 @@ def turned_surface(rng, *, along, across, scale, turn, film=bumps, noise=0.1):
     x = MIDDLE[0] + along + (1 + scale) * (np.cos(turn) * dx + np.sin(turn) * dy)
     y = MIDDLE[1] + across + (1 + scale) * (np.cos(turn) * dy - np.sin(turn) * dx)
     places = np.stack(
-        [axis.ravel() for axis in np.meshgrid(np.arange(0, 19.1, 0.4), np.arange(-0.3, 4.2, 0.4))], axis=1
+        [axis.ravel() for axis in np.meshgrid(np.arange(0, 19.1, 0.4), np.arange(-0.3, 4.2, 0.4))],
+        axis=1,
     )
     thickness = film(*places.T) + rng.normal(0, noise, len(places))
-    return image(rng, log_ratio(film(x, y))), Profile(places, thickness, np.full(len(places), noise))
+    return image(rng, log_ratio(film(x, y))), Profile(
+        places, thickness, np.full(len(places), noise)
+    )
 
 
 def draw(rng, *, across=False):
-    pose = {"along": rng.normal(0, 0.15), "scale": rng.normal(0, 0.005), "turn": np.radians(rng.normal(0, 1))}
+    pose = {
+        "along": rng.normal(0, 0.15),
+        "scale": rng.normal(0, 0.005),
+        "turn": np.radians(rng.normal(0, 1)),
+    }
     return {**pose, "across": rng.normal(0, 0.15)} if across else pose
 
 
@@ -85,11 +94,16 @@ def test_offset_scale_and_turn_of_a_line_are_found_and_its_film_with_them():
         profile,
         pixel_pitch=1.01 * PITCH,
         direction=np.radians(1.5),
-        origin=(-0.3 * np.cos(np.radians(1.5)) / PITCH / 1.01, -0.3 * np.sin(np.radians(1.5)) / PITCH / 1.01),
+        origin=(
+            -0.3 * np.cos(np.radians(1.5)) / PITCH / 1.01,
+            -0.3 * np.sin(np.radians(1.5)) / PITCH / 1.01,
+        ),
     )
     given = calibrate(ratios, profile)
     assert film_error(given).max() > 0.2
-    assert film_error(refined).max() < film_error(known).max() + 2 * refined.thickness_std(FILMS).max()
+    assert (
+        film_error(refined).max() < film_error(known).max() + 2 * refined.thickness_std(FILMS).max()
+    )
     assert film_error(refined).max() < 0.08
     assert np.all(refined.standard_deviations > known.standard_deviations)
     assert any("degrees" in note and "scaled by" in note for note in refined.notes)
@@ -124,7 +138,9 @@ def test_straight_wedges_are_left_as_given():
     """No noise of the CMM passes for form: of fifty straight wedges not one is moved along or scaled."""
     rng = np.random.default_rng(5)
     for _ in range(50):
-        ratios, profile = turned_line(rng, along=0.0, scale=0.0, turn=0.0, film=lambda x: 0.1 + 0.93 * x, noise=0.15)
+        ratios, profile = turned_line(
+            rng, along=0.0, scale=0.0, turn=0.0, film=lambda x: 0.1 + 0.93 * x, noise=0.15
+        )
         found = calibrate(ratios, profile, align=True).pose
         npt.assert_array_equal(found.change[:3], 0)
         assert not found.determined[:3].any()
@@ -140,7 +156,9 @@ def test_turn_of_a_straight_wedge_is_told_by_the_image():
     assert abs(found.change[3] - turn) < 4 * found.standard_deviations[3]
     assert found.standard_deviations[3] < 0.002
     assert np.all(np.abs(calibration.parameters - [K, P, Q]) < 4 * calibration.standard_deviations)
-    assert any("left as given: origin along the profile, scale." in note for note in calibration.notes)
+    assert any(
+        "left as given: origin along the profile, scale." in note for note in calibration.notes
+    )
 
 
 def test_plane_surface_tells_its_turn_alone():

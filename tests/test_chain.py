@@ -17,9 +17,14 @@ def test_map_stored_with_the_calibration_serves_a_run(lab):
     own = erlif.process(lab.run, output=lab.directory / "own.nc")
     lab.edit("run/run.toml", REUSE)
     reused = erlif.process(lab.run, output=lab.directory / "reused.nc")
-    groups = [erlif.open_film(lab.directory / name, group="registration") for name in ("own.nc", "reused.nc")]
+    groups = [
+        erlif.open_film(lab.directory / name, group="registration")
+        for name in ("own.nc", "reused.nc")
+    ]
     for name in ("displacement_x", "displacement_y"):
-        npt.assert_allclose(groups[1][name].values[8:-8, 8:-8], groups[0][name].values[8:-8, 8:-8], atol=0.08)
+        npt.assert_allclose(
+            groups[1][name].values[8:-8, 8:-8], groups[0][name].values[8:-8, 8:-8], atol=0.08
+        )
     assert "stored with the calibration" in groups[1].attrs["registration_model"]
     npt.assert_allclose(reused.film_mean, own.film_mean, rtol=0.01)
 
@@ -34,7 +39,10 @@ def test_stored_map_that_fits_no_longer_is_refused(lab, refused):
         away = x - 64, y - 48
         from_x = 64 + np.cos(angle) * away[0] - np.sin(angle) * away[1]
         from_y = 48 + np.sin(angle) * away[0] + np.cos(angle) * away[1]
-        column, row = np.clip(np.rint(from_x), 0, 127).astype(int), np.clip(np.rint(from_y), 0, 95).astype(int)
+        column, row = (
+            np.clip(np.rint(from_x), 0, 127).astype(int),
+            np.clip(np.rint(from_y), 0, 95).astype(int),
+        )
         tifffile.imwrite(path, image[row, column].astype(np.uint16))
     message = refused("process", lab.run)
     assert "stored camera map fits no longer" in message or "no common texture" in message
@@ -47,7 +55,9 @@ def test_calibration_without_a_map_cannot_be_asked_for_one(lab, refused):
         plain = dataset.load()
     assert calibration.camera_map is not None
     plain.to_netcdf(lab.fixture / "plain.nc", engine="h5netcdf")
-    assert "Calibrate again" in refused("process", lab.run, "--calibration", lab.fixture / "plain.nc")
+    assert "Calibrate again" in refused(
+        "process", lab.run, "--calibration", lab.fixture / "plain.nc"
+    )
 
 
 @pytest.mark.parametrize("camera", [1, 2])

@@ -33,7 +33,9 @@ def test_help_shows_an_example(command, name):
 def test_importing_erlif_loads_nothing_heavy():
     """A user who asks for help, or for one function, does not wait for figures, kernels and clusters."""
     script = "import sys, erlif, erlif.cli; print(*{name.split('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     loaded = set(done.stdout.split())
     assert "erlif" in loaded
     assert not loaded & {
@@ -53,7 +55,9 @@ def test_importing_erlif_loads_nothing_heavy():
 
 
 def test_the_module_runs_as_the_command_does():
-    done = subprocess.run([sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True
+    )
     assert erlif.__version__ in done.stdout
 
 
@@ -86,7 +90,9 @@ def test_a_calibration_that_is_not_made_yet_is_fitted_on_the_way(lab, film, comm
     assert (lab.fixture / "calibration.nc").exists()
 
 
-def test_output_may_lie_elsewhere_and_the_run_be_read_only(lab, film, command, monkeypatch, tmp_path):
+def test_output_may_lie_elsewhere_and_the_run_be_read_only(
+    lab, film, command, monkeypatch, tmp_path
+):
     for directory in (lab.run, lab.fixture):
         directory.chmod(0o555)
     try:
@@ -138,7 +144,10 @@ def test_a_film_that_is_none_is_refused(lab, refused, name):
         (lambda lab: (lab.run / "camera1_flat.tif").write_bytes(b""), "camera1_flat.tif"),
         (lambda lab: (lab.run / "encoder.csv").unlink(), "encoder.csv"),
         (lambda lab: lab.edit("run/run.toml", ('"580 nm"', '"560 nm"')), "560 and 610 nm"),
-        (lambda lab: lab.edit("run/run.toml", ("x = [4, 15]", "x = [40, 150]")), "region of interest"),
+        (
+            lambda lab: lab.edit("run/run.toml", ("x = [4, 15]", "x = [40, 150]")),
+            "region of interest",
+        ),
     ],
 )
 def test_check_ends_with_status_2_at_the_first_error(lab, change, expected):

@@ -25,7 +25,9 @@ class Case(NamedTuple):
     exponent: float
 
 
-@pytest.fixture(scope="module", params=[(601, 0.62, 6.0), (602, 0.40, 4.0), (603, 0.62, 3.0)], ids=str)
+@pytest.fixture(
+    scope="module", params=[(601, 0.62, 6.0), (602, 0.40, 4.0), (603, 0.62, 3.0)], ids=str
+)
 def case(request, tmp_path_factory):
     seed, exponent, top_film = request.param
     rig = RigSettings(exponent=exponent, film_reference=top_film)
@@ -37,7 +39,10 @@ DIM = {
         611,
         RigSettings(light=0.3, speckle_fixed=0.03, speckle_new=0.03, spacing=3),
     ),
-    "a tenth of the light, four cycles": (612, RigSettings(light=0.1, film_reference=4.0, cycles=4, spacing=3)),
+    "a tenth of the light, four cycles": (
+        612,
+        RigSettings(light=0.1, film_reference=4.0, cycles=4, spacing=3),
+    ),
     "a tenth of the light, faint texture": (
         613,
         RigSettings(light=0.1, speckle_fixed=0.03, speckle_new=0.03, spacing=3),
@@ -95,7 +100,11 @@ def test_pixels_scatter_at_the_photon_limit(case):
 def test_medians_of_the_maps_are_right_to_a_per_cent(case):
     _, good = answered(case)
     relative = (case.film.thickness.values - case.truth.film.values) / case.truth.film.values
-    medians = [np.median(values[use]) for values, use in zip(relative, good, strict=True) if use.sum() > 1000]
+    medians = [
+        np.median(values[use])
+        for values, use in zip(relative, good, strict=True)
+        if use.sum() > 1000
+    ]
     assert len(medians) == 50
     assert np.sqrt(np.mean(np.square(medians))) <= 0.01
 
@@ -125,7 +134,9 @@ def check_coverage(case):
     octaves = 0
     for low, high in ((1, 10), (1, 2), (2, 4), (4, 8), (8, 10)):
         here = good & (known >= low) & (known < high)
-        if here.sum() < 5000:  # where the calibration's own error, one for all, does not decide alone
+        if (
+            here.sum() < 5000
+        ):  # where the calibration's own error, one for all, does not decide alone
             continue
         octaves += 1
         assert 0.66 <= np.mean(pull[here] < 1) <= 0.70, (low, high)
@@ -151,7 +162,11 @@ def test_medians_of_dim_maps_stay_within_what_the_calibration_leaves(dim_case):
     known = dim_case.truth.film.values
     error, std = [], []
     for values, shared, film, use in zip(
-        dim_case.film.thickness.values, dim_case.film.thickness_std_shared.values, known, good, strict=True
+        dim_case.film.thickness.values,
+        dim_case.film.thickness_std_shared.values,
+        known,
+        good,
+        strict=True,
     ):
         if use.sum() > 5000:
             error.append(np.median((values - film)[use] / film[use]))
@@ -172,7 +187,11 @@ def test_nothing_unflagged_is_far_off(case):
 
 def check_far_off(case):
     """At the edge of the overlap and at bubbles too: not more than 0.1 % of the pixels beyond five standard deviations."""
-    inside = (case.truth.film.values >= 1) & (case.truth.film.values <= 10) & (case.film.flags.values == 0)
+    inside = (
+        (case.truth.film.values >= 1)
+        & (case.truth.film.values <= 10)
+        & (case.film.flags.values == 0)
+    )
     total = np.hypot(case.film.thickness_std.values, case.film.thickness_std_shared.values)
     error = np.abs(case.film.thickness.values - case.truth.film.values)
     assert np.mean((error > 5 * total)[inside]) <= 1e-3
@@ -219,7 +238,8 @@ def test_profile_has_the_curvature_of_the_rigid_gap(case):
 def test_registration_and_drift_are_found(case):
     inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
     squares = [
-        (case.registration[name] - case.truth[name]).values[inner] ** 2 for name in ("displacement_x", "displacement_y")
+        (case.registration[name] - case.truth[name]).values[inner] ** 2
+        for name in ("displacement_x", "displacement_y")
     ]
     assert np.sqrt(np.nanmean(squares[0] + squares[1])) < 0.1
     drift = [(case.frames[name] - case.truth[name]).values ** 2 for name in ("drift_x", "drift_y")]
@@ -232,5 +252,7 @@ def test_kinematics_and_pulse_energy_agree_with_the_rig(case):
     np.testing.assert_allclose(case.film.crank_angle, case.truth.crank_angle, atol=1e-4)
     np.testing.assert_array_equal(case.film.stroke, np.sign(case.truth.rocker_speed))
     np.testing.assert_allclose(
-        case.frames.pulse_energy, case.truth.pulse_energy / case.truth.pulse_energy.mean(), rtol=0.01
+        case.frames.pulse_energy,
+        case.truth.pulse_energy / case.truth.pulse_energy.mean(),
+        rtol=0.01,
     )

@@ -52,7 +52,11 @@ def test_what_is_left_out_has_the_documented_default(lab):
     [
         ('crank = "5.5 cm"', "crank = 5.5", ["[mechanism] crank", "with a unit in quotes"]),
         ('crank = "5.5 cm"', 'crank = "5,5 cm"', ["[mechanism] crank", "decimal point"]),
-        ('crank = "5.5 cm"', 'crank = "-5.5 cm"', ["[mechanism] crank", "greater than 0", "'-5.5 cm'"]),
+        (
+            'crank = "5.5 cm"',
+            'crank = "-5.5 cm"',
+            ["[mechanism] crank", "greater than 0", "'-5.5 cm'"],
+        ),
         (
             'crank = "5.5 cm"',
             'crnk = "5.5 cm"',
@@ -62,9 +66,17 @@ def test_what_is_left_out_has_the_documented_default(lab):
         ('"222.411 N"', '"50 lb"', ["[joint] load", "lbf"]),
         ("bit_depth = 12", "bit_depth = 12.5", ["[camera1] bit_depth", "integer", "12.5"]),
         ("bit_depth = 12", "bit_depth = 24", ["[camera1] bit_depth", "16", "24"]),
-        ("bit_depth = 12", "bit_dept = 12", ["[camera1] bit_dept: unknown key; did you mean 'bit_depth'?"]),
+        (
+            "bit_depth = 12",
+            "bit_dept = 12",
+            ["[camera1] bit_dept: unknown key; did you mean 'bit_depth'?"],
+        ),
         ("[oil]", "[oli]", ["[oil]: missing table", "oli: unknown key; did you mean 'oil'?"]),
-        ("[optics]", "[qqq]", ["[optics]: missing table", "qqq: unknown key; known here: calibration, run, camera1"]),
+        (
+            "[optics]",
+            "[qqq]",
+            ["[optics]: missing table", "qqq: unknown key; known here: calibration, run, camera1"],
+        ),
         ("roi = {", "roi = { z = 3,", ["[thickness.roi] z: unknown key; known here: x, y"]),
         (
             'kind = "crank-rocker"',
@@ -73,17 +85,37 @@ def test_what_is_left_out_has_the_documented_default(lab):
         ),
         ('kind = "crank-rocker"', "", ["[mechanism] kind", "crank-rocker", "slider-crank"]),
         ('kind = "crank-rocker"', 'kind = "slider-crank"', ["[mechanism] rocker: unknown key"]),
-        ('x_axis = "sliding"', 'x_axis = "radial"', ["[optics] x_axis", "sliding", "axial", "radial"]),
-        ('mounted_on = "rocker"', 'mounted_on = "coupler"', ["[encoder] mounted_on", "rocker", "crank", "coupler"]),
-        ("poissons_ratio = 0.37", "poissons_ratio = 0.6", ["[joint.pin] poissons_ratio", "0.5", "0.6"]),
+        (
+            'x_axis = "sliding"',
+            'x_axis = "radial"',
+            ["[optics] x_axis", "sliding", "axial", "radial"],
+        ),
+        (
+            'mounted_on = "rocker"',
+            'mounted_on = "coupler"',
+            ["[encoder] mounted_on", "rocker", "crank", "coupler"],
+        ),
+        (
+            "poissons_ratio = 0.37",
+            "poissons_ratio = 0.6",
+            ["[joint.pin] poissons_ratio", "0.5", "0.6"],
+        ),
         ("poissons_ratio = 0.37", "poissons_ratio = nan", ["[joint.pin] poissons_ratio", "finite"]),
         ('"33.36 mm"', '"34 mm"', ["joint", "smaller than bushing_radius", "34 mm in 33.59 mm"]),
         ('dark = "camera1_dark.tif"', "", ["camera1", "offset"]),
         ('dark = "camera1_dark.tif"', 'dark = "a.tif"\noffset = "64 DN"', ["camera1", "not both"]),
         ('viscosity = "0.12 Pa s"', "", ["oil", "vogel"]),
         ('files = "camera1/*.tif"', 'files = ""', ["[camera1] files", "file name"]),
-        ('files = "camera1/*.tif"', r'files = "a\u0000b"', ["[camera1] files", "control characters"]),
-        ("roi = { x = [4, 15]", "roi = { x = [15, 4]", ["[thickness] roi", "low < high", "[15, 4]"]),
+        (
+            'files = "camera1/*.tif"',
+            r'files = "a\u0000b"',
+            ["[camera1] files", "control characters"],
+        ),
+        (
+            "roi = { x = [4, 15]",
+            "roi = { x = [15, 4]",
+            ["[thickness] roi", "low < high", "[15, 4]"],
+        ),
         ('name = "80W-90"', "name = 90", ["[oil] name", "string", "90"]),
         ("[run]", "run = 3\n[ignored]", ["run: expected a table, got 3"]),
         ('crank = "5.5 cm"', 'crank = "5.5 cm', ["valid TOML", "line 36"]),
@@ -105,7 +137,11 @@ def test_all_faults_come_in_one_message(lab):
 
 @pytest.mark.parametrize(
     ("directory", "expected"),
-    [("nowhere", "not a directory"), ("run/run.toml", "not a directory"), ("fixture", "meant for the other command")],
+    [
+        ("nowhere", "not a directory"),
+        ("run/run.toml", "not a directory"),
+        ("fixture", "meant for the other command"),
+    ],
 )
 def test_a_directory_without_run_toml_is_refused(lab, directory, expected):
     with pytest.raises(ConfigError, match=expected):
@@ -118,7 +154,8 @@ def test_a_run_is_no_fixture(lab):
 
 
 @pytest.mark.parametrize(
-    "content", [b"\xff\xfe[\x00r\x00", b"\x00", b"[" * 4000, b"a = " + b"9" * 5000, b"a = 2020-99-99"]
+    "content",
+    [b"\xff\xfe[\x00r\x00", b"\x00", b"[" * 4000, b"a = " + b"9" * 5000, b"a = 2020-99-99"],
 )
 def test_what_is_no_toml_is_refused(lab, content):
     (lab.run / "run.toml").write_bytes(content)
@@ -180,7 +217,8 @@ cameras = st.one_of(
     for level, value in (("dark", name), ("offset", quantity("DN")))
 )
 materials = table(
-    {"youngs_modulus": quantity("GPa", high=1e3), "poissons_ratio": number(-1, 0.5)}, roughness=quantity("um", high=1e3)
+    {"youngs_modulus": quantity("GPa", high=1e3), "poissons_ratio": number(-1, 0.5)},
+    roughness=quantity("um", high=1e3),
 )
 joints = table(
     {
@@ -192,13 +230,17 @@ joints = table(
     },
     load=quantity("lbf"),
 )
-vogel = st.fixed_dictionaries({"a": quantity("mPa s"), "b": quantity("K"), "c": quantity("degC", -273, 100)})
+vogel = st.fixed_dictionaries(
+    {"a": quantity("mPa s"), "b": quantity("K"), "c": quantity("degC", -273, 100)}
+)
 oils = st.one_of(
     table({law: value, "pressure_viscosity": quantity("1/GPa")}, name=text)
     for law, value in (("viscosity", quantity("Pa s")), ("vogel", vogel))
 )
 links = {key: quantity("cm") for key in ("crank", "coupler", "rocker", "ground")}
-mechanisms = st.fixed_dictionaries({"kind": st.just("crank-rocker"), **links, "crank_speed": quantity("rpm")}) | (
+mechanisms = st.fixed_dictionaries(
+    {"kind": st.just("crank-rocker"), **links, "crank_speed": quantity("rpm")}
+) | (
     st.fixed_dictionaries(
         {
             "kind": st.just("slider-crank"),
@@ -215,7 +257,9 @@ shared = {
     "optics": table({"pixel_pitch": quantity("um")}, x_axis=st.sampled_from(["sliding", "axial"])),
 }
 choices = {
-    "registration": optional(window=st.integers(16, 256), model=st.sampled_from(["auto", "surface", "local"])),
+    "registration": optional(
+        window=st.integers(16, 256), model=st.sampled_from(["auto", "surface", "local"])
+    ),
     "thickness": optional(
         roi=st.fixed_dictionaries({"x": interval, "y": interval}),
         least_signal=quantity("electron"),
@@ -285,5 +329,7 @@ def test_settings_cannot_be_changed(small_rig):
 
 def test_every_printable_character_survives_the_way_through_toml(small_rig):
     settings = read_run_settings(small_rig.run)
-    renamed = settings.model_copy(update={"run": settings.run.model_copy(update={"name": string.printable[:95]})})
+    renamed = settings.model_copy(
+        update={"run": settings.run.model_copy(update={"name": string.printable[:95]})}
+    )
     assert tomllib.loads(to_toml(renamed))["run"]["name"] == string.printable[:95]

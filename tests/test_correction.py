@@ -76,11 +76,15 @@ def test_gain_and_read_noise_are_measured(fixture_dir):
 def test_summary_names_values_and_their_uncertainties(fixture_dir):
     references = measure_references(open_fixture(fixture_dir))
     line = references.attrs["notes"].split("\n")[0]
-    value, std = (float(part) for part in line.split("gain ")[1].split(" electron/DN")[0].split(" ± "))
+    value, std = (
+        float(part) for part in line.split("gain ")[1].split(" electron/DN")[0].split(" ± ")
+    )
     assert line.startswith("camera1: gain ")
     assert abs(value - GAIN) < 4 * std
     assert 0.002 < std / GAIN < 0.01
-    npt.assert_allclose([value, std], [references.gain[0], references.gain_std[0]], atol=0.05 * GAIN / 100)
+    npt.assert_allclose(
+        [value, std], [references.gain[0], references.gain_std[0]], atol=0.05 * GAIN / 100
+    )
     assert "dark 64.0 DN" in line  # without the hot pixel; 400 DN of it in 5760 would make 64.1
     assert "saturation 4095 DN = 17." in line
     assert references.attrs["warnings"] == ""
@@ -96,7 +100,9 @@ def test_characteristics_are_those_of_the_camera(fixture_dir):
     # sin over a grid that no pixel repeats: 1 %/sqrt(2), set against neighbours that carry a wave of the same kind
     y, x = np.indices(SHAPE)
     wave = 0.01 * np.sin(1.7 * x + 2.3 * y)
-    around = sum(np.roll(wave, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j) / 8
+    around = (
+        sum(np.roll(wave, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j) / 8
+    )
     expected = 1.4826 * np.median(np.abs((wave - around)[2:-2, 2:-2])) / np.sqrt(9 / 8)
     npt.assert_allclose(references.response_spread, expected, rtol=0.1)
 
@@ -141,7 +147,9 @@ def test_variance_matches_the_scatter_of_corrected_counts():
     predicted = corrected.signal_var.values[0].mean(axis=0)
     share = (scatter / predicted)[good]
     assert abs(share.mean() - 1) < 4 * share.std() / np.sqrt(share.size)
-    npt.assert_allclose(corrected.signal.values[0].mean(axis=0)[good], (electrons / flat / GAIN)[good], rtol=0.02)
+    npt.assert_allclose(
+        corrected.signal.values[0].mean(axis=0)[good], (electrons / flat / GAIN)[good], rtol=0.02
+    )
 
 
 def ideal_references(flat):
@@ -175,7 +183,9 @@ def test_saturated_dim_and_bad_pixels_are_flagged_and_bad_ones_filled():
     counts[5, 6] = 4095
     counts[7, 8] = 66
     counts[HOT] = 3000
-    corrected = correct_frames(Frames(as_frames([counts])), ideal_references(np.ones(SHAPE)), least_signal=100)
+    corrected = correct_frames(
+        Frames(as_frames([counts])), ideal_references(np.ones(SHAPE)), least_signal=100
+    )
     flags = corrected.flags.values[0, 0]
     assert flags[5, 6] == Flag.SATURATED
     assert flags[7, 8] == Flag.DIM
@@ -194,7 +204,10 @@ def test_camera_without_gain_or_flats_waits_for_the_frames(fixture_dir):
     references = measure_references(open_fixture(fixture_dir))
     assert not references.gain_known.any()
     assert references.read_noise_known.all()
-    assert "camera2: neither gain nor flats with two pages of one light level" in references.attrs["warnings"]
+    assert (
+        "camera2: neither gain nor flats with two pages of one light level"
+        in references.attrs["warnings"]
+    )
     assert "camera1: no flat; vignetting" in references.attrs["warnings"]
     # of a read noise that was declared in electrons nothing can be said before the gain is known
     write_settings(fixture_dir, f'read_noise = "{READ} electron"')
@@ -228,7 +241,9 @@ def test_two_dark_pages_of_a_quiet_camera_condemn_no_pixel(fixture_dir, sigma):
         rng = np.random.default_rng(seed)
         with tifffile.TiffWriter(fixture_dir / "dark.tif") as file:
             for _ in range(2):
-                file.write(np.rint(rng.normal(OFFSET, sigma, SHAPE)).astype(np.uint16), contiguous=False)
+                file.write(
+                    np.rint(rng.normal(OFFSET, sigma, SHAPE)).astype(np.uint16), contiguous=False
+                )
         references = measure_references(open_fixture(fixture_dir)).isel(camera=0)
         found.append(2 * float(references.dark_var.mean()))
         bad = references.bad.values.copy()
@@ -272,7 +287,9 @@ def test_saturation_below_full_scale_is_found_flagged_and_said(fixture_dir):
                 file.write(np.minimum(expose(level * response(), rng), TOP), contiguous=False)
     references = measure_references(open_fixture(fixture_dir))
     npt.assert_array_equal(references.full_scale, TOP)
-    assert f"camera1: counts pile up at {TOP}, below full scale (4095)" in references.attrs["warnings"]
+    assert (
+        f"camera1: counts pile up at {TOP}, below full scale (4095)" in references.attrs["warnings"]
+    )
     assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
     frames = Frames(as_frames([np.minimum(expose(15500 * response(), rng), TOP)]))
     flags = correct_frames(frames, references).flags.values
@@ -283,7 +300,9 @@ def test_saturation_is_seen_in_frames_where_flats_are_dim(fixture_dir):
     rng = np.random.default_rng(6)
     speckle = 13000 * rng.gamma(40, 1 / 40, SHAPE)
     for n in (1, 2):
-        tifffile.imwrite(fixture_dir / f"camera{n}" / "a.tif", np.minimum(expose(speckle, rng), 3300 + n))
+        tifffile.imwrite(
+            fixture_dir / f"camera{n}" / "a.tif", np.minimum(expose(speckle, rng), 3300 + n)
+        )
     references = measure_references(open_fixture(fixture_dir))
     npt.assert_array_equal(references.full_scale, [3301, 3302])
 
@@ -297,7 +316,9 @@ def test_gain_of_many_cameras_scatters_as_its_uncertainty_says(fixture_dir):
         with tifffile.TiffWriter(fixture_dir / "flat.tif") as file:
             for level in (4000, 11000):
                 for _ in range(3):
-                    file.write(expose(level * rng.normal(1, 0.01) * response(), rng), contiguous=False)
+                    file.write(
+                        expose(level * rng.normal(1, 0.01) * response(), rng), contiguous=False
+                    )
         references = measure_references(open_fixture(fixture_dir))
         pulls.append(float((references.gain[0] - GAIN) / references.gain_std[0]))
     inside = np.abs(pulls)
@@ -314,7 +335,10 @@ def test_a_response_that_is_not_linear_is_said_and_a_linear_one_is_not(fixture_d
         for level in (3000, 7000, 12000, 15000):
             for _ in range(16):
                 light = expose(level * response(), rng).astype(float) - OFFSET
-                file.write(np.rint(light * (1 - 0.1 * light / 3400) + OFFSET).astype(np.uint16), contiguous=False)
+                file.write(
+                    np.rint(light * (1 - 0.1 * light / 3400) + OFFSET).astype(np.uint16),
+                    contiguous=False,
+                )
     references = measure_references(open_fixture(fixture_dir))
     assert "camera1: the photon transfer curve is not straight" in references.attrs["warnings"]
     # (1 - 2 u)^2/(1 - u) - 1 is -29 % at u = 0.1, the brightest pixels, and -26 % at the mean of the brightest level

@@ -27,7 +27,9 @@ def calibration():
 def log_ratio_of(film):
     """By quadrature over depth, on a fine grid."""
     grid = np.linspace(film.min(), film.max(), 60)
-    one, two = (np.array([quad(lambda x, a=a: np.exp(-a * x), 0, t)[0] for t in grid]) for a in (P, Q))
+    one, two = (
+        np.array([quad(lambda x, a=a: np.exp(-a * x), 0, t)[0] for t in grid]) for a in (P, Q)
+    )
     curve = np.polynomial.Chebyshev.fit(grid, np.log(K * two / one), 12)
     return curve(film)
 

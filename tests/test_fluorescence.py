@@ -40,14 +40,22 @@ def test_slope_has_the_value_of_eq_5_7():
 
 def test_thin_and_thick_limits():
     npt.assert_allclose(np.exp(log_band_ratio(0.0, **DYES)), 0.65)
-    npt.assert_allclose(log_band_ratio_slope(0.0, attenuation_camera1=0.4, attenuation_camera2=0.25), 0.075)
+    npt.assert_allclose(
+        log_band_ratio_slope(0.0, attenuation_camera1=0.4, attenuation_camera2=0.25), 0.075
+    )
     npt.assert_allclose(np.exp(log_band_ratio(1e4, **DYES)), 0.65 * 0.40 / 0.25, rtol=1e-12)
 
 
 @given(st.floats(0.01, 40), st.floats(0.02, 1.0), st.floats(0.01, 0.5), st.floats(0.2, 3.0))
 def test_ratio_rises_and_slope_is_its_derivative(thickness, q, difference, ratio_at_zero):
-    model = {"ratio_at_zero": ratio_at_zero, "attenuation_camera1": q + difference, "attenuation_camera2": q}
-    slope = log_band_ratio_slope(thickness, attenuation_camera1=q + difference, attenuation_camera2=q)
+    model = {
+        "ratio_at_zero": ratio_at_zero,
+        "attenuation_camera1": q + difference,
+        "attenuation_camera2": q,
+    }
+    slope = log_band_ratio_slope(
+        thickness, attenuation_camera1=q + difference, attenuation_camera2=q
+    )
     assert slope > 0
     step = 1e-4 * thickness
     rise = log_band_ratio(thickness + step, **model) - log_band_ratio(thickness - step, **model)
@@ -62,7 +70,9 @@ def test_gradient_is_the_derivative_by_each_parameter():
         step = 1e-5 * DYES[name]
         up, down = ({**DYES, name: DYES[name] + sign * step} for sign in (1, -1))
         npt.assert_allclose(
-            gradient[n], (log_band_ratio(thickness, **up) - log_band_ratio(thickness, **down)) / (2 * step), atol=1e-7
+            gradient[n],
+            (log_band_ratio(thickness, **up) - log_band_ratio(thickness, **down)) / (2 * step),
+            atol=1e-7,
         )
 
 

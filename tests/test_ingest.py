@@ -45,7 +45,9 @@ def write_pages(path, pages):
 @pytest.fixture(scope="module")
 def expected(small_rig):
     """(camera, frame, y, x), read by tifffile alone."""
-    return np.stack([[tifffile.imread(path) for path in small_rig.frames(camera)] for camera in (1, 2)])
+    return np.stack(
+        [[tifffile.imread(path) for path in small_rig.frames(camera)] for camera in (1, 2)]
+    )
 
 
 def test_frames_come_in_pairs_as_they_were_written(small_rig, expected):
@@ -59,7 +61,9 @@ def test_frames_come_in_pairs_as_they_were_written(small_rig, expected):
 def test_frames_are_taken_in_natural_order(lab, expected):
     for camera in (1, 2):
         for k, path in enumerate(lab.frames(camera)):
-            path.rename(path.with_name(f"frame_{k + 7}.tif"))  # 7 to 12: "10" sorts before "7" as text
+            path.rename(
+                path.with_name(f"frame_{k + 7}.tif")
+            )  # 7 to 12: "10" sorts before "7" as text
     np.testing.assert_array_equal(counts_of(lab.run), expected)
 
 
@@ -114,13 +118,18 @@ def test_eight_bit_frames_are_processed(lab, film):
     for directory in (lab.run, lab.fixture):
         for path in directory.rglob("*.tif"):
             pages = pages_of(path)
-            write_pages(path, [(page >> 4).astype(np.uint8) for page in (pages if pages.ndim == 3 else [pages])])
+            write_pages(
+                path,
+                [(page >> 4).astype(np.uint8) for page in (pages if pages.ndim == 3 else [pages])],
+            )
         toml = directory / f"{directory.name}.toml"
         toml.write_text(
             toml.read_text()
             .replace("bit_depth = 12", "bit_depth = 8")
             .replace("4.4 electron/DN", "70.4 electron/DN")
-            .replace('dark = "camera1_dark.tif"', 'offset = "3.5 DN"')  # 64 DN and the mean of what >> cuts off
+            .replace(
+                'dark = "camera1_dark.tif"', 'offset = "3.5 DN"'
+            )  # 64 DN and the mean of what >> cuts off
             .replace('dark = "camera2_dark.tif"', 'offset = "3.5 DN"')
         )
     coarse = erlif.process(lab.run, calibration=erlif.calibrate(lab.fixture))
@@ -130,7 +139,9 @@ def test_eight_bit_frames_are_processed(lab, film):
 
 
 def test_hidden_files_beside_the_frames_are_not_meant(lab, expected):
-    (lab.run / "camera1" / "._frame_0000.tif").write_bytes(b"\x00\x05\x16\x07")  # as macOS leaves on foreign disks
+    (lab.run / "camera1" / "._frame_0000.tif").write_bytes(
+        b"\x00\x05\x16\x07"
+    )  # as macOS leaves on foreign disks
     np.testing.assert_array_equal(counts_of(lab.run), expected)
 
 
@@ -138,7 +149,9 @@ def test_absolute_patterns_and_strange_directory_names_are_found(lab, expected):
     strange = lab.directory / "Lauf [1] – 80W-90 µm ²"
     lab.run.rename(strange)
     toml = strange / "run.toml"
-    toml.write_text(toml.read_text().replace('"camera1/*.tif"', json.dumps(f"{lab.directory}/camera1/*.tif")))
+    toml.write_text(
+        toml.read_text().replace('"camera1/*.tif"', json.dumps(f"{lab.directory}/camera1/*.tif"))
+    )
     shutil.move(strange / "camera1", lab.directory / "camera1")
     np.testing.assert_array_equal(counts_of(strange), expected)
     hashes = hash_inputs(open_run(strange))
@@ -149,7 +162,9 @@ def test_absolute_patterns_and_strange_directory_names_are_found(lab, expected):
 
 
 def test_a_name_that_is_no_utf_8_can_be_written_down(tmp_path):
-    assert Page(Path(os.fsdecode(b"frame_\xff.tif")), 0).name == "frame_\N{REPLACEMENT CHARACTER}.tif"
+    assert (
+        Page(Path(os.fsdecode(b"frame_\xff.tif")), 0).name == "frame_\N{REPLACEMENT CHARACTER}.tif"
+    )
     assert Page(tmp_path / "größe.tif", 3).name == "größe.tif[3]"
 
 
@@ -195,7 +210,9 @@ def write_log(tmp_path):
 
 def test_known_columns_get_their_names_and_units(write_log):
     log = read_encoder_log(
-        write_log("frame,time_s,angle_deg,load_N,temperature_C\n7,0.5,1.5,200,25\n8,0.6,2.5,210,26\n")
+        write_log(
+            "frame,time_s,angle_deg,load_N,temperature_C\n7,0.5,1.5,200,25\n8,0.6,2.5,210,26\n"
+        )
     )
     assert {str(name): log[name].attrs.get("units") for name in log} == {
         "number": None,
@@ -214,7 +231,9 @@ def test_two_columns_are_enough_in_any_order(write_log):
 
 
 def test_further_columns_travel_along(write_log):
-    log = read_encoder_log(write_log("frame,angle_deg,laser mJ,Kraft 2,note,\n0,1,5.5,,a,\n1,2,5.6,3,,\n"))
+    log = read_encoder_log(
+        write_log("frame,angle_deg,laser mJ,Kraft 2,note,\n0,1,5.5,,a,\n1,2,5.6,3,,\n")
+    )
     assert log["laser mJ"].values.tolist() == [5.5, 5.6]
     np.testing.assert_array_equal(log["Kraft 2"], [np.nan, 3])
     assert log["note"].values.tolist() == ["a", ""]
@@ -244,7 +263,9 @@ def test_a_log_that_cannot_be_read_is_refused(tmp_path, name):
 
 # anything at all
 
-fuzz = settings(deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+fuzz = settings(
+    deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 
 
 @pytest.fixture(scope="module")
@@ -257,7 +278,9 @@ def scratch(small_rig, tmp_path_factory):
 def damage(data, path, original, most=4):
     content = bytearray(original)
     for _ in range(data.draw(st.integers(1, most))):
-        place = data.draw(st.integers(0, min(len(content) - 1, 400)) | st.integers(0, len(content) - 1))
+        place = data.draw(
+            st.integers(0, min(len(content) - 1, 400)) | st.integers(0, len(content) - 1)
+        )
         content[place] = data.draw(st.integers(0, 255))
     path.write_bytes(content[: data.draw(st.integers(0, len(content)) | st.just(len(content)))])
 
@@ -283,7 +306,12 @@ def test_a_frame_with_any_bytes_changed_is_read_left_out_or_refused(small_rig, s
     try:
         with contextlib.suppress(ErlifError):
             recording = open_run(scratch, skip_bad_frames=skip)
-            assert read_frames(recording, recording.frames).counts.shape == (2, len(recording.frames), 96, 128)
+            assert read_frames(recording, recording.frames).counts.shape == (
+                2,
+                len(recording.frames),
+                96,
+                128,
+            )
             assert {0, 1, 3, 4, 5} <= set(recording.frames)
     finally:
         shutil.copy(small_rig.frames(2)[2], path)

@@ -33,7 +33,9 @@ def rocker_angle(crank):
 def make_log(angle, number=None, **columns):
     number = np.arange(len(angle)) if number is None else number
     data = {"number": ("frame", np.asarray(number)), "angle": ("frame", np.asarray(angle, float))}
-    return xr.Dataset(data | {name: ("frame", np.asarray(values)) for name, values in columns.items()})
+    return xr.Dataset(
+        data | {name: ("frame", np.asarray(values)) for name, values in columns.items()}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +74,9 @@ def test_limits_and_top_speeds_are_those_of_the_linkage(settings):
 def test_rocker_speed_is_the_derivative_of_the_angle(settings):
     crank = 3.0 + np.arange(0, 360, 10.0)
     step = 1e-3
-    derivative = [(rocker_angle(c + step) - rocker_angle(c - step)) / (2 * step) * OMEGA for c in crank]
+    derivative = [
+        (rocker_angle(c + step) - rocker_angle(c - step)) / (2 * step) * OMEGA for c in crank
+    ]
     found = locate_frames(make_log([rocker_angle(c) for c in crank]), settings)
     np.testing.assert_allclose(found.rocker_speed, derivative, atol=1e-5)
     np.testing.assert_array_equal(found.stroke, np.sign(derivative))
@@ -102,7 +106,8 @@ def test_marks_at_even_rocker_angles_keep_their_strokes(settings, jitter, start)
 def test_several_cycles_fold_onto_one(settings, per_cycle):
     crank = 11.0 + np.arange(36) * 30.0
     found = locate_frames(
-        make_log([rocker_angle(c) for c in crank]), with_encoder(settings, triggers_per_cycle=per_cycle)
+        make_log([rocker_angle(c) for c in crank]),
+        with_encoder(settings, triggers_per_cycle=per_cycle),
     )
     assert found.trigger.values.tolist() == list(range(12)) * 3
     assert found.cycle.values.tolist() == [0] * 12 + [1] * 12 + [2] * 12
@@ -110,7 +115,9 @@ def test_several_cycles_fold_onto_one(settings, per_cycle):
 
 def test_frames_are_counted_from_the_first_number_of_the_log(settings):
     crank = 11.0 + np.arange(12) * 30.0
-    found = locate_frames(make_log([rocker_angle(c) for c in crank], number=np.arange(12) + 100), settings)
+    found = locate_frames(
+        make_log([rocker_angle(c) for c in crank], number=np.arange(12) + 100), settings
+    )
     assert found.trigger.values.tolist() == list(range(12))
 
 
@@ -131,13 +138,19 @@ def test_without_a_zero_the_extremes_are_the_dead_points(settings):
 
 def test_an_encoder_on_the_crank_is_read_as_it_is(settings):
     reading = np.arange(24) * 30.0  # counts on over two turns
-    found = locate_frames(make_log(reading), with_encoder(settings, mounted_on="crank", zero=math.radians(20)))
+    found = locate_frames(
+        make_log(reading), with_encoder(settings, mounted_on="crank", zero=math.radians(20))
+    )
     np.testing.assert_allclose(found.crank_angle, (reading + 20) % 360, atol=1e-9)
     assert found.trigger.values.tolist() == list(range(12)) * 2
     assert found.cycle.values.tolist() == [0] * 12 + [1] * 12
-    speed = [(rocker_angle(c + 0.001) - rocker_angle(c - 0.001)) / 0.002 * OMEGA for c in reading + 20]
+    speed = [
+        (rocker_angle(c + 0.001) - rocker_angle(c - 0.001)) / 0.002 * OMEGA for c in reading + 20
+    ]
     np.testing.assert_allclose(found.rocker_speed, speed, atol=1e-5)
-    wrapped = locate_frames(make_log(reading % 360), with_encoder(settings, mounted_on="crank", zero=math.radians(20)))
+    wrapped = locate_frames(
+        make_log(reading % 360), with_encoder(settings, mounted_on="crank", zero=math.radians(20))
+    )
     xr.testing.assert_allclose(found.drop_vars("encoder_angle"), wrapped.drop_vars("encoder_angle"))
 
 
@@ -148,7 +161,9 @@ def test_a_crank_that_seems_to_turn_back_is_refused(settings):
 
 def test_the_pin_of_a_slider_crank_turns_against_the_rod(settings):
     """Joint speed is crank speed less rod speed; the rod angle is asin(-r sin t / l)."""
-    links = SliderCrankSettings(kind="slider-crank", crank="7.62 cm", coupler="20.32 cm", crank_speed="114 rpm")
+    links = SliderCrankSettings(
+        kind="slider-crank", crank="7.62 cm", coupler="20.32 cm", crank_speed="114 rpm"
+    )
     slider = with_encoder(settings, mounted_on="crank").model_copy(update={"mechanism": links})
     reading = np.arange(3, 360, 15.0)
     found = locate_frames(make_log(reading), slider)
@@ -190,4 +205,6 @@ def test_a_few_frames_are_enough(settings, angle):
 
 
 def test_entrained_oil_travels_half_the_swing(settings):
-    assert entrained_stroke(settings) == pytest.approx(33.36e-3 * math.radians(HIGH - LOW) / 2, rel=1e-5)
+    assert entrained_stroke(settings) == pytest.approx(
+        33.36e-3 * math.radians(HIGH - LOW) / 2, rel=1e-5
+    )

@@ -24,7 +24,9 @@ def forget(path, *keys, camera=r"12"):
     """Take keys out of the tables of the cameras in a settings file."""
     text = path.read_text(encoding="utf-8")
     for table in re.findall(rf"^\[camera[{camera}]\]\n(?:.+\n)*", text, flags=re.MULTILINE):
-        text = text.replace(table, re.sub(rf"^(?:{'|'.join(keys)}) = .*\n", "", table, flags=re.MULTILINE))
+        text = text.replace(
+            table, re.sub(rf"^(?:{'|'.join(keys)}) = .*\n", "", table, flags=re.MULTILINE)
+        )
     path.write_text(text, encoding="utf-8")
 
 
@@ -48,7 +50,9 @@ def test_interpolated_noise_of_differences_has_the_predicted_covariance():
     places = [(0.3, -0.15), (0.45, 0.2)]
     images = [
         ndimage.correlate(
-            ndimage.map_coordinates(noise, (y + v, x + u), order=3, mode="grid-wrap"), kernel, mode="wrap"
+            ndimage.map_coordinates(noise, (y + v, x + u), order=3, mode="grid-wrap"),
+            kernel,
+            mode="wrap",
         )
         for u, v in places
     ]
@@ -63,7 +67,11 @@ def test_interpolated_noise_of_differences_has_the_predicted_covariance():
 def rig(tmp_path_factory):
     """Never to be changed; take `laboratory` for a copy."""
     out = tmp_path_factory.mktemp("rig")
-    simulate(out, seed=811, rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=4, light=0.5))
+    simulate(
+        out,
+        seed=811,
+        rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=4, light=0.5),
+    )
     return out
 
 
@@ -81,7 +89,9 @@ def test_gain_comes_from_the_frames_where_nothing_tells_it(laboratory, kind, los
     gain, std = references.gain.values, references.gain_std.values
     npt.assert_allclose(gain[0], gain[1], rtol=0.05)
     assert np.all(np.abs(gain - GAIN) < 3 * std)
-    assert np.all(std < 0.12 * GAIN)  # 20 480 pixels in four frames, two gains and a pattern to find
+    assert np.all(
+        std < 0.12 * GAIN
+    )  # 20 480 pixels in four frames, two gains and a pattern to find
     assert references.attrs["warnings"].count("the same with a probability of") == 2
     assert "will be estimated" not in references.attrs["notes"]
 
@@ -106,7 +116,9 @@ def test_read_noise_comes_from_the_frames_where_darks_are_too_few(laboratory):
 def unlike(tmp_path):
     """Camera 2 counts every electron twice: its gain is half that of camera 1."""
     simulate(
-        tmp_path / "rig", seed=812, rig=RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5)
+        tmp_path / "rig",
+        seed=812,
+        rig=RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5),
     )
     run = tmp_path / "rig" / "run"
     for path in (*run.glob("camera2/*.tif"), *run.glob("camera2_*.tif")):
@@ -144,7 +156,10 @@ def test_a_film_without_given_gain_says_so_and_is_the_same_whatever_the_workers(
 
 def test_check_announces_the_estimate(lab, command):
     forget(lab.run / "run.toml", "gain", "flat")
-    assert "warning darks and flats: camera1: neither gain nor flats" in command("check", lab.run).stdout
+    assert (
+        "warning darks and flats: camera1: neither gain nor flats"
+        in command("check", lab.run).stdout
+    )
 
 
 def test_a_calibration_without_given_gain_says_so(laboratory):
@@ -159,7 +174,9 @@ def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
     chain = estimate(laboratory / "run")
     npt.assert_array_equal(chain.references.gain, GAIN)
     npt.assert_allclose(chain.references.response_spread, 0.01, rtol=0.25)
-    npt.assert_allclose(chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5)
+    npt.assert_allclose(
+        chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5
+    )
     assert "pixels of both cameras differ by" in chain.references.attrs["warnings"]
 
 
@@ -183,7 +200,9 @@ def test_cameras_that_stand_still_do_not_tell_the_spread_of_the_response(tmp_pat
     simulate(
         tmp_path / "rig",
         seed=seed,
-        rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration),
+        rig=RigSettings(
+            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration
+        ),
     )
     run = tmp_path / "rig" / "run"
     forget(run / "run.toml", "flat")
@@ -197,7 +216,9 @@ def test_cameras_that_stand_still_do_not_tell_the_spread_of_the_response(tmp_pat
 
 def test_frames_that_are_alike_tell_the_gain_without_a_pattern(laboratory, monkeypatch):
     """Drift of exactly zero: the pattern has no share in the differences at all."""
-    monkeypatch.setattr("erlif.noise._overlap", lambda kernel, first, second: np.full(first.shape[1:], 0.5))
+    monkeypatch.setattr(
+        "erlif.noise._overlap", lambda kernel, first, second: np.full(first.shape[1:], 0.5)
+    )
     forget(laboratory / "run" / "run.toml", "gain", "flat")
     references = estimate(laboratory / "run").references
     assert np.all(np.isfinite(references.gain))
@@ -219,7 +240,11 @@ def test_a_single_frame_does_not_tell_the_gain(lab, refused):
 def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
     """Pictures of the rig's usual size; fixtures and runs of three seeds, in full light and less."""
     errors, pulls = [], []
-    for seed, light, kinds in ((821, 1.0, ["fixture"]), (822, 0.3, ["run"]), (823, 0.6, ["fixture", "run"])):
+    for seed, light, kinds in (
+        (821, 1.0, ["fixture"]),
+        (822, 0.3, ["run"]),
+        (823, 0.6, ["fixture", "run"]),
+    ):
         out = tmp_path / str(seed)
         simulate(out, seed=seed, rig=RigSettings(spacing=6.0, light=light))
         for kind in kinds:
@@ -229,4 +254,6 @@ def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
             pulls += ((references.gain.values - GAIN) / references.gain_std.values).tolist()
     assert np.abs(errors).max() < 0.05
     assert np.abs(pulls).max() < 3
-    assert np.sqrt(np.mean(np.square(pulls))) < 1.6  # of four, the two cameras going together: beyond it once in thirty
+    assert (
+        np.sqrt(np.mean(np.square(pulls))) < 1.6
+    )  # of four, the two cameras going together: beyond it once in thirty

@@ -36,7 +36,8 @@ def record(rng, *, gain, read, pages, flicker, levels, response=lambda electrons
     points = []
     for level in levels:
         exposures = [
-            expose(response(level * rng.normal(1, flicker) * FALLOFF), rng, gain=gain, read=read) for _ in range(pages)
+            expose(response(level * rng.normal(1, flicker) * FALLOFF), rng, gain=gain, read=read)
+            for _ in range(pages)
         ]
         points.append(reduce_level(stack(exposures), np.ones(SHAPE, bool)))
     darks = np.stack([expose(0 * FALLOFF, rng, gain=gain, read=read) for _ in range(8)])
@@ -51,7 +52,9 @@ def test_gain_of_many_cameras_scatters_as_its_uncertainty_says(pages, flicker):
     for _ in range(200):
         gain, read = rng.uniform(0.5, 20), rng.uniform(1.5, 30)
         levels = gain * rng.uniform([400, 1200, 2500], [800, 2000, 3500])
-        points, variance, std = record(rng, gain=gain, read=read, pages=pages, flicker=flicker, levels=levels)
+        points, variance, std = record(
+            rng, gain=gain, read=read, pages=pages, flicker=flicker, levels=levels
+        )
         found = fit_photon_transfer(points, dark_variance=variance, dark_variance_std=std)
         pulls.append((found.gain - gain) / found.gain_std)
     # binomial scatter of 200: 3.3 % at one standard deviation, 1.5 % at two; of the mean 0.07
@@ -64,7 +67,9 @@ def test_an_unknown_dark_variance_is_fitted_along():
     rng = np.random.default_rng(11)
     pulls, shares = [], []
     for _ in range(100):
-        points, *_ = record(rng, gain=4.0, read=60.0, pages=4, flicker=0.01, levels=(1000, 4000, 9000))
+        points, *_ = record(
+            rng, gain=4.0, read=60.0, pages=4, flicker=0.01, levels=(1000, 4000, 9000)
+        )
         found = fit_photon_transfer(points, dark_variance=None)
         pulls.append((found.gain - 4.0) / found.gain_std)
         shares.append(found.gain / 4.0)
@@ -78,7 +83,9 @@ def test_variance_that_does_not_rise_gives_no_gain():
     flat = PageStack(np.full(SHAPE, 1000.0))
     for _ in range(4):
         flat.add(np.full(SHAPE, 1000.0))
-    assert fit_photon_transfer([reduce_level(flat, np.ones(SHAPE, bool))], dark_variance=4.0) is None
+    assert (
+        fit_photon_transfer([reduce_level(flat, np.ones(SHAPE, bool))], dark_variance=4.0) is None
+    )
     assert reduce_level(stack([np.full(SHAPE, 1000.0)]), np.ones(SHAPE, bool)) is None
 
 
@@ -86,7 +93,9 @@ def test_straight_curves_are_seldom_called_bent():
     rng = np.random.default_rng(12)
     pulls = []
     for _ in range(200):
-        points, variance, std = record(rng, gain=4.4, read=9, pages=4, flicker=0.005, levels=(4500, 9000, 14000))
+        points, variance, std = record(
+            rng, gain=4.4, read=9, pages=4, flicker=0.005, levels=(4500, 9000, 14000)
+        )
         found = fit_photon_transfer(points, dark_variance=variance, dark_variance_std=std)
         pulls.append(found.bend / found.bend_std)
         assert not found.is_bent
@@ -120,7 +129,9 @@ def test_a_bend_is_said_where_it_is_relevant_and_significant():
     bent = lambda electrons: electrons * (1 - 0.1 * electrons / 14000)  # noqa: E731
     points = []
     for level in (2000, 5000, 9000, 14000):
-        pages = [np.rint(bent(rng.poisson(level * np.ones((96, 96))) * 1.0) / 4.4) for _ in range(8)]
+        pages = [
+            np.rint(bent(rng.poisson(level * np.ones((96, 96))) * 1.0) / 4.4) for _ in range(8)
+        ]
         points.append(reduce_level(stack(pages), np.ones((96, 96), bool)))
     assert fit_photon_transfer(points, dark_variance=1 / 12).is_bent
 
@@ -149,7 +160,10 @@ def test_images_of_any_light_do_not_look_saturated(light, gain, contrast, bits, 
 
 
 @given(
-    top=st.integers(1500, 4000), share=st.floats(0.02, 0.6), contrast=st.floats(0.02, 0.4), seed=st.integers(0, 10**6)
+    top=st.integers(1500, 4000),
+    share=st.floats(0.02, 0.6),
+    contrast=st.floats(0.02, 0.4),
+    seed=st.integers(0, 10**6),
 )
 @settings(max_examples=100, deadline=None)
 def test_counts_that_stop_below_full_scale_are_found(top, share, contrast, seed):

@@ -50,7 +50,16 @@ def calibration():
     )
     covariance = np.diag([1e-3, 2e-3, 1e-3]) ** 2
     return Calibration(
-        scene.K, scene.P, scene.Q, covariance, (0.3, 15.5), (580, 610), curve, 1.1, "known wedge", ("a note",)
+        scene.K,
+        scene.P,
+        scene.Q,
+        covariance,
+        (0.3, 15.5),
+        (580, 610),
+        curve,
+        1.1,
+        "known wedge",
+        ("a note",),
     )
 
 
@@ -83,7 +92,9 @@ def test_second_axis_is_the_sliding_speed(film):
 def test_profile_finds_the_gap_within_its_error_bars(film):
     for trigger in range(scene.TRIGGERS):
         profile = plots.average_across_sliding(film, trigger=trigger)
-        inside = (scene.PITCH * np.arange(scene.ROWS) >= 1) & (scene.PITCH * np.arange(scene.ROWS) <= 11)
+        inside = (scene.PITCH * np.arange(scene.ROWS) >= 1) & (
+            scene.PITCH * np.arange(scene.ROWS) <= 11
+        )
         truth = scene.true_film()[trigger][inside].mean(axis=0)
         pull = ((profile.thickness - truth) / profile.thickness_std).values
         pull = pull[np.isfinite(pull)]
@@ -105,7 +116,9 @@ def test_rigid_gap_returns_radius_place_and_least_film(film):
 
 
 def test_a_profile_cut_by_the_range_is_not_shown(film):
-    cut = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].load().copy(deep=True)
+    cut = (
+        film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].load().copy(deep=True)
+    )
     cut.attrs = film.attrs
     cut.flags.values[0, 8:12, 30] = Flag.ABOVE_RANGE
     cut.flags.values[0, 8:12, 31] = Flag.NO_FILM
@@ -116,7 +129,9 @@ def test_a_profile_cut_by_the_range_is_not_shown(film):
 
 def test_map_shows_the_film_and_the_reasons(film):
     image = plots.thickness_map(film, trigger=2)
-    npt.assert_array_equal(np.ma.filled(image.get_array(), np.nan), film.thickness.isel(trigger=2).values)
+    npt.assert_array_equal(
+        np.ma.filled(image.get_array(), np.nan), film.thickness.isel(trigger=2).values
+    )
     ax = axes_of(image)
     assert ax.get_xlabel() == "x (sliding) [mm]"
     assert ax.get_ylabel() == "y (axial) [mm]"
@@ -159,7 +174,9 @@ def test_drawn_power_goes_through_the_films(film):
     ax = axes_of(line)
     assert "rad s⁻¹ N⁻¹" in ax.get_xlabel()
     assert "[µm]" in ax.get_ylabel()
-    assert "n = 0.600 ± 0.010" in [text.get_text().split(", ")[-1] for text in ax.get_legend().get_texts()]
+    assert "n = 0.600 ± 0.010" in [
+        text.get_text().split(", ")[-1] for text in ax.get_legend().get_texts()
+    ]
 
 
 def test_slow_triggers_are_drawn_apart(film):
@@ -182,10 +199,14 @@ def test_calibration_points_lie_on_the_curve_but_for_their_residuals(calibration
     t, r = fit.get_data()
     npt.assert_allclose(r, scene.true_ratio(t), rtol=1e-9)
     npt.assert_allclose(
-        points.get_ydata() - scene.true_ratio(points.get_xdata()), calibration.curve.curve_residual, atol=1e-12
+        points.get_ydata() - scene.true_ratio(points.get_xdata()),
+        calibration.curve.curve_residual,
+        atol=1e-12,
     )
     below = plots.ratio_residuals(calibration)[-1]
-    expected = 100 * calibration.curve.curve_residual / scene.true_ratio(calibration.curve.curve_thickness)
+    expected = (
+        100 * calibration.curve.curve_residual / scene.true_ratio(calibration.curve.curve_thickness)
+    )
     npt.assert_allclose(below.get_ydata(), expected, rtol=1e-9)
     assert axes_of(fit).get_xlabel() == "thickness [µm]"
     assert axes_of(fit).get_ylabel() == "ratio 610 nm / 580 nm [1]"
@@ -226,13 +247,20 @@ def test_film_over_the_cycle_is_in_the_order_of_the_crank(film):
     assert ax.get_xlabel() == "crank angle [°]"
     curve = plots.speed_over_cycle(film)[0]
     crank, speed = curve.get_data()
-    npt.assert_allclose(np.interp(scene.CRANK, crank, speed), scene.rocker_speed(scene.CRANK), atol=1e-3)
+    npt.assert_allclose(
+        np.interp(scene.CRANK, crank, speed), scene.rocker_speed(scene.CRANK), atol=1e-3
+    )
 
 
 def test_registration_shows_displacement_and_drift(film_path):
-    with open_film(film_path, group="registration") as registration, open_film(film_path, group="frames") as frames:
+    with (
+        open_film(film_path, group="registration") as registration,
+        open_film(film_path, group="frames") as frames,
+    ):
         registration, frames = registration.load(), frames.load()
-    registration["displacement_x"] = registration.displacement_x + 3 + 0.01 * (np.arange(scene.COLUMNS) - 39.5)
+    registration["displacement_x"] = (
+        registration.displacement_x + 3 + 0.01 * (np.arange(scene.COLUMNS) - 39.5)
+    )
     image = plots.displacement_map(registration, component="x")
     npt.assert_allclose(np.ptp(image.get_array()), 0.79, rtol=1e-4)
     npt.assert_allclose(image.get_array().mean(), 0, atol=1e-6)
@@ -248,13 +276,17 @@ def test_restored_ratio_is_that_of_the_film(film_path, film):
     assert valid.mean() > 0.9
     assert not valid[:, :3].any()
     # one count of a thousand, in both bands, and the correction of the logarithm's bias
-    npt.assert_allclose(restored.ratio.values[valid], scene.true_ratio(scene.true_film()[3])[valid], rtol=2e-3)
+    npt.assert_allclose(
+        restored.ratio.values[valid], scene.true_ratio(scene.true_film()[3])[valid], rtol=2e-3
+    )
     npt.assert_allclose(restored.signal.values[0], 1000, atol=0.5)
     image = plots.band_images(restored, film, camera=2)
     npt.assert_array_equal(np.ma.filled(image.get_array(), np.nan), restored.signal.values[1])
     assert "610 nm" in axes_of(image).get_title()
     ratio = plots.ratio_image(restored, film)
-    assert any("ratio 610 nm / 580 nm [1]" in child.get_ylabel() for child in axes_of(ratio).child_axes)
+    assert any(
+        "ratio 610 nm / 580 nm [1]" in child.get_ylabel() for child in axes_of(ratio).child_axes
+    )
 
 
 def test_another_run_is_refused(film_path, tmp_path):
@@ -283,7 +315,9 @@ def test_all_axes_name_their_units(film_path, film, calibration):
         plots.band_images_figure(restored, film, trigger=0),
     ]
     for figure in figures:
-        labels = [label for ax in figure.axes for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
+        labels = [
+            label for ax in figure.axes for label in (ax.get_xlabel(), ax.get_ylabel()) if label
+        ]
         assert labels
         assert all("[" in label and "]" in label for label in labels), labels
 
@@ -316,14 +350,20 @@ def test_one_figure_is_the_same_in_other_formats_twice(calibration, tmp_path, ki
     assert one.stat().st_size > 5000
 
 
-def test_without_the_run_the_rest_is_drawn_and_the_log_says_why(film_path, tmp_path, caplog, monkeypatch):
+def test_without_the_run_the_rest_is_drawn_and_the_log_says_why(
+    film_path, tmp_path, caplog, monkeypatch
+):
     alone = tmp_path / "film.nc"
     alone.write_bytes(film_path.read_bytes())
     missing = plots.missing_figures(alone)
     assert set(missing) == {"fixture_profile", "processed_images", "ratio_image"}
     assert "run directory" in missing["ratio_image"]
     assert set(plots.missing_figures(alone, run_dir=film_path.parent)) == {"fixture_profile"}
-    few = {name: draw for name, draw in plot_files.DRAWN.items() if name in {*missing, "speed_against_angle"}}
+    few = {
+        name: draw
+        for name, draw in plot_files.DRAWN.items()
+        if name in {*missing, "speed_against_angle"}
+    }
     monkeypatch.setattr(plot_files, "DRAWN", few)
     with caplog.at_level(logging.WARNING, logger="erlif"):
         written = plots.write_figures(alone, tmp_path, formats=("svg",))
@@ -331,7 +371,9 @@ def test_without_the_run_the_rest_is_drawn_and_the_log_says_why(film_path, tmp_p
     assert all(any(name in message for message in caplog.messages) for name in missing)
 
 
-def test_a_directory_of_another_run_beside_the_film_is_not_taken_for_its_own(film_path, film, tmp_path):
+def test_a_directory_of_another_run_beside_the_film_is_not_taken_for_its_own(
+    film_path, film, tmp_path
+):
     (tmp_path / "run.toml").write_text(scene.RUN_TOML.replace("known", "other"))
     assert plots.find_run(tmp_path / "film.nc", film) is None
     assert plots.find_run(film_path, film) == film_path.parent
@@ -340,7 +382,9 @@ def test_a_directory_of_another_run_beside_the_film_is_not_taken_for_its_own(fil
 def test_a_film_without_answers_is_drawn_as_such(film):
     mute = scene.without_answers(film)
     image = plots.thickness_map(mute, trigger=0)
-    assert (axes_of(image).images[1].get_array() == 1 + list(FLAG_COLOURS).index(Flag.ABOVE_RANGE)).all()
+    assert (
+        axes_of(image).images[1].get_array() == 1 + list(FLAG_COLOURS).index(Flag.ABOVE_RANGE)
+    ).all()
     assert plots.rigid_gap(plots.average_across_sliding(mute, trigger=0), mute) is None
     for draw in (plots.map_sheet_figure, plots.cycle_figure, plots.speed_figure):
         assert isinstance(draw(mute), Figure)

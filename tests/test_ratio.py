@@ -8,7 +8,14 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, RatioImages
-from erlif.ratio import RatioSum, combine_frames, compute_ratio, find_bubbles, is_steep, log_gradient
+from erlif.ratio import (
+    RatioSum,
+    combine_frames,
+    compute_ratio,
+    find_bubbles,
+    is_steep,
+    log_gradient,
+)
 
 GAIN = 4.4
 
@@ -16,7 +23,9 @@ GAIN = 4.4
 def aligned(one, two, one_var=None, two_var=None, displacement_std=0.0):
     """Aligned frames (frame, y, x) of two cameras."""
     signal = np.stack([one, two]).astype(np.float32)
-    variance = np.stack([one / GAIN if one_var is None else one_var, two / GAIN if two_var is None else two_var])
+    variance = np.stack(
+        [one / GAIN if one_var is None else one_var, two / GAIN if two_var is None else two_var]
+    )
     dims = ("camera", "frame", "y", "x")
     return AlignedFrames(
         xr.Dataset(
@@ -25,7 +34,10 @@ def aligned(one, two, one_var=None, two_var=None, displacement_std=0.0):
                 "signal_var": (dims, variance.astype(np.float32)),
                 "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
                 "flags": (dims, np.zeros(signal.shape, np.uint8)),
-                "displacement_std": (("y", "x"), np.full(signal.shape[-2:], displacement_std, np.float32)),
+                "displacement_std": (
+                    ("y", "x"),
+                    np.full(signal.shape[-2:], displacement_std, np.float32),
+                ),
             },
             {"camera": [1, 2]},
         )
@@ -47,7 +59,9 @@ def test_ratio_ignores_laser_power(light):
 
 def test_exchanged_cameras_change_the_sign(light):
     npt.assert_allclose(
-        compute_ratio(aligned(*light)).log_ratio, -compute_ratio(aligned(*light[::-1])).log_ratio, atol=1e-6
+        compute_ratio(aligned(*light)).log_ratio,
+        -compute_ratio(aligned(*light[::-1])).log_ratio,
+        atol=1e-6,
     )
 
 
@@ -67,12 +81,16 @@ def test_log_ratio_is_unbiased_and_its_variance_true(electrons):
 def test_registration_error_enters_by_the_gradient_of_the_light():
     ramp = np.broadcast_to(1000 * np.exp(0.05 * np.arange(72)), (1, 64, 72))
     ratios = compute_ratio(aligned(ramp, ramp, displacement_std=0.2))
-    npt.assert_allclose(ratios.log_ratio_var_shared.values[0, 5:-5, 5:-5], (0.2 * 0.05) ** 2, rtol=1e-3)
+    npt.assert_allclose(
+        ratios.log_ratio_var_shared.values[0, 5:-5, 5:-5], (0.2 * 0.05) ** 2, rtol=1e-3
+    )
 
 
 def test_log_gradient_of_an_exponential_ramp():
     y, x = np.indices((40, 50))
-    npt.assert_allclose(log_gradient(np.exp(0.03 * x + 0.04 * y).astype(np.float32))[2:-2, 2:-2], 0.05, rtol=1e-3)
+    npt.assert_allclose(
+        log_gradient(np.exp(0.03 * x + 0.04 * y).astype(np.float32))[2:-2, 2:-2], 0.05, rtol=1e-3
+    )
 
 
 def test_dark_pixels_have_no_ratio(light):
@@ -117,7 +135,9 @@ def test_frames_are_combined_with_inverse_variance_weights():
     weights = 1 / variances
     npt.assert_allclose(combined.log_ratio, (weights * values).sum(0) / weights.sum(0), rtol=1e-5)
     npt.assert_allclose(combined.log_ratio_var, 1 / weights.sum(0), rtol=1e-5)
-    npt.assert_allclose(combined.log_ratio_var_shared, 1e-6, rtol=1e-5)  # the same error in every frame
+    npt.assert_allclose(
+        combined.log_ratio_var_shared, 1e-6, rtol=1e-5
+    )  # the same error in every frame
 
 
 def test_weights_do_not_go_with_the_noise():
@@ -140,7 +160,9 @@ def test_noise_of_dark_and_flat_does_not_average_out():
     rng = np.random.default_rng(6)
     shape = (100, 100, 120)
     values = rng.normal(0, 0.02, shape) + rng.normal(0, 0.005, shape[1:])
-    combined = combine_frames(ratio_images(values, np.full(shape, 0.02**2 + 0.005**2), fixed=0.005**2))
+    combined = combine_frames(
+        ratio_images(values, np.full(shape, 0.02**2 + 0.005**2), fixed=0.005**2)
+    )
     npt.assert_allclose(combined.log_ratio_var, 0.02**2 / 100 + 0.005**2, rtol=1e-4)
     npt.assert_allclose(combined.log_ratio.values.var(), combined.log_ratio_var.mean(), rtol=0.04)
 

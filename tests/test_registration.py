@@ -41,7 +41,9 @@ def camera_map(views):
 
 def within_one_std(found, truth):
     inside = truth.inside()
-    errors = np.concatenate([(found.displacement_x - truth.dx)[inside], (found.displacement_y - truth.dy)[inside]])
+    errors = np.concatenate(
+        [(found.displacement_x - truth.dx)[inside], (found.displacement_y - truth.dy)[inside]]
+    )
     return np.abs(errors) < np.tile(found.displacement_std[inside], 2)
 
 
@@ -64,7 +66,12 @@ def test_error_bars_are_of_the_size_of_the_error(views, camera_map):
 def test_overlap_is_where_camera_2_sees_the_point(views, camera_map):
     h, w = SHAPE
     y, x = np.mgrid[:h, :w]
-    seen = (x + views.dx >= 0) & (x + views.dx <= w - 1) & (y + views.dy >= 0) & (y + views.dy <= h - 1)
+    seen = (
+        (x + views.dx >= 0)
+        & (x + views.dx <= w - 1)
+        & (y + views.dy >= 0)
+        & (y + views.dy <= h - 1)
+    )
     assert (camera_map.overlap != seen).mean() < 1e-3  # pixels whose point falls on the very edge
     assert np.isfinite(camera_map.displacement_x[camera_map.overlap]).all()
 
@@ -100,13 +107,17 @@ def test_undistorted_frames_give_nothing_to_correct(views):
 
 
 def test_camera_gain_and_dark_corrected_types_change_nothing(views, camera_map):
-    other = register(views.reference.astype(np.float32) * 0.25, views.moving.astype(np.float64) * 3.0)
+    other = register(
+        views.reference.astype(np.float32) * 0.25, views.moving.astype(np.float64) * 3.0
+    )
     npt.assert_allclose(other.displacement_x, camera_map.displacement_x, atol=2e-3)
 
 
 def test_the_number_of_threads_changes_nothing(views, camera_map):
     for threads in (1, 3):
-        other = register(views.reference, views.moving, settings=RegistrationSettings(threads=threads))
+        other = register(
+            views.reference, views.moving, settings=RegistrationSettings(threads=threads)
+        )
         npt.assert_array_equal(other.displacement_x, camera_map.displacement_x)
         npt.assert_array_equal(other.displacement_std, camera_map.displacement_std)
 
@@ -121,7 +132,9 @@ def test_masked_pixels_do_not_count(views, camera_map):
         weights.append((~bad).astype(np.float32))
     found = register(*frames, weight_reference=weights[0], weight_moving=weights[1])
     assert vector_rms(found, views) < 0.05
-    blind = register(*frames)  # the drop is at one place on both sensors and pulls the map towards no displacement
+    blind = register(
+        *frames
+    )  # the drop is at one place on both sensors and pulls the map towards no displacement
     assert vector_rms(found, views) < vector_rms(blind, views)
 
 
@@ -134,7 +147,9 @@ def test_dust_on_one_camera_is_recognised():
         shade = np.ones(image.shape)
         for _ in range(25):
             cx, cy, r = rng.uniform(0, 448), rng.uniform(0, 384), rng.uniform(2, 9)
-            shade = np.where((x - cx) ** 2 + (y - cy) ** 2 < r * r, rng.choice([0.25, 0.5, 1.6]), shade)
+            shade = np.where(
+                (x - cx) ** 2 + (y - cy) ** 2 < r * r, rng.choice([0.25, 0.5, 1.6]), shade
+            )
         frames.append((image * shade).astype(np.float32))
     assert vector_rms(register(*frames), truth) < 0.05
 
@@ -145,9 +160,9 @@ def ripple(shape, amplitude, wavelength):
     def field(x, y):
         dx, dy = smooth(x, y)
         k = 2 * np.pi / wavelength
-        return dx + amplitude * np.sin(k * x + 0.3) * np.cos(0.8 * k * y), dy + amplitude * np.cos(k * y + 1) * np.sin(
-            0.9 * k * x
-        )
+        return dx + amplitude * np.sin(k * x + 0.3) * np.cos(0.8 * k * y), dy + amplitude * np.cos(
+            k * y + 1
+        ) * np.sin(0.9 * k * x)
 
     return field
 
@@ -155,7 +170,9 @@ def ripple(shape, amplitude, wavelength):
 def test_local_distortion_is_followed():
     shape = (384, 512)
     truth = Scene(shape, 5).photograph(ripple(shape, 0.3, 130.0))
-    assert vector_rms(register(truth.reference, truth.moving), truth) < 0.1  # the ripple alone has 0.2
+    assert (
+        vector_rms(register(truth.reference, truth.moving), truth) < 0.1
+    )  # the ripple alone has 0.2
     windows = register(truth.reference, truth.moving, settings=RegistrationSettings(model="local"))
     assert windows.model == "local windows, 32 px"
     assert vector_rms(windows, truth) < 0.1
@@ -199,14 +216,20 @@ def known_map(truth):
 
 def test_drift_scatters_no_less_than_the_bound_and_little_more():
     """The Cramer-Rao bound of a shift between two noisy samplings of one known scene is 1 / sum(g^2 / (v1 + v2))."""
-    truth = Scene((160, 192), 9, private=0.0, scratches=0).photograph(smooth_map((160, 192), offset=(1.3, -0.6)))
+    truth = Scene((160, 192), 9, private=0.0, scratches=0).photograph(
+        smooth_map((160, 192), offset=(1.3, -0.6))
+    )
     rng = np.random.default_rng(10)
     shots = [
-        estimate_drift(known_map(truth), expose(truth.clean_reference, rng), expose(truth.clean_moving, rng)).dx
+        estimate_drift(
+            known_map(truth), expose(truth.clean_reference, rng), expose(truth.clean_moving, rng)
+        ).dx
         for _ in range(60)
     ]
     gradient = np.gradient(np.log(truth.clean_reference), axis=1)
-    v1 = (truth.clean_reference / 4 + 4 + 1 / 12) / truth.clean_reference**2  # 4 e-/DN, 8 e- read noise
+    v1 = (
+        truth.clean_reference / 4 + 4 + 1 / 12
+    ) / truth.clean_reference**2  # 4 e-/DN, 8 e- read noise
     v2 = (truth.clean_moving / 4 + 4 + 1 / 12) / truth.clean_moving**2
     bound = 1 / np.sqrt((gradient**2 / (v1 + v2)).sum())
     assert 0.8 < np.std(shots, ddof=1) / bound < 1.6  # 60 shots know their scatter to 9 %
@@ -248,7 +271,9 @@ def drifting_frames(count, *, contrast=0.04, peak=1250.0, seed=11, rms=0.3):
     first *= peak / np.percentile(first, 99.9)
     frames = []
     for sx, sy in drift:
-        second = scene.second(*inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y))
+        second = scene.second(
+            *inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y)
+        )
         second *= peak / np.percentile(second, 99.9)
         frames.append((expose(first, rng), expose(second, rng), None, None))
     dx, dy = smooth(x, y)
@@ -316,7 +341,9 @@ def test_a_stored_map_is_checked_on_a_new_run(run, camera_map):
     stored = CameraMap.from_dataset(found.to_dataset())
     measured = check_map(stored, frames[6:10])
     npt.assert_allclose(measured - measured.mean(0), drift[6:10] - drift[6:10].mean(0), atol=0.05)
-    turned = replace(stored, displacement_x=stored.displacement_x + np.linspace(-1, 1, SHAPE[0])[:, None])
+    turned = replace(
+        stored, displacement_x=stored.displacement_x + np.linspace(-1, 1, SHAPE[0])[:, None]
+    )
     with pytest.raises(RegistrationError, match="fits no longer"):
         check_map(turned, frames[6:10])
 
@@ -341,7 +368,9 @@ def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map, o
     mounted = np.ascontiguousarray(orient(views.moving, back))
     with pytest.raises(RegistrationError, match=f'orientation = "{orientation}"'):
         register(views.reference, mounted)
-    found = register(views.reference, mounted, settings=RegistrationSettings(orientation=orientation))
+    found = register(
+        views.reference, mounted, settings=RegistrationSettings(orientation=orientation)
+    )
     npt.assert_array_equal(found.displacement_x, camera_map.displacement_x)
 
 
@@ -398,7 +427,9 @@ _SCENES = {
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(
     st.sampled_from(sorted(_SCENES)),
     st.tuples(st.floats(-80, 80), st.floats(-64, 64)),
@@ -408,7 +439,9 @@ _SCENES = {
     st.floats(-0.6, 0.6),
 )
 def test_any_admissible_map_is_found_or_refused(texture, offset, rotation, scale, cubic, quadratic):
-    field = smooth_map(SHAPE, offset=offset, rotation=rotation, scale=scale, cubic=cubic, quadratic=quadratic)
+    field = smooth_map(
+        SHAPE, offset=offset, rotation=rotation, scale=scale, cubic=cubic, quadratic=quadratic
+    )
     truth = _SCENES[texture].photograph(field)
     try:
         found = register(truth.reference, truth.moving)

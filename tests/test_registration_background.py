@@ -18,10 +18,14 @@ def test_texture_is_left_and_light_is_gone():
     rng = np.random.default_rng(1)
     texture = 1 + 0.05 * rng.standard_normal(X.shape)
     light = 3000 * (1 - np.exp(-0.02 * (X + 3))) * (1 - 1e-5 * (Y - 60) ** 2)
-    found, weight = divide_by_light((light * texture).astype(np.float32), np.ones(X.shape, np.float32))
+    found, weight = divide_by_light(
+        (light * texture).astype(np.float32), np.ones(X.shape, np.float32)
+    )
     lit = weight > 0
     assert lit.mean() > 0.95
-    slope, before = (np.polyfit(X[lit], image[lit], 1)[0] for image in (found, light / light.mean()))
+    slope, before = (
+        np.polyfit(X[lit], image[lit], 1)[0] for image in (found, light / light.mean())
+    )
     assert abs(slope) < 0.01 * before
     assert np.corrcoef(found[lit], texture[lit])[0, 1] > 0.99
 

@@ -37,7 +37,9 @@ def test_a_ramp_is_moved_exactly(dx, dy):
     x, y = grid(shape)
     found = warp(3 * x - 2 * y, np.full(shape, dx), np.full(shape, dy))
     inner = np.isfinite(found)
-    inner[:14] = inner[-14:] = False  # the mirrored edge bends a ramp; the bend dies out by 0.27 a pixel
+    inner[:14] = inner[-14:] = (
+        False  # the mirrored edge bends a ramp; the bend dies out by 0.27 a pixel
+    )
     inner[:, :14] = inner[:, -14:] = False
     npt.assert_allclose(found[inner], (3 * (x + dx) - 2 * (y + dy))[inner], atol=1e-3)
 
@@ -45,7 +47,9 @@ def test_a_ramp_is_moved_exactly(dx, dy):
 def test_drift_is_added_to_the_displacement():
     image = np.random.default_rng(2).normal(size=(40, 50))
     zero = np.zeros(image.shape)
-    npt.assert_allclose(warp(image, zero, zero, (1.25, -0.5)), warp(image, zero + 1.25, zero - 0.5), atol=1e-6)
+    npt.assert_allclose(
+        warp(image, zero, zero, (1.25, -0.5)), warp(image, zero + 1.25, zero - 0.5), atol=1e-6
+    )
 
 
 def test_displacement_points_from_camera_1_to_camera_2():
@@ -101,7 +105,9 @@ def test_variance_factor_is_the_sum_of_squared_cardinal_splines(fraction):
     x = np.full((4, 5), fraction)
     npt.assert_allclose(interpolation_variance_factor(x, 0 * x), one, rtol=1e-5)
     npt.assert_allclose(interpolation_variance_factor(x - 7, x + 3), one**2, rtol=1e-5)
-    npt.assert_allclose(interpolation_variance_factor(0 * x, 0 * x, (fraction, fraction)), one**2, rtol=1e-5)
+    npt.assert_allclose(
+        interpolation_variance_factor(0 * x, 0 * x, (fraction, fraction)), one**2, rtol=1e-5
+    )
 
 
 @pytest.mark.parametrize(("dx", "dy"), [(0.5, 0.5), (0.25, 0.0), (-3.3, 8.7)])
@@ -110,7 +116,9 @@ def test_noise_of_a_warped_image_has_the_announced_variance(dx, dy):
     shift_x, shift_y = np.full(noise.shape, dx), np.full(noise.shape, dy)
     found = warp(noise, shift_x, shift_y)[20:-20, 20:-20]
     ratio = np.nanvar(found) / interpolation_variance_factor(shift_x, shift_y)[0, 0]
-    assert abs(ratio - 1) < 4 * np.sqrt(2 / (found.size / 3))  # warped pixels are correlated with few neighbours
+    assert abs(ratio - 1) < 4 * np.sqrt(
+        2 / (found.size / 3)
+    )  # warped pixels are correlated with few neighbours
 
 
 def test_variance_factor_is_not_known_where_the_displacement_is_not():

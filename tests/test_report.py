@@ -58,10 +58,15 @@ def film_path(tmp_path_factory):
 @pytest.fixture(scope="module")
 def text(film_path):
     # one figure of each kind, and one that is left out: drawing all takes long and is tested with the figures
-    few = {name: report_page.DRAWN[name] for name in ("speed_against_angle", "fixture_profile", "thickness_map")}
+    few = {
+        name: report_page.DRAWN[name]
+        for name in ("speed_against_angle", "fixture_profile", "thickness_map")
+    }
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_page, "DRAWN", few)
-        return write_report(film_path, film_path.with_name("report.html")).read_text(encoding="utf-8")
+        return write_report(film_path, film_path.with_name("report.html")).read_text(
+            encoding="utf-8"
+        )
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +92,9 @@ def test_page_is_well_formed(page):
 
 
 def test_page_asks_for_nothing(text, page):
-    assert not re.search(r"https?://|//[a-z]+\.[a-z]", re.sub(r"data:[^\"]*|<script type=\"text/plain\".*", "", text))
+    assert not re.search(
+        r"https?://|//[a-z]+\.[a-z]", re.sub(r"data:[^\"]*|<script type=\"text/plain\".*", "", text)
+    )
     assert page.all("link") == []
     assert all("src" not in attrs for attrs in page.all("script"))
     assert all(attrs["src"].startswith("data:image/") for attrs in page.all("img"))
@@ -96,7 +103,10 @@ def test_page_asks_for_nothing(text, page):
 
 def test_pictures_have_words(page):
     pictures = page.all("img")
-    assert [attrs["src"].split(";")[0] for attrs in pictures] == ["data:image/svg+xml", "data:image/png"]
+    assert [attrs["src"].split(";")[0] for attrs in pictures] == [
+        "data:image/svg+xml",
+        "data:image/png",
+    ]
     assert all(len(attrs["alt"]) > 40 for attrs in pictures)
     assert all(attrs.get("aria-label") for attrs in page.all("canvas"))
     assert "Profile of the calibration fixture: it needs the CMM profile" in page.texts["figures"]
@@ -130,7 +140,9 @@ def test_embedded_maps_read_back_as_the_film(page, film_path):
     assert coding == MapCoding(1, 1e-3)
     with open_film(film_path) as film:
         for k in range(scene.TRIGGERS):
-            decoded = decode_map(page.texts[f"map-{k}"], shape=(data["height"], data["width"]), coding=coding)
+            decoded = decode_map(
+                page.texts[f"map-{k}"], shape=(data["height"], data["width"]), coding=coding
+            )
             npt.assert_array_equal(decoded.flags, film.flags.values[k])
             npt.assert_allclose(decoded.thickness, film.thickness.values[k], atol=0.5001e-3)
             block = film.thickness_std.values[k][8:12, 20:24]
@@ -163,7 +175,9 @@ def test_a_large_film_is_thinned_and_the_page_says_so(film_path, tmp_path, monke
     assert "every 2th" not in page.texts["viewer"]
     assert "every 2nd pixel" in page.texts["viewer"]
     with open_film(film_path) as film:
-        decoded = decode_map(page.texts["map-4"], shape=(data["height"], data["width"]), coding=coding)
+        decoded = decode_map(
+            page.texts["map-4"], shape=(data["height"], data["width"]), coding=coding
+        )
         npt.assert_allclose(decoded.thickness, film.thickness.values[4, ::2, ::2], atol=0.5001e-3)
     assert data["x"] == [0.0, 2 * scene.PITCH]
 

@@ -34,7 +34,9 @@ from erlif.rig.film import (
 from erlif.rig.run import Shot, build_setup, photograph
 from erlif.rig.scene import Grains, draw_grains, mix_grains, speckle
 
-SMALL = RigSettings(width=96, height=80, fixture_frames=3, dead_pixels=1, dark_pages=16, flat_pages=8)
+SMALL = RigSettings(
+    width=96, height=80, fixture_frames=3, dead_pixels=1, dark_pages=16, flat_pages=8
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +52,9 @@ def truth(written):
 
 
 def read_frames(directory: Path, number: int) -> np.ndarray:
-    return np.stack([tifffile.imread(path) for path in sorted((directory / f"camera{number}").glob("*.tif"))])
+    return np.stack(
+        [tifffile.imread(path) for path in sorted((directory / f"camera{number}").glob("*.tif"))]
+    )
 
 
 # linkage: physics.md 1.3, the thesis's four-bar recomputed with two independent packages
@@ -58,7 +62,9 @@ def read_frames(directory: Path, number: int) -> np.ndarray:
 
 def test_rocker_swings_between_its_dead_points():
     npt.assert_allclose(np.degrees(rocker_range(RigSettings())), [47.4095, 71.8355], atol=5e-5)
-    crank = np.degrees(crank_angle(np.asarray(rocker_range(RigSettings())), np.array([True, True]), RigSettings()))
+    crank = np.degrees(
+        crank_angle(np.asarray(rocker_range(RigSettings())), np.array([True, True]), RigSettings())
+    )
     npt.assert_allclose(crank, [209.83, 29.95], atol=0.02)
 
 
@@ -74,14 +80,23 @@ def test_four_bar_closes_and_speed_is_its_derivative():
     rocker_end = np.stack([rig.ground - rig.rocker * np.cos(angle), rig.rocker * np.sin(angle)])
     crank_end = rig.crank * np.stack([np.cos(crank), np.sin(crank)])
     npt.assert_allclose(np.hypot(*(rocker_end - crank_end)), rig.coupler, rtol=1e-13)
-    rate = (rocker_angle(crank + 1e-5, rig) - rocker_angle(crank - 1e-5, rig)) / 2e-5 * 114 * 2 * np.pi / 60
+    rate = (
+        (rocker_angle(crank + 1e-5, rig) - rocker_angle(crank - 1e-5, rig))
+        / 2e-5
+        * 114
+        * 2
+        * np.pi
+        / 60
+    )
     npt.assert_allclose(rocker_speed(crank, rig), rate, atol=1e-8)
 
 
 def test_triggers_fill_one_cycle_every_096_degrees():
     triggers = list_triggers(RigSettings())
     assert triggers.reading.size == 50  # the thesis: 50 pictures per cycle
-    npt.assert_allclose(np.diff(triggers.reading), np.repeat([0.96, 0, -0.96], [24, 1, 24]), atol=1e-12)
+    npt.assert_allclose(
+        np.diff(triggers.reading), np.repeat([0.96, 0, -0.96], [24, 1, 24]), atol=1e-12
+    )
     npt.assert_allclose(
         np.degrees(rocker_angle(np.radians(triggers.crank_angle), RigSettings())),
         triggers.zero + triggers.reading,
@@ -96,7 +111,9 @@ def test_triggers_fill_one_cycle_every_096_degrees():
 
 def test_film_law_is_a_power_of_speed_over_load():
     triggers = list_triggers(RigSettings(exponent=0.7, load_swing=0.2))
-    slope, intercept = np.polyfit(np.log(np.abs(triggers.speed) / triggers.load), np.log(triggers.film_min), 1)
+    slope, intercept = np.polyfit(
+        np.log(np.abs(triggers.speed) / triggers.load), np.log(triggers.film_min), 1
+    )
     npt.assert_allclose(slope, 0.7, rtol=1e-9)
     npt.assert_allclose(np.exp(intercept) * (2.552104 / 222.411) ** 0.7, 6.0, rtol=1e-5)
 
@@ -151,7 +168,9 @@ def test_film_never_closes():
 
 def test_bubble_empties_the_film_inside_only():
     x, y = np.arange(40.0)[None], np.full((1, 40), 10.0)
-    film = Bubbles(np.array([20.0]), np.array([10.0]), np.array([5.0])).empty(np.full((1, 40), 6.0), x, y)[0]
+    film = Bubbles(np.array([20.0]), np.array([10.0]), np.array([5.0])).empty(
+        np.full((1, 40), 6.0), x, y
+    )[0]
     assert np.all(film[16:25] < 0.1)
     npt.assert_array_equal(film[[10, 13, 27, 35]], 6.0)
 
@@ -164,7 +183,11 @@ def test_bubble_empties_the_film_inside_only():
 def test_band_signal_is_the_double_integral(band, thickness):
     def light(depth, wavelength):
         lost = (absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength))) * depth
-        return float(transmission(np.asarray(wavelength), band) * emission(np.asarray(wavelength)) * np.exp(-lost))
+        return float(
+            transmission(np.asarray(wavelength), band)
+            * emission(np.asarray(wavelength))
+            * np.exp(-lost)
+        )
 
     whole = dblquad(light, band - 12, band + 12, 0, thickness, epsrel=1e-9)[0]
     npt.assert_allclose(band_signal(np.asarray(thickness), band), whole, rtol=1e-7)
@@ -176,7 +199,9 @@ def test_thin_and_thick_limits(band):
         return float(transmission(np.asarray(wavelength), band) * emission(np.asarray(wavelength)))
 
     def left(wavelength):
-        return made(wavelength) / float(absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength)))
+        return made(wavelength) / float(
+            absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength))
+        )
 
     thin, thick = (quad(what, band - 12, band + 12, epsrel=1e-10)[0] for what in (made, left))
     npt.assert_allclose(band_signal(np.asarray(1e-6), band) / 1e-6, thin, rtol=1e-6)
@@ -190,7 +215,9 @@ def test_table_of_the_signal_is_exact():
 
 
 def test_filter_passes_ten_nanometres_at_half_height():
-    npt.assert_allclose(transmission(np.array([575.0, 580.0, 585.0]), 580.0), [0.5, 1, 0.5], atol=1e-5)
+    npt.assert_allclose(
+        transmission(np.array([575.0, 580.0, 585.0]), 580.0), [0.5, 1, 0.5], atol=1e-5
+    )
 
 
 def test_three_parameters_describe_the_ratio_of_the_bands():
@@ -211,27 +238,37 @@ def test_three_parameters_describe_the_ratio_of_the_bands():
 
 def test_speckle_has_its_contrast_and_correlation():
     rig = RigSettings(width=400, height=400, speckle_fixed=0.06, speckle_new=0.08, speckle_size=0.8)
-    grains = mix_grains(draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2))
+    grains = mix_grains(
+        draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2)
+    )
     y, x = np.indices((400, 400), dtype=float)
     field = speckle(x, y, grains, size=0.8, blur=0.0) - 1
     npt.assert_allclose(field.std(), np.hypot(0.06, 0.08), rtol=0.02)
     for lag in (1, 2):  # two Gaussian grains overlap like exp(-r^2/(4 s^2))
         npt.assert_allclose(
-            np.mean(field[:, lag:] * field[:, :-lag]) / field.var(), np.exp(-(lag**2) / (4 * 0.8**2)), atol=0.015
+            np.mean(field[:, lag:] * field[:, :-lag]) / field.var(),
+            np.exp(-(lag**2) / (4 * 0.8**2)),
+            atol=0.015,
         )
 
 
 def test_camera_sees_speckle_through_its_point_spread():
     rig = RigSettings(width=40, height=40)
-    grains = mix_grains(draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2))
+    grains = mix_grains(
+        draw_grains(rig, 10, np.random.default_rng(1)), rig, np.random.default_rng(2)
+    )
     y, x = np.indices((40, 40)) + 0.37
-    node, weight = np.polynomial.hermite_e.hermegauss(14)  # the point spread by Gauss-Hermite quadrature
+    node, weight = np.polynomial.hermite_e.hermegauss(
+        14
+    )  # the point spread by Gauss-Hermite quadrature
     blurred = sum(
         wx * wy * speckle(x + 0.55 * nx, y + 0.55 * ny, grains, size=0.72, blur=0.0)
         for nx, wx in zip(node, weight, strict=True)
         for ny, wy in zip(node, weight, strict=True)
     )
-    npt.assert_allclose(speckle(x, y, grains, size=0.72, blur=0.55), blurred / (2 * np.pi), atol=1e-4)
+    npt.assert_allclose(
+        speckle(x, y, grains, size=0.72, blur=0.55), blurred / (2 * np.pi), atol=1e-4
+    )
 
 
 # cameras
@@ -252,7 +289,10 @@ def test_displacement_is_shift_scale_rotation_and_half_a_pixel_of_distortion():
     dx, dy = displacement(corner_x, corner_y, rig)
     away = np.stack([corner_x[0] - 159.5, corner_y[0] - 127.5])
     turn = np.array(
-        [[np.cos(np.radians(0.4)), -np.sin(np.radians(0.4))], [np.sin(np.radians(0.4)), np.cos(np.radians(0.4))]]
+        [
+            [np.cos(np.radians(0.4)), -np.sin(np.radians(0.4))],
+            [np.sin(np.radians(0.4)), np.cos(np.radians(0.4))],
+        ]
     )
     expected = np.diag([1.004, 0.997]) @ turn @ away - away + np.array([[4.0], [-3.0]])
     npt.assert_allclose([dx[0], dy[0]], expected, atol=1e-12)
@@ -262,7 +302,9 @@ def test_displacement_is_shift_scale_rotation_and_half_a_pixel_of_distortion():
 
 
 def test_one_bright_grain_appears_displaced_in_camera_2():
-    rig = RigSettings(width=96, height=80, bubbles=0, speckle_size=2.0, dust=0, response_spread=0, hot_fraction=0)
+    rig = RigSettings(
+        width=96, height=80, bubbles=0, speckle_size=2.0, dust=0, response_spread=0, hot_fraction=0
+    )
     setup = build_setup(0, rig)
     brightness = np.zeros_like(setup.grains.brightness)
     margin = setup.grains.margin
@@ -289,7 +331,9 @@ def test_one_bright_grain_appears_displaced_in_camera_2():
         found.append(((x * light).sum() / light.sum(), (y * light).sum() / light.sum()))
     npt.assert_allclose(found[0], (at_x, at_y), atol=0.08)
     dx, dy = displacement(np.array([[at_x]]), np.array([[at_y]]), rig)
-    npt.assert_allclose(np.subtract(found[1], found[0]), (dx[0, 0] + drift[0], dy[0, 0] + drift[1]), atol=0.12)
+    npt.assert_allclose(
+        np.subtract(found[1], found[0]), (dx[0, 0] + drift[0], dy[0, 0] + drift[1]), atol=0.12
+    )
 
 
 def test_noise_is_shot_and_read_noise(written):
@@ -302,7 +346,9 @@ def test_noise_is_shot_and_read_noise(written):
             assert flat.shape == (24, 80, 96)
             still = dark.mean(axis=0) < 90  # not hot
             assert 0.9994 < 1 - (~still).mean() <= 1 - 4e-4
-            npt.assert_allclose(dark[:, still].var(axis=0, ddof=1).mean(), (9 / 4.4) ** 2 + 1 / 12, rtol=0.02)
+            npt.assert_allclose(
+                dark[:, still].var(axis=0, ddof=1).mean(), (9 / 4.4) ** 2 + 1 / 12, rtol=0.02
+            )
             levels = flat.reshape(3, 8, 80, 96)
             signal = [level[:, still].mean() - dark[:, still].mean() for level in levels]
             variance = [level[:, still].var(axis=0, ddof=1).mean() for level in levels]
@@ -320,7 +366,9 @@ def test_frames_are_twelve_bits_and_nearly_unsaturated(written):
 
 
 def test_saturation_clips_at_full_scale(tmp_path):
-    rig = RigSettings(width=64, height=48, light=3.0, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1)
+    rig = RigSettings(
+        width=64, height=48, light=3.0, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1
+    )
     frames = read_frames(simulate(tmp_path, rig=rig) / "run", 1)
     assert frames.max() == 4095
     assert (frames == 4095).mean() > 0.01
@@ -355,7 +403,9 @@ def test_fixture_directory_follows_the_contract(written, truth):
     settings = tomllib.loads((fixture / "fixture.toml").read_text(encoding="utf-8"))
     assert list(settings) == ["fixture", "camera1", "camera2", "optics"]
     assert settings["fixture"]["origin"] == [0.0, 0.0]
-    x, thickness, uncertainty = np.loadtxt(fixture / "profile.csv", delimiter=",", skiprows=1, unpack=True)
+    x, thickness, uncertainty = np.loadtxt(
+        fixture / "profile.csv", delimiter=",", skiprows=1, unpack=True
+    )
     npt.assert_allclose(np.diff(x), 0.1, atol=1e-9)
     assert x[0] < 0
     assert x[-1] > truth.x[-1]
@@ -367,16 +417,33 @@ def test_fixture_directory_follows_the_contract(written, truth):
 
 
 def test_a_perfect_measuring_machine_reads_the_wedge(tmp_path):
-    rig = RigSettings(width=64, height=48, cmm_noise=0.0, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1)
+    rig = RigSettings(
+        width=64,
+        height=48,
+        cmm_noise=0.0,
+        spacing=8.0,
+        fixture_frames=1,
+        dark_pages=1,
+        flat_pages=1,
+    )
     out = simulate(tmp_path, rig=rig)
-    x, thickness, _ = np.loadtxt(out / "fixture" / "profile.csv", delimiter=",", skiprows=1, unpack=True)
+    x, thickness, _ = np.loadtxt(
+        out / "fixture" / "profile.csv", delimiter=",", skiprows=1, unpack=True
+    )
     with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
         npt.assert_allclose(np.interp(truth.x, x, thickness), truth.wedge, atol=2e-3)
 
 
 def test_encoder_zero_can_be_withheld_and_cycles_repeat(tmp_path):
     rig = RigSettings(
-        width=64, height=48, cycles=2, write_zero=False, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1
+        width=64,
+        height=48,
+        cycles=2,
+        write_zero=False,
+        spacing=8.0,
+        fixture_frames=1,
+        dark_pages=1,
+        flat_pages=1,
     )
     out = simulate(tmp_path, rig=rig)
     settings = tomllib.loads((out / "run" / "run.toml").read_text(encoding="utf-8"))
@@ -400,7 +467,9 @@ def test_truth_says_what_was_put_in(truth):
     assert truth.attrs["rig_exponent"] == 0.62
     npt.assert_allclose([truth.drift_x.mean(), truth.drift_y.mean()], 0, atol=1e-14)
     assert 0.2 < truth.drift_x.std() < 0.4
-    npt.assert_allclose([truth.fixture_drift_x.mean(), truth.fixture_drift_y.mean()], [0.6, -0.4], atol=1e-14)
+    npt.assert_allclose(
+        [truth.fixture_drift_x.mean(), truth.fixture_drift_y.mean()], [0.6, -0.4], atol=1e-14
+    )
     npt.assert_allclose(truth.pulse_energy.std(), 0.03, rtol=0.35)
 
 
@@ -416,7 +485,10 @@ def test_frames_carry_the_light_the_truth_expects(written, truth):
         electrons = 4.4 * (frames - dark) / truth.pulse_energy.to_numpy()[:, None, None]
         shift_x = truth.displacement_x.to_numpy() if number == 2 else 0 * x
         shift_y = truth.displacement_y.to_numpy() if number == 2 else 0 * y
-        at_x, at_y = np.rint(x + shift_x).astype(int)[inner], np.rint(y + shift_y).astype(int)[inner]
+        at_x, at_y = (
+            np.rint(x + shift_x).astype(int)[inner],
+            np.rint(y + shift_y).astype(int)[inner],
+        )
         seen = electrons.mean(axis=0)[at_y, at_x]
         expected = truth.expected_electrons.sel(camera=number).mean("trigger").to_numpy()[inner]
         npt.assert_allclose(np.median((seen / expected)[clear]), 1, atol=0.01)
@@ -426,7 +498,9 @@ def test_film_in_the_truth_is_gap_and_marks(truth):
     smooth = truth.film.median("y").isel(trigger=13)
     curvature = np.polyfit(truth.x, smooth, 2)[0] * 2
     npt.assert_allclose(curvature, 0.2053, rtol=0.02)
-    change = truth.film.isel(trigger=13) - truth.film.isel(trigger=0)  # the marks stay where they are
+    change = truth.film.isel(trigger=13) - truth.film.isel(
+        trigger=0
+    )  # the marks stay where they are
     npt.assert_allclose(change, truth.film_min[13] - truth.film_min[0], atol=3e-4)
 
 
@@ -454,7 +528,9 @@ def digest(directory: Path) -> dict[str, str]:
 
 
 def test_the_same_seed_writes_the_same_bytes(tmp_path):
-    rig = RigSettings(width=64, height=48, spacing=8.0, fixture_frames=2, dark_pages=2, flat_pages=2)
+    rig = RigSettings(
+        width=64, height=48, spacing=8.0, fixture_frames=2, dark_pages=2, flat_pages=2
+    )
     first = digest(simulate(tmp_path / "first", seed=11, rig=rig))
     again = digest(simulate(tmp_path / "again", seed=11, rig=rig))
     other = digest(simulate(tmp_path / "other", seed=12, rig=rig))
@@ -465,7 +541,9 @@ def test_the_same_seed_writes_the_same_bytes(tmp_path):
 
 
 def test_existing_output_is_refused_and_kept(tmp_path, monkeypatch):
-    rig = RigSettings(width=64, height=48, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1)
+    rig = RigSettings(
+        width=64, height=48, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1
+    )
     simulate(tmp_path, seed=1, rig=rig)
     (tmp_path / "notes.txt").write_text("mine")
     before = digest(tmp_path)
@@ -506,7 +584,15 @@ def test_a_rig_that_cannot_work_is_refused(wrong):
 
 
 def test_command_writes_and_refuses(tmp_path):
-    arguments = [str(tmp_path / "out"), "--size", "64x48", "--spacing", "8", "--fixture-frames", "1"]
+    arguments = [
+        str(tmp_path / "out"),
+        "--size",
+        "64x48",
+        "--spacing",
+        "8",
+        "--fixture-frames",
+        "1",
+    ]
     result = CliRunner().invoke(rig_command.simulate, arguments)
     assert result.exit_code == 0, result.output
     assert "run frames written: 6" in result.output
@@ -525,4 +611,6 @@ def test_rig_shares_no_code_with_the_measurement():
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             for name in names:
                 if name.split(".")[0] == "erlif":
-                    assert name == "erlif.core.errors" or name.startswith("erlif.rig"), f"{path.name} imports {name}"
+                    assert name == "erlif.core.errors" or name.startswith("erlif.rig"), (
+                        f"{path.name} imports {name}"
+                    )

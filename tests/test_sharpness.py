@@ -15,7 +15,12 @@ GAIN = 4.4
 def waves(rng, count=60):
     """Wave vectors [rad/px], phases and amplitudes of a texture of 9 % contrast."""
     length, angle = rng.uniform(0.5, 1.4, count), rng.uniform(0, np.pi, count)
-    return length * np.cos(angle), length * np.sin(angle), rng.uniform(0, 2 * np.pi, count), 0.09 * np.sqrt(2 / count)
+    return (
+        length * np.cos(angle),
+        length * np.sin(angle),
+        rng.uniform(0, 2 * np.pi, count),
+        0.09 * np.sqrt(2 / count),
+    )
 
 
 def scene(texture, variance_x, variance_y):
@@ -24,7 +29,11 @@ def scene(texture, variance_x, variance_y):
     kx, ky, phase, amplitude = texture
     total = np.zeros(SHAPE)
     for a, b, c in zip(kx, ky, phase, strict=True):
-        total += amplitude * np.exp(-(a**2 * variance_x + b**2 * variance_y) / 2) * np.sin(a * x + b * y + c)
+        total += (
+            amplitude
+            * np.exp(-(a**2 * variance_x + b**2 * variance_y) / 2)
+            * np.sin(a * x + b * y + c)
+        )
     return np.exp(total)
 
 
@@ -92,4 +101,6 @@ def test_without_texture_nothing_is_claimed_or_changed():
     blur = measure_blur_difference(pair)
     assert not blur.significant
     npt.assert_array_equal(compute_ratio(pair, blur=blur).log_ratio, compute_ratio(pair).log_ratio)
-    npt.assert_array_equal(compute_ratio(pair, blur=BlurDifference()).log_ratio, compute_ratio(pair).log_ratio)
+    npt.assert_array_equal(
+        compute_ratio(pair, blur=BlurDifference()).log_ratio, compute_ratio(pair).log_ratio
+    )

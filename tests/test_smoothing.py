@@ -25,7 +25,9 @@ EDGE = 160  # first column of the thick side of the step
 
 @pytest.fixture(scope="module")
 def calibration():
-    return Calibration(K, P, Q, np.zeros((3, 3)), (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+    return Calibration(
+        K, P, Q, np.zeros((3, 3)), (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
+    )
 
 
 def log_ratio_of(film):
@@ -57,7 +59,10 @@ def noisy(film, seed, **options):
 @pytest.fixture(scope="module", params=[201, 202, 203, 204])
 def smooth_film(request, calibration):
     images = noisy(SMOOTH_FILM, request.param)
-    return [measure_thickness(each, calibration) for each in (images, smooth_ratio(images, resolution=5))]
+    return [
+        measure_thickness(each, calibration)
+        for each in (images, smooth_ratio(images, resolution=5))
+    ]
 
 
 def test_scatter_of_a_smooth_film_falls_at_least_threefold(smooth_film):
@@ -70,7 +75,9 @@ def test_noise_falls_as_a_gaussian_window_allows():
     sigma = 5 / math.sqrt(8 * math.log(2))
     after = smooth_ratio(noisy(SMOOTH_FILM, 211), resolution=5)
     inner = after.isel(x=slice(12, -12), y=slice(12, -12))
-    npt.assert_allclose(np.median(inner.log_ratio_var), NOISE**2 / (4 * math.pi * sigma**2), rtol=0.03)
+    npt.assert_allclose(
+        np.median(inner.log_ratio_var), NOISE**2 / (4 * math.pi * sigma**2), rtol=0.03
+    )
     rest = inner.log_ratio.values - log_ratio_of(SMOOTH_FILM)[12:-12, 12:-12]
     npt.assert_allclose(rest.std(), NOISE / math.sqrt(4 * math.pi) / sigma, rtol=0.05)
 
@@ -100,7 +107,9 @@ def test_a_plane_is_reproduced_at_borders_and_holes(resolution):
     flags[:, 200] = Flag.BAD_PIXEL
     values = np.where(flags != 0, 1e3, plane)
     after = smooth_ratio(ratio_images(values, flags=flags), resolution=resolution)
-    npt.assert_allclose(after.log_ratio.values[flags == 0], plane[flags == 0], atol=2e-5)  # single precision
+    npt.assert_allclose(
+        after.log_ratio.values[flags == 0], plane[flags == 0], atol=2e-5
+    )  # single precision
 
 
 def test_remaining_variance_is_the_sum_of_squared_weights():
@@ -115,7 +124,12 @@ def test_remaining_variance_is_the_sum_of_squared_weights():
         for j in range(25):
             one = np.zeros((25, 25))
             one[i, j] = small
-            weights = smooth_ratio(ratio_images(one, variance, flags=flags), resolution=4).log_ratio.values / small
+            weights = (
+                smooth_ratio(
+                    ratio_images(one, variance, flags=flags), resolution=4
+                ).log_ratio.values
+                / small
+            )
             total += weights**2 * variance[i, j]
     sound = flags == 0
     npt.assert_allclose(base.log_ratio_var.values[sound], total[sound], rtol=1e-3)
@@ -185,16 +199,23 @@ def test_holes_are_neither_filled_nor_bleed():
     npt.assert_array_equal(after.log_ratio.values[bubble], 5.0)
     npt.assert_array_equal(after.flags, images.flags)
     rim = ~bubble & ((X - 100) ** 2 + (Y - 90) ** 2 < 15**2)
-    pull = (after.log_ratio.values - log_ratio_of(SMOOTH_FILM)) / np.sqrt(after.log_ratio_var.values)
+    pull = (after.log_ratio.values - log_ratio_of(SMOOTH_FILM)) / np.sqrt(
+        after.log_ratio_var.values
+    )
     assert np.sqrt(np.mean(pull[rim] ** 2)) < 1.3
 
 
 def test_registration_error_makes_no_steps():
     """What looks like a step but is within the registration's error is smoothed over."""
     film = np.where(X >= EDGE, 3.6, 3.0)
-    trusted, doubted = (smooth_ratio(noisy(film, 61, shared=s), resolution=5) for s in (0.0, 25 * NOISE**2))
+    trusted, doubted = (
+        smooth_ratio(noisy(film, 61, shared=s), resolution=5) for s in (0.0, 25 * NOISE**2)
+    )
     beside = slice(EDGE - 1, EDGE + 1)
-    assert doubted.log_ratio_var.values[:, beside].mean() < 0.5 * trusted.log_ratio_var.values[:, beside].mean()
+    assert (
+        doubted.log_ratio_var.values[:, beside].mean()
+        < 0.5 * trusted.log_ratio_var.values[:, beside].mean()
+    )
     npt.assert_array_equal(doubted.log_ratio_var_shared, np.float32(25 * NOISE**2))
 
 
@@ -238,7 +259,12 @@ def test_a_run_is_smoothed_when_it_asks_and_says_so(lab, film):
     good = (smoothed.flags.values == 0) & (plain.flags.values == 0)
     before, after = (np.median(each.thickness_std.values[good]) for each in (plain, smoothed))
     assert after < before / 3
-    for name in ("film_min", "film_min_std", "film_mean", "film_mean_std"):  # they count on pixels being independent
+    for name in (
+        "film_min",
+        "film_min_std",
+        "film_mean",
+        "film_mean_std",
+    ):  # they count on pixels being independent
         xr.testing.assert_equal(smoothed[name], plain[name])
 
 

@@ -131,11 +131,18 @@ def test_film_tells_its_history(small_rig, opened):
     assert attrs["Conventions"] == "CF-1.11"
     assert attrs["erlif_version"] == erlif.__version__
     assert attrs["history"]
-    assert RunSettings.model_validate(tomllib.loads(attrs["settings"])) == read_run_settings(small_rig.run)
-    hashes = json.loads(attrs["input_hashes"])
-    assert {"run.toml", "encoder.csv", "camera1/*.tif", "camera2/*.tif", "camera1_dark.tif", "camera2_flat.tif"} <= set(
-        hashes
+    assert RunSettings.model_validate(tomllib.loads(attrs["settings"])) == read_run_settings(
+        small_rig.run
     )
+    hashes = json.loads(attrs["input_hashes"])
+    assert {
+        "run.toml",
+        "encoder.csv",
+        "camera1/*.tif",
+        "camera2/*.tif",
+        "camera1_dark.tif",
+        "camera2_flat.tif",
+    } <= set(hashes)
     assert all(len(value) == 64 for value in hashes.values())
     assert {"regime", "reason"} <= set(opened.film_theory.attrs)
     assert not any(str(small_rig.directory) in str(value) for value in attrs.values())
@@ -153,7 +160,11 @@ def test_calibration_has_the_documented_variables(small_rig):
         }
         for name, (_, unit) in CALIBRATION.items():
             assert dataset[name].attrs.get("units") == unit, name
-        assert dataset.parameter.values.tolist() == ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"]
+        assert dataset.parameter.values.tolist() == [
+            "ratio_at_zero",
+            "attenuation_camera1",
+            "attenuation_camera2",
+        ]
         assert dataset.covariance.shape == (3, 3)
         assert dataset.attrs["ratio_direction"] == "camera2/camera1"
         assert (dataset.attrs["band_camera1_nm"], dataset.attrs["band_camera2_nm"]) == (580, 610)
@@ -217,7 +228,17 @@ def test_a_film_that_is_not_written_is_the_same(small_rig, opened):
 
 
 @pytest.mark.parametrize(
-    "name", ["none.nc", "none.zarr", "text.nc", "text.zarr", "empty.nc", "directory.nc", "hollow.zarr", "other.nc"]
+    "name",
+    [
+        "none.nc",
+        "none.zarr",
+        "text.nc",
+        "text.zarr",
+        "empty.nc",
+        "directory.nc",
+        "hollow.zarr",
+        "other.nc",
+    ],
 )
 def test_what_is_no_film_is_refused(tmp_path, small_rig, name):
     path = tmp_path / name
@@ -250,13 +271,17 @@ def test_what_is_no_calibration_is_refused(tmp_path, name):
 
 
 @settings(deadline=None, database=None)
-@given(drawn.arrays(np.float32, 30, elements=st.floats(width=32, allow_nan=True)), st.integers(4, 23))
+@given(
+    drawn.arrays(np.float32, 30, elements=st.floats(width=32, allow_nan=True)), st.integers(4, 23)
+)
 def test_rounded_values_are_as_near_as_their_bits_allow(values, bits):
     rounded = round_bits(values, bits)
     finite = np.isfinite(values) & (np.abs(values) < 1e38) & (np.abs(values) > 1e-37)
     error = np.abs(rounded[finite].astype(float) - values[finite])
     assert (error <= np.abs(values[finite].astype(float)) * 2.0 ** -(bits + 1) * (1 + 1e-6)).all()
-    np.testing.assert_array_equal(np.isnan(rounded), ~np.isfinite(values) if bits < 23 else np.isnan(values))
+    np.testing.assert_array_equal(
+        np.isnan(rounded), ~np.isfinite(values) if bits < 23 else np.isnan(values)
+    )
 
 
 @settings(deadline=None, database=None)

@@ -67,7 +67,8 @@ def test_shared_part_holds_calibration_and_registration(calibration):
         changed[n] += step
         k, p, q = changed
         by_parameter.append(
-            (np.log(k * p / q * (1 - np.exp(-q * 5)) / (1 - np.exp(-p * 5))) - log_ratio_of(5.0)) / step
+            (np.log(k * p / q * (1 - np.exp(-q * 5)) / (1 - np.exp(-p * 5))) - log_ratio_of(5.0))
+            / step
         )
     own = np.array(by_parameter) @ calibration.covariance @ np.array(by_parameter)
     npt.assert_allclose(maps.thickness_std_shared, np.sqrt(own + 4e-6) / slope, rtol=1e-3)
@@ -81,7 +82,9 @@ def test_what_lies_beyond_the_range_is_flagged_and_not_answered(calibration):
 
 
 def test_pixel_whose_registration_error_exceeds_its_noise_is_flagged(calibration):
-    maps = measure_thickness(ratio_images(log_ratio_of(np.full((2, 2), 4.0)), 1e-4, shared=1.1e-4), calibration)
+    maps = measure_thickness(
+        ratio_images(log_ratio_of(np.full((2, 2), 4.0)), 1e-4, shared=1.1e-4), calibration
+    )
     npt.assert_array_equal(maps.flags, Flag.POOR_REGISTRATION)
 
 
@@ -96,7 +99,9 @@ def test_earlier_flags_stay(calibration):
 
 def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
     """Pixels above the limit in surroundings below it: the slope between them must not come from the thick end of the curve."""
-    calibration = Calibration(K, P, Q, 1e-8 * np.eye(3), (1.0, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+    calibration = Calibration(
+        K, P, Q, 1e-8 * np.eye(3), (1.0, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
+    )
     rng = np.random.default_rng(3)
     film = np.clip(1.25 + 0.25 * rng.standard_normal((200, 200)), 0.3, None)
     maps = measure_thickness(ratio_images(log_ratio_of(film), variance=1e-6), calibration)

@@ -22,7 +22,9 @@ WHOLE = {"rows": slice(0, Y.size), "columns": slice(0, X.size)}
 @pytest.fixture
 def calibration():
     root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
-    return Calibration(K, P, Q, root @ root.T, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+    return Calibration(
+        K, P, Q, root @ root.T, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
+    )
 
 
 def log_ratio_of(film):
@@ -41,7 +43,10 @@ def ratios_of(film, noise, rng):
         xr.Dataset(
             {
                 "log_ratio": (dims, values.astype(np.float32)),
-                "log_ratio_var": (dims, np.broadcast_to(np.square(noise), film.shape).astype(np.float32)),
+                "log_ratio_var": (
+                    dims,
+                    np.broadcast_to(np.square(noise), film.shape).astype(np.float32),
+                ),
                 "log_ratio_var_shared": (dims, np.zeros(film.shape, np.float32)),
                 "flags": (dims, np.zeros(film.shape, np.uint8)),
             }
@@ -51,7 +56,9 @@ def ratios_of(film, noise, rng):
 
 def statistics(film, noise, rng, calibration):
     ratios = ratios_of(film, noise, rng)
-    return summarise_film(ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE)
+    return summarise_film(
+        ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE
+    )
 
 
 @pytest.mark.parametrize("least", [0.3, 2.0, 6.0])
@@ -97,7 +104,9 @@ def test_dust_does_not_move_the_gap(calibration):
     film = gap(3.0)
     ratios = ratios_of(film, 0.01, rng)
     ratios.log_ratio.values[40:60, 100:124] += 0.2
-    dusty = summarise_film(ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE)
+    dusty = summarise_film(
+        ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE
+    )
     assert abs(dusty.minimum - 3.0) < 0.03
 
 
@@ -107,7 +116,9 @@ def test_change_with_the_calibration_is_the_derivative(calibration):
     ratios = ratios_of(gap(3.0), 0.002, rng)
 
     def result(k, p, q):
-        used = Calibration(k, p, q, calibration.covariance, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given")
+        used = Calibration(
+            k, p, q, calibration.covariance, (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
+        )
         return summarise_film(ratios, measure_thickness(ratios, used), used, x=X, y=Y, **WHOLE)
 
     base = result(K, P, Q)
@@ -116,14 +127,18 @@ def test_change_with_the_calibration_is_the_derivative(calibration):
         changed[n] += step
         moved = result(*changed)
         npt.assert_allclose(moved.mean - base.mean, step * base.mean_gradient[n], rtol=0.03)
-        npt.assert_allclose(moved.minimum - base.minimum, step * base.minimum_gradient[n], rtol=0.03)
+        npt.assert_allclose(
+            moved.minimum - base.minimum, step * base.minimum_gradient[n], rtol=0.03
+        )
 
 
 def test_turned_image_gives_the_same_film(calibration):
     rng = np.random.default_rng(6)
     ratios = ratios_of(gap(3.0), 0.01, rng)
     turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
-    one = summarise_film(ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE)
+    one = summarise_film(
+        ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE
+    )
     two = summarise_film(
         turned,
         measure_thickness(turned, calibration),
@@ -203,7 +218,9 @@ def settings(**changes):
 
 def at(speed, load, **more):
     variables = {"sliding_speed": speed, "load": load, **more}
-    return xr.Dataset({name: ("trigger", np.atleast_1d(value)) for name, value in variables.items()})
+    return xr.Dataset(
+        {name: ("trigger", np.atleast_1d(value)) for name, value in variables.items()}
+    )
 
 
 # physics.md section 4, recomputed there: film in um at 0.0842 m/s
@@ -231,7 +248,9 @@ def test_vogel_viscosity_follows_the_logged_temperature():
             "pressure_viscosity": "20 1/GPa",
         }
     }
-    predicted = predict_film(at([0.0842] * 2, [222.4] * 2, temperature=[25.0, 40.0]), settings(**vogel))
+    predicted = predict_film(
+        at([0.0842] * 2, [222.4] * 2, temperature=[25.0, 40.0]), settings(**vogel)
+    )
     cold, warm = predicted.film_theory.values
     npt.assert_allclose(cold / warm, np.exp(900 / 125 - 900 / 140), rtol=1e-6)
     with pytest.raises(ConfigError, match="temperature_C"):
@@ -256,7 +275,9 @@ def test_error_bar_of_the_least_film_covers_turned_and_scratched_surfaces(calibr
         rng = np.random.default_rng([7, seed])
         film = np.maximum(gap(3.0) + draw_marks(marks, rng)(columns + 60, rows + 40), 0.05)
         found = statistics(film, 0.0135, rng, calibration)
-        pulls.append((found.minimum - 3.0) / np.hypot(found.minimum_random_std, found.minimum_surface_std))
+        pulls.append(
+            (found.minimum - 3.0) / np.hypot(found.minimum_random_std, found.minimum_surface_std)
+        )
     within = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
     # 200 draws scatter by 3.3 and 1.5 % about 68.3 and 95.4 %
     assert abs(within[0] - 0.683) < 3 * 0.033
@@ -274,7 +295,9 @@ def test_scratches_move_the_least_film_by_less_than_their_share(calibration):
 
 
 @pytest.mark.parametrize(("least", "noise"), [(9.5, 0.02), (5.0, 0.05)])
-def test_mean_film_is_that_of_the_answered_pixels_where_much_lies_beyond_the_range(calibration, least, noise):
+def test_mean_film_is_that_of_the_answered_pixels_where_much_lies_beyond_the_range(
+    calibration, least, noise
+):
     """A gap that leaves the range: no bias by what single pixels lose to the limit."""
     film = gap(least)
     errors = []
@@ -293,7 +316,9 @@ def test_region_covered_but_for_one_row_of_blocks_has_no_least_film(calibration)
     """What is left tells no tilt: NaN, not a singular fit."""
     ratios = ratios_of(gap(3.0), 0.01, np.random.default_rng(10))
     ratios.flags.values[8:] = 128
-    found = summarise_film(ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE)
+    found = summarise_film(
+        ratios, measure_thickness(ratios, calibration), calibration, x=X, y=Y, **WHOLE
+    )
     assert np.isnan(found.minimum)
     assert np.isnan(found.minimum_std)
     assert np.isfinite(found.mean)

@@ -92,7 +92,21 @@ def test_what_would_be_misread_is_refused(text, unit, words):
         parse_quantity(text, unit)
 
 
-UNITS = ["m", "rad", "rad/s", "N", "Pa", "Pa s", "1/Pa", "nm", "DN", "electron/DN", "electron", "degC", "delta_degC"]
+UNITS = [
+    "m",
+    "rad",
+    "rad/s",
+    "N",
+    "Pa",
+    "Pa s",
+    "1/Pa",
+    "nm",
+    "DN",
+    "electron/DN",
+    "electron",
+    "degC",
+    "delta_degC",
+]
 
 
 @settings(deadline=None, database=None)
@@ -131,7 +145,8 @@ PIECES = [
 @settings(deadline=None, database=None, max_examples=150)
 @given(
     st.one_of(
-        st.text(max_size=12), st.lists(st.sampled_from([*PIECES, "5", ".5", "1e3", " "]), max_size=7).map("".join)
+        st.text(max_size=12),
+        st.lists(st.sampled_from([*PIECES, "5", ".5", "1e3", " "]), max_size=7).map("".join),
     ),
     st.sampled_from(UNITS),
 )

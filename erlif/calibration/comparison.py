@@ -20,9 +20,7 @@ FALSE_ALARM = 0.01
 """Probability of chance below which a difference is taken for one."""
 
 _GRID = 60
-_NO_VARIANCE = (
-    1e-5  # share of the largest variance below which a shape of the difference is not told by the covariances
-)
+_NO_VARIANCE = 1e-5  # share of the largest variance below which a shape of the difference is not told by the covariances
 _SHARED = 0.8  # of the CMM points: above it, two calibrations rest on the same readings
 _ROUNDING = 1e-5  # mm and um: nearer points of the CMM are one
 _PLACES = ("curve_x", "curve_y")
@@ -104,9 +102,7 @@ class Comparison:
         if self.paired:
             return "both rest on the same CMM readings, whose error cancels"
         if self.same_profile:
-            return (
-                "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
-            )
+            return "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
         if self.same_profile is None:
             return "whether both rest on the same CMM readings is not recorded; they were taken as independent"
         return "the CMM readings differ and count with all their error"
@@ -115,8 +111,13 @@ class Comparison:
         """How differently films are read, at most and at some films."""
         low, high = self.thickness[0], self.thickness[-1]
         at = [film for film in (1.0, 3.0, 8.0) if low <= film <= high] or [(low + high) / 2]
-        changes, n = np.interp(at, self.thickness, self.film_change), int(np.argmax(np.abs(self.film_change)))
-        films = ", ".join(f"{change:+.3f} um at {film:.1f} um" for film, change in zip(at, changes, strict=True))
+        changes, n = (
+            np.interp(at, self.thickness, self.film_change),
+            int(np.argmax(np.abs(self.film_change))),
+        )
+        films = ", ".join(
+            f"{change:+.3f} um at {film:.1f} um" for film, change in zip(at, changes, strict=True)
+        )
         largest = f"{self.film_change[n]:+.3f} ± {self.film_change_std[n]:.3f} um ({100 * self.film_change[n] / self.thickness[n]:+.2g} %)"
         return f"films are read differently by {films}, and at most by {largest} at {self.thickness[n]:.1f} um"
 
@@ -143,7 +144,10 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
             f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm, the other of "
             f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm."
         )
-    low, high = (limit(calibration.thickness_range[n], earlier.thickness_range[n]) for n, limit in ((0, max), (1, min)))
+    low, high = (
+        limit(calibration.thickness_range[n], earlier.thickness_range[n])
+        for n, limit in ((0, max), (1, min))
+    )
     if high <= low:
         raise CalibrationError(
             f"Expected calibrations that share a range of films; one answers {calibration.thickness_range[0]:.2f} to "
@@ -155,7 +159,8 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
     if pairs is None:
         difference = calibration.predict_log(film) - earlier.predict_log(film)
         covariance = sum(
-            each.gradient(film).T @ each.full_covariance @ each.gradient(film) for each in (calibration, earlier)
+            each.gradient(film).T @ each.full_covariance @ each.gradient(film)
+            for each in (calibration, earlier)
         )
         probability, bends = _test_curves(difference, np.asarray(covariance))
         std = np.sqrt(np.diag(np.asarray(covariance)))
@@ -190,7 +195,9 @@ def _test_curves(difference: Array, covariance: Array) -> tuple[float, bool]:
     return float(chi2.sf(float(own @ own), count)), bends
 
 
-def _match_points(calibration: Calibration, earlier: Calibration) -> tuple[Array, Array, Array] | None:
+def _match_points(
+    calibration: Calibration, earlier: Calibration
+) -> tuple[Array, Array, Array] | None:
     """Place, CMM thickness and change of log ratio of the points that both share; None where they rest on other readings."""
     names = [name for name in _PLACES if name in calibration.curve]
     if not names or names != [name for name in _PLACES if name in earlier.curve]:
@@ -203,17 +210,26 @@ def _match_points(calibration: Calibration, earlier: Calibration) -> tuple[Array
     shared = distance <= _ROUNDING
     if shared.sum() < 20 or shared.sum() < _SHARED * min(len(ones), len(others)):
         return None
-    change = np.log(calibration.curve.curve_ratio.values[shared] / earlier.curve.curve_ratio.values[other[shared]])
+    change = np.log(
+        calibration.curve.curve_ratio.values[shared]
+        / earlier.curve.curve_ratio.values[other[shared]]
+    )
     return ones[shared, :-1], ones[shared, -1], change
 
 
-def _rest_on_same_readings(calibration: Calibration, earlier: Calibration, *, paired: bool) -> bool | None:
+def _rest_on_same_readings(
+    calibration: Calibration, earlier: Calibration, *, paired: bool
+) -> bool | None:
     """Whether both rest on the same CMM readings: by their points, or by the file's hash; None where neither tells."""
     if paired:
         return True
     # a fixture's other inputs are its settings and frames
     ones, others = (
-        {value for name, value in each.input_hashes.items() if name.lower().endswith((".csv", ".txt"))}
+        {
+            value
+            for name, value in each.input_hashes.items()
+            if name.lower().endswith((".csv", ".txt"))
+        }
         for each in (calibration, earlier)
     )
     if ones and others:
@@ -227,7 +243,9 @@ def _test_pairs(
     """Change of the log ratio over `film` and its standard deviation, the probability of it by chance, and whether it is no constant."""
     design = calibration.gradient(thickness).T
     # functions that the films cannot tell apart are taken once
-    shapes, sizes, turn = np.linalg.svd(design / np.linalg.norm(design, axis=0), full_matrices=False)
+    shapes, sizes, turn = np.linalg.svd(
+        design / np.linalg.norm(design, axis=0), full_matrices=False
+    )
     told = sizes > 1e-4 * sizes[0]
     use = np.ones(change.size, bool)
     for _ in range(5):  # without dust that came between
@@ -249,8 +267,15 @@ def _test_pairs(
     explained = float(change[use] @ change[use] - residual[use] @ residual[use])
     probability = float(fisher.sf(explained / count / variance, count, freedom))
     beyond_constant = explained - points * float(change[use].mean()) ** 2
-    bends = bool(fisher.sf(beyond_constant / max(count - 1, 1) / variance, max(count - 1, 1), freedom) < FALSE_ALARM)
-    at = (calibration.gradient(film).T / np.linalg.norm(design, axis=0)) @ turn.T[:, told] / sizes[told]
+    bends = bool(
+        fisher.sf(beyond_constant / max(count - 1, 1) / variance, max(count - 1, 1), freedom)
+        < FALSE_ALARM
+    )
+    at = (
+        (calibration.gradient(film).T / np.linalg.norm(design, axis=0))
+        @ turn.T[:, told]
+        / sizes[told]
+    )
     covariance = variance * np.linalg.inv(basis.T @ basis)
     std = np.sqrt(np.einsum("ij,jk,ik->i", at, covariance, at))
     return at @ values, std, probability, bends

@@ -97,29 +97,43 @@ class Calibration:
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
         """Natural logarithm of the ratio of a film, the departure from the model included. `thickness` in um."""
         K, p, q = self.parameters
-        modelled = np.asarray(log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
+        modelled = np.asarray(
+            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+        )
         return modelled if self.departure is None else modelled + self.departure.predict(thickness)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
         """Derivative of the logarithm of the ratio by thickness. [1/um]"""
         _, p, q = self.parameters
-        modelled = np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
+        modelled = np.asarray(
+            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
+        )
         return modelled if self.departure is None else modelled + self.departure.slope(thickness)
 
     def parameter_gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by K, p and q, (3, ...)."""
         K, p, q = self.parameters
-        return log_band_ratio_gradient(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+        return log_band_ratio_gradient(
+            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
+        )
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all that was fitted, (n, ...): K, p, q, and the departure's coefficients."""
         modelled = self.parameter_gradient(thickness)
-        return modelled if self.departure is None else np.concatenate([modelled, self.departure.basis(thickness)])
+        return (
+            modelled
+            if self.departure is None
+            else np.concatenate([modelled, self.departure.basis(thickness)])
+        )
 
     @property
     def full_covariance(self) -> Array:
         """Covariance of all that was fitted, (n, n), in the order of `gradient`."""
-        return self.covariance if self.departure is None else block_diag(self.covariance, self.departure.covariance)
+        return (
+            self.covariance
+            if self.departure is None
+            else block_diag(self.covariance, self.departure.covariance)
+        )
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation that the calibration leaves in the logarithm of the ratio."""
@@ -165,7 +179,10 @@ class Calibration:
         dataset["covariance"] = (
             ("parameter", "parameter2"),
             self.covariance,
-            {"long_name": "covariance of K, p, q", "comment": "both dimensions in the order of parameter"},
+            {
+                "long_name": "covariance of K, p, q",
+                "comment": "both dimensions in the order of parameter",
+            },
         )
         dataset["thickness_range"] = (
             "bound",
@@ -174,7 +191,10 @@ class Calibration:
         )
         if self.departure is not None:
             self.departure.describe(dataset)
-        dataset["parameter"] = ("parameter", ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"])
+        dataset["parameter"] = (
+            "parameter",
+            ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"],
+        )
         return dataset
 
     @property
@@ -214,15 +234,22 @@ class Calibration:
                 attenuation_camera2=float(dataset.attenuation_camera2),
                 covariance=np.asarray(dataset.covariance.values, float),
                 thickness_range=(low, high),
-                bands=(float(dataset.attrs["band_camera1_nm"]), float(dataset.attrs["band_camera2_nm"])),
+                bands=(
+                    float(dataset.attrs["band_camera1_nm"]),
+                    float(dataset.attrs["band_camera2_nm"]),
+                ),
                 curve=dataset[names].reset_coords(drop=True).drop_attrs(deep=False),
                 reduced_chi_square=float(dataset.reduced_chi_square),
                 fixture=str(dataset.attrs["fixture"]),
-                notes=tuple(note for note in str(dataset.attrs.get("notes", "")).split("\n") if note),
+                notes=tuple(
+                    note for note in str(dataset.attrs.get("notes", "")).split("\n") if note
+                ),
                 input_hashes=json.loads(dataset.attrs.get("input_hashes", "{}")),
                 date=str(dataset.attrs.get("date", "")),
                 departure=Departure.from_dataset(dataset),
-                pose=FoundPose.from_record(json.loads(dataset.attrs["pose"])) if "pose" in dataset.attrs else None,
+                pose=FoundPose.from_record(json.loads(dataset.attrs["pose"]))
+                if "pose" in dataset.attrs
+                else None,
             )
         except (KeyError, AttributeError) as error:
             raise CalibrationError(
@@ -289,7 +316,9 @@ def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
     if share_bands(calibration.bands, bands):
         return
     swapped = (
-        " The bands are exchanged: the cameras look swapped." if share_bands(calibration.bands, bands[::-1]) else ""
+        " The bands are exchanged: the cameras look swapped."
+        if share_bands(calibration.bands, bands[::-1])
+        else ""
     )
     raise CalibrationError(
         f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got one of {calibration.bands[0]:g} and "

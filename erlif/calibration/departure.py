@@ -75,7 +75,10 @@ class Departure:
         dataset["departure_knots"] = (
             "departure_knot",
             self.knots,
-            {"units": "um", "long_name": "knots of the cubic spline added to the logarithm of the modelled ratio"},
+            {
+                "units": "um",
+                "long_name": "knots of the cubic spline added to the logarithm of the modelled ratio",
+            },
         )
         dataset["departure_coefficient"] = (
             "departure_function",
@@ -85,7 +88,10 @@ class Departure:
         dataset["departure_covariance"] = (
             ("departure_function", "departure_function2"),
             self.covariance,
-            {"units": "1", "long_name": "covariance of the coefficients, which err independently of K, p and q"},
+            {
+                "units": "1",
+                "long_name": "covariance of the coefficients, which err independently of K, p and q",
+            },
         )
 
     @classmethod
@@ -191,7 +197,9 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]
     true = fit.true_thickness[kept]
-    departure = Departure(_place_knots(fit, true, inner_knots), np.zeros(inner_knots + 4), np.empty(0))
+    departure = Departure(
+        _place_knots(fit, true, inner_knots), np.zeros(inner_knots + 4), np.empty(0)
+    )
     displacement = fit.displacement
     model = np.concatenate([fit.gradient(true), (fit.slope(true)[:, None] * displaced).T])
     for _ in range(6):
@@ -199,9 +207,13 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
         film = points.thickness[kept] + displaced @ displacement
         std = np.hypot(y_std, slope * t_std)
         rest = y - fit.predict(true) - departure.predict(true) - slope * (film - true)
-        design = np.column_stack([departure.basis(true).T, slope[:, None] * displaced]) / std[:, None]
+        design = (
+            np.column_stack([departure.basis(true).T, slope[:, None] * displaced]) / std[:, None]
+        )
         change = np.linalg.lstsq(design, rest / std, rcond=None)[0]
-        departure = Departure(departure.knots, departure.coefficients + change[: inner_knots + 4], np.empty(0))
+        departure = Departure(
+            departure.knots, departure.coefficients + change[: inner_knots + 4], np.empty(0)
+        )
         displacement = displacement + change[inner_knots + 4 :]
         rest = rest - design @ change * std
         film = points.thickness[kept] + displaced @ displacement
@@ -224,7 +236,9 @@ def _place_knots(fit: Fit, thickness: Array, inner_knots: int) -> Array:
     low, high = float(thickness.min()), float(thickness.max())
     grid = np.linspace(low, high, 501)
     modelled = fit.predict(grid)
-    inside = np.interp(np.linspace(modelled[0], modelled[-1], inner_knots + 2)[1:-1], modelled, grid)
+    inside = np.interp(
+        np.linspace(modelled[0], modelled[-1], inner_knots + 2)[1:-1], modelled, grid
+    )
     return np.concatenate([[low] * 4, inside, [high] * 4])
 
 

@@ -10,7 +10,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.calibration.curve import DIRECTION, Calibration
-from erlif.calibration.departure import STRUCTURE, Candidate, choose_departure, find_correlation, fit_departure
+from erlif.calibration.departure import (
+    STRUCTURE,
+    Candidate,
+    choose_departure,
+    find_correlation,
+    fit_departure,
+)
 from erlif.calibration.pairing import Points, pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.pose import Freedom, Pose
@@ -92,8 +98,14 @@ def fit_calibration(
     notes += said
     kept = fit.kept
     if not kept.all():
-        notes.append(f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out")
-    noise = fit.reduced_chi_square if candidate is None else candidate.noise(int(kept.sum()), len(fit.covariance))
+        notes.append(
+            f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
+        )
+    noise = (
+        fit.reduced_chi_square
+        if candidate is None
+        else candidate.noise(int(kept.sum()), len(fit.covariance))
+    )
     scale = max(1.0, noise) * inflation
     K, p, q = (float(value) for value in fit.parameters)
     calibration = Calibration(
@@ -134,7 +146,9 @@ def _describe_curve(
     """What was fitted, as the file keeps it; `moved` [um] is what the pose still adds to the film under each point."""
     ratio = np.exp(points.log_ratio)
     residual = ratio - calibration.predict(points.thickness + moved)
-    std = ratio * np.hypot(points.log_ratio_std, thickness_std * np.abs(calibration.slope(points.thickness)))
+    std = ratio * np.hypot(
+        points.log_ratio_std, thickness_std * np.abs(calibration.slope(points.thickness))
+    )
     columns = {
         "curve_thickness": (points.thickness, "um", "thickness by the CMM"),
         "curve_ratio": (ratio, "1", "mean ratio camera 2 / camera 1"),
@@ -163,7 +177,9 @@ def _refuse_swapped_cameras(points: Points) -> None:
         )
 
 
-def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> tuple[Fit, Candidate | None, float, list[str]]:
+def _settle_departure(
+    points: Points, fit: Fit, freedom: Freedom
+) -> tuple[Fit, Candidate | None, float, list[str]]:
     """Choose between model and spline, and say what structure the residuals show.
 
     Returns the fit, the spline where one is used, the factor by which correlated errors widen the covariance, and notes.
@@ -182,7 +198,11 @@ def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> tuple[Fit, 
             + (" (with more pieces the ratio would fall somewhere)" if choice.falling else "")
         )
     elif choice.chance < STRUCTURE:
-        why = "but lets the ratio fall and is not used" if choice.falling else "but not so clearly that it is used"
+        why = (
+            "but lets the ratio fall and is not used"
+            if choice.falling
+            else "but not so clearly that it is used"
+        )
         notes.append(
             f"the residuals have structure (once in {1 / max(choice.chance, 1e-12):.0g} by chance): a spline would depart from the reabsorption "
             f"model {_say_largest(fit, choice.smooth)}, {why}"
@@ -206,11 +226,16 @@ def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate 
     film = points.thickness + freedom.displacement @ displacement
     residual, slope = points.log_ratio - fit.predict(film), fit.slope(film)
     if candidate is not None:
-        residual, slope = residual - candidate.departure.predict(film), slope + candidate.departure.slope(film)
+        residual, slope = (
+            residual - candidate.departure.predict(film),
+            slope + candidate.departure.slope(film),
+        )
     return np.asarray(residual / np.hypot(points.log_ratio_std, fit.thickness_std * slope))
 
 
-def _settle_outliers(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate) -> tuple[Fit, Candidate]:
+def _settle_outliers(
+    points: Points, fit: Fit, freedom: Freedom, candidate: Candidate
+) -> tuple[Fit, Candidate]:
     """Leave out what lies far off the spline, and take the CMM's error bars from the scatter about it where there are none."""
     for _ in range(4):
         residual = _residuals(points, fit, freedom, candidate)
@@ -230,8 +255,12 @@ def _say_largest(fit: Fit, candidate: Candidate) -> str:
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), 501)
     departure, basis = candidate.departure.predict(grid), candidate.departure.basis(grid)
-    std = np.sqrt(np.maximum(np.einsum("it,ij,jt->t", basis, candidate.departure.covariance, basis), 0.0))
-    n = int(np.argmax(np.abs(departure) - 2 * std))  # where it is largest beyond its error, not where it is noisiest
+    std = np.sqrt(
+        np.maximum(np.einsum("it,ij,jt->t", basis, candidate.departure.covariance, basis), 0.0)
+    )
+    n = int(
+        np.argmax(np.abs(departure) - 2 * std)
+    )  # where it is largest beyond its error, not where it is noisiest
     film = abs(departure[n] / fit.slope(grid[n]))
     return f"by {100 * departure[n]:+.2f} ± {100 * std[n]:.2f} % at {grid[n]:.1f} um ({film:.2g} um of film)"
 
@@ -244,7 +273,9 @@ def _answering_range(
     order = np.argsort(points.thickness[kept])
     grid = np.linspace(low, high, 2001)[1:]
     noise = np.interp(
-        grid, points.thickness[kept][order], np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order]
+        grid,
+        points.thickness[kept][order],
+        np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order],
     )
     relative = noise / (calibration.slope(grid) * grid)
     # in dim light no single pixel may tell so much; then the range ends where pixels are a quarter worse than their best

@@ -37,7 +37,9 @@ class Points:
     across_slope_std: Array
 
 
-def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -> tuple[Points, list[str]]:
+def pair_profile_with_image(
+    ratios: RatioImages, profile: Profile, pose: Pose
+) -> tuple[Points, list[str]]:
     """Average the ratio over the pixels nearest to each point of a profile that `thin_out` has thinned."""
     notes: list[str] = []
     good = (ratios.flags.values == 0) & np.isfinite(ratios.log_ratio.values)
@@ -64,12 +66,17 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
             "origin, direction and pixel_pitch in fixture.toml, or measure a longer profile."
         )
     if covered < 0.995:
-        notes.append(f"the profile covers {covered:.0%} of the usable pixels; the rest was left out")
+        notes.append(
+            f"the profile covers {covered:.0%} of the usable pixels; the rest was left out"
+        )
     if not used.all():
-        notes.append(f"{int((~used).sum())} of {len(position)} points of the profile lie outside the usable image")
+        notes.append(
+            f"{int((~used).sum())} of {len(position)} points of the profile lie outside the usable image"
+        )
     mean, scatter, keep = _robust_cell_mean(cell, log_ratio, len(position))
     centre = (
-        np.stack([np.bincount(cell, axis, len(position)) for axis in place.T], axis=1) / np.maximum(count, 1)[:, None]
+        np.stack([np.bincount(cell, axis, len(position)) for axis in place.T], axis=1)
+        / np.maximum(count, 1)[:, None]
     )
     if place.shape[1] == 1:
         gradient = _gradient_along(position, centre, mean, used)
@@ -77,14 +84,19 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
     else:
         gradient, curvature = _form_about(position, centre, mean, used)
         off = place - position[cell]
-        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum("ij,ijk,ik->i", off, curvature[cell], off)
+        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum(
+            "ij,ijk,ik->i", off, curvature[cell], off
+        )
         mean = mean - np.bincount(cell, bend, len(position)) / np.maximum(count, 1)
     total_var, fixed_var = (
-        np.bincount(cell, values, len(position)) / np.maximum(count, 1) for values in (variance, fixed)
+        np.bincount(cell, values, len(position)) / np.maximum(count, 1)
+        for values in (variance, fixed)
     )
     std = np.sqrt(np.maximum(scatter, total_var) / np.maximum(count, 1))
     if uncertainty is None:
-        notes.append("the profile has no uncertainty_um; it was estimated from the scatter about the curve")
+        notes.append(
+            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
+        )
         uncertainty = np.full(len(position), math.nan)
     if position.shape[1] == 1:
         beside = log_ratio - gradient[cell, 0] * (place[:, 0] - position[cell, 0])
@@ -94,7 +106,11 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
         across_line = (np.zeros(len(position)), unknown, unknown)
     columns = [thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, position]
     surface = position.shape[1] == 2
-    form = profile.surface_gradient if surface else gradient_of_thickness(position, thickness, uncertainty)
+    form = (
+        profile.surface_gradient
+        if surface
+        else gradient_of_thickness(position, thickness, uncertainty)
+    )
     columns += [form, gradient, *across_line]
     points = Points(*(column[used] for column in columns))
     return points, notes
@@ -112,7 +128,8 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
     count = np.bincount(group)
     full = count > 0
     position, thickness = (
-        np.bincount(group, values)[full] / count[full] for values in (profile.position, profile.thickness)
+        np.bincount(group, values)[full] / count[full]
+        for values in (profile.position, profile.thickness)
     )
     uncertainty = None
     if profile.uncertainty is not None:
@@ -129,12 +146,16 @@ def _robust_cell_mean(
     for _ in range(3):
         count = np.maximum(np.bincount(cell[keep], minlength=cells), 1)
         mean = np.bincount(cell[keep], values[keep], cells) / count
-        variance = np.bincount(cell[keep], (values[keep] - mean[cell[keep]]) ** 2, cells) / np.maximum(count - 1, 1)
+        variance = np.bincount(
+            cell[keep], (values[keep] - mean[cell[keep]]) ** 2, cells
+        ) / np.maximum(count - 1, 1)
         keep = np.abs(values - mean[cell]) <= 4 * np.sqrt(variance[cell])
     return mean, variance, keep
 
 
-def _slope_across(cell: npt.NDArray[np.intp], across: Array, values: Array, cells: int) -> tuple[Array, Array, Array]:
+def _slope_across(
+    cell: npt.NDArray[np.intp], across: Array, values: Array, cells: int
+) -> tuple[Array, Array, Array]:
     """Mean place across the profile, slope of the values over it, and the slope's standard deviation, cell by cell."""
     count = np.maximum(np.bincount(cell, minlength=cells), 1)
     middle, mean = (np.bincount(cell, each, cells) / count for each in (across, values))
@@ -142,12 +163,16 @@ def _slope_across(cell: npt.NDArray[np.intp], across: Array, values: Array, cell
     spread = np.bincount(cell, off**2, cells)
     with np.errstate(divide="ignore", invalid="ignore"):  # a cell of a single row has no slope
         slope = np.bincount(cell, off * rest, cells) / spread
-        scatter = np.bincount(cell, (rest - slope[cell] * off) ** 2, cells) / np.maximum(count - 2, 1)
+        scatter = np.bincount(cell, (rest - slope[cell] * off) ** 2, cells) / np.maximum(
+            count - 2, 1
+        )
         std = np.sqrt(scatter / spread)
     return middle, slope, std
 
 
-def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]) -> Array:
+def _gradient_along(
+    position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]
+) -> Array:
     """Slope of the cell means at each CMM point of a line, (point, 1), through its neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
     neighbours = min(3, int(used.sum()))
@@ -160,7 +185,9 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: npt.NDArr
     return gradient
 
 
-def _form_about(position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+def _form_about(
+    position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]
+) -> tuple[Array, Array]:
     """Gradient (point, 2) and second derivatives (point, 2, 2) of the cell means at each CMM point of a surface, from a parabola through its
     neighbours: the cells are wide, and the film is not plane in them. [1/mm, 1/mm2]"""
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
@@ -170,6 +197,8 @@ def _form_about(position: Array, centre: Array, mean: Array, used: npt.NDArray[n
     for n in np.nonzero(used)[0]:
         x, y = (places[nearest[n]] - position[n]).T
         design = np.column_stack([np.ones(neighbours), x, y, x**2 / 2, x * y, y**2 / 2])
-        _, gradient[n, 0], gradient[n, 1], xx, xy, yy = np.linalg.lstsq(design, values[nearest[n]], rcond=None)[0]
+        _, gradient[n, 0], gradient[n, 1], xx, xy, yy = np.linalg.lstsq(
+            design, values[nearest[n]], rcond=None
+        )[0]
         curvature[n] = [[xx, xy], [xy, yy]]
     return gradient, curvature

@@ -94,7 +94,9 @@ def add_uncertainty_of_turn(fit: Fit, points: Points, freedom: Freedom, found: F
     if points.position.shape[1] == 2:
         return fit
     slope = fit.slope(fit.true_thickness)
-    design = np.column_stack([fit.gradient(fit.true_thickness).T, slope[:, None] * freedom.displacement])[fit.kept]
+    design = np.column_stack(
+        [fit.gradient(fit.true_thickness).T, slope[:, None] * freedom.displacement]
+    )[fit.kept]
     variance = points.log_ratio_std**2 + (slope * fit.thickness_std) ** 2
     moved = (slope * points.gradient[:, 0] * points.mean_across / variance)[fit.kept]
     response = fit.covariance @ design.T @ moved * found.standard_deviations[3]

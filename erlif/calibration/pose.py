@@ -42,7 +42,10 @@ class Pose:
 
     def place(self, column: Array, row: Array) -> tuple[Array, Array]:
         """Place of pixels along and across the profile. [mm]"""
-        dx, dy = (column - self.origin[0]) * self.pixel_pitch, (row - self.origin[1]) * self.pixel_pitch
+        dx, dy = (
+            (column - self.origin[0]) * self.pixel_pitch,
+            (row - self.origin[1]) * self.pixel_pitch,
+        )
         cos, sin = math.cos(self.direction), math.sin(self.direction)
         return cos * dx + sin * dy, -sin * dx + cos * dy
 
@@ -55,8 +58,12 @@ class Pose:
         offset = middle - (1 + scale) * turned + (along, across)
         cos, sin = math.cos(direction), math.sin(direction)
         pitch = self.pixel_pitch * (1 + scale)
-        back = np.array([cos * offset[0] - sin * offset[1], sin * offset[0] + cos * offset[1]]) / pitch
-        return Pose((self.origin[0] - float(back[0]), self.origin[1] - float(back[1])), direction, pitch)
+        back = (
+            np.array([cos * offset[0] - sin * offset[1], sin * offset[0] + cos * offset[1]]) / pitch
+        )
+        return Pose(
+            (self.origin[0] - float(back[0]), self.origin[1] - float(back[1])), direction, pitch
+        )
 
 
 @dataclass(frozen=True)
@@ -105,7 +112,9 @@ class FoundPose:
         notes = []
         found = [text for (text, _), known in zip(meanings, self.determined, strict=True) if known]
         if found:
-            notes.append(f"the image was laid on the profile anew: {', '.join(found)}, about the middle of the profile")
+            notes.append(
+                f"the image was laid on the profile anew: {', '.join(found)}, about the middle of the profile"
+            )
         left = [
             name
             for n, ((_, name), known) in enumerate(zip(meanings, self.determined, strict=True))
@@ -134,7 +143,11 @@ class FoundPose:
         """Undo `to_record`."""
         x, y = record["origin"]
         return cls(
-            Pose((float(x), float(y)), float(record["direction_rad"]), float(record["pixel_pitch_mm"])),
+            Pose(
+                (float(x), float(y)),
+                float(record["direction_rad"]),
+                float(record["pixel_pitch_mm"]),
+            ),
             np.array(record["change"], float),
             np.array(record["covariance"], float),
             np.array(record["determined"], bool),
@@ -174,7 +187,13 @@ class Freedom:
 
 
 def find_freedom(
-    points: Points, kept: Mask, *, true_thickness: Array, slope: Array, thickness_std: Array, pixel_pitch: float
+    points: Points,
+    kept: Mask,
+    *,
+    true_thickness: Array,
+    slope: Array,
+    thickness_std: Array,
+    pixel_pitch: float,
 ) -> Freedom:
     """Find the changes of the pose that show in the ratio as no change of the calibration curve could.
 
@@ -207,7 +226,9 @@ def find_freedom(
     along = points.gradient[:, 0]
     if surface:
         across = points.gradient[:, 1]
-        effect = np.column_stack([along, across, (along * x + across * y) / reach, (along * y - across * x) / reach])
+        effect = np.column_stack(
+            [along, across, (along * x + across * y) / reach, (along * y - across * x) / reach]
+        )
         names = [0, 1, 2, 3]
     else:
         # a line says nothing across; its turn is told by the image alone, see `find_turn`

@@ -111,7 +111,9 @@ def read_profile(path: Path) -> Profile:
         values = values[order]
     places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
     if len(places) < len(values):
-        notes.append(f"{path.name}: {len(values) - len(places)} points repeat a place; repeated ones were averaged")
+        notes.append(
+            f"{path.name}: {len(values) - len(places)} points repeat a place; repeated ones were averaged"
+        )
         count = np.bincount(group)
         merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
         if header[-1] == "uncertainty_um":
@@ -155,8 +157,12 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
         powers: list[tuple[int, ...]] = [(n,) for n in range(_HIGHEST_DEGREES[0] + 1)]
         terms = np.arange(2, len(powers) + 1)
     else:
-        powers = [(n, total - n) for total in range(_HIGHEST_DEGREES[1] + 1) for n in range(total + 1)]
-        terms = np.array([(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREES[1] + 1)])
+        powers = [
+            (n, total - n) for total in range(_HIGHEST_DEGREES[1] + 1) for n in range(total + 1)
+        ]
+        terms = np.array(
+            [(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREES[1] + 1)]
+        )
     terms = terms[terms <= max(thickness.size // 3, terms[0])]
     powers = powers[: int(terms[-1])]
     functions = [legendre.legvander(axis, max(max(power) for power in powers)) for axis in scaled.T]
@@ -165,8 +171,12 @@ def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array 
         design *= values[:, [power[axis] for power in powers]]
     # orthogonal directions, lower degrees first: what each explains does not depend on those above it
     directions = np.linalg.qr(design * weight[:, None])[0]
-    left = float(((thickness * weight) ** 2).sum()) - np.cumsum((directions.T @ (thickness * weight)) ** 2)
-    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(thickness.size)
+    left = float(((thickness * weight) ** 2).sum()) - np.cumsum(
+        (directions.T @ (thickness * weight)) ** 2
+    )
+    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(
+        thickness.size
+    )
     used = int(terms[np.argmin(criterion)])
     found = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
     series = np.zeros([values.shape[1] for values in functions])

@@ -57,17 +57,23 @@ class Fit:
     def predict(self, thickness: Array) -> Array:
         """Logarithm of the ratio."""
         K, p, q = self.parameters
-        return np.asarray(log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q))
+        return np.asarray(
+            log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+        )
 
     def slope(self, thickness: Array) -> Array:
         """Of the logarithm of the ratio. [1/um]"""
         _, p, q = self.parameters
-        return np.asarray(log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q))
+        return np.asarray(
+            log_band_ratio_slope(thickness, attenuation_camera1=p, attenuation_camera2=q)
+        )
 
     def gradient(self, thickness: Array) -> Array:
         """Of the logarithm of the ratio by K, p and q, (3, ...)."""
         K, p, q = self.parameters
-        return log_band_ratio_gradient(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
+        return log_band_ratio_gradient(
+            thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q
+        )
 
 
 def fit_robustly(points: Points, freedom: Freedom) -> Fit:
@@ -83,7 +89,9 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
         total = np.hypot(points.log_ratio_std, thickness_std * slope)
         if unknown:
             scatter = residual[kept] / slope[kept]
-            thickness_std = np.full(kept.size, max(1.4826 * float(np.median(np.abs(scatter))), 1e-3))
+            thickness_std = np.full(
+                kept.size, max(1.4826 * float(np.median(np.abs(scatter))), 1e-3)
+            )
         width = OUTLIER * max(1.0, math.sqrt(fit.reduced_chi_square))
         now = np.abs(residual) <= width * total
         if now.sum() < LEAST_POINTS or (np.array_equal(now, kept) and not unknown):
@@ -101,7 +109,9 @@ def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom
         p = q + math.exp(beta[1])
         film = x + displacement @ beta[3:]
         return np.asarray(
-            log_band_ratio(film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q)
+            log_band_ratio(
+                film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q
+            )
         )
 
     solution = None

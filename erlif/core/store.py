@@ -48,7 +48,9 @@ def round_bits(values: npt.NDArray[np.float32], bits: int) -> npt.NDArray[np.flo
     if drop <= 0:
         return values
     whole = np.ascontiguousarray(values, np.float32).view(np.uint32)
-    rounded = (whole + ((1 << (drop - 1)) - 1) + ((whole >> drop) & 1)) & np.uint32(~((1 << drop) - 1) & 0xFFFFFFFF)
+    rounded = (whole + ((1 << (drop - 1)) - 1) + ((whole >> drop) & 1)) & np.uint32(
+        ~((1 << drop) - 1) & 0xFFFFFFFF
+    )
     return np.where(np.isfinite(values), rounded.view(np.float32), np.float32(np.nan))
 
 
@@ -57,7 +59,9 @@ def compress(values: npt.NDArray[Any]) -> bytes:
     data = np.ascontiguousarray(values)
     shuffled = data.view(np.uint8).reshape(-1, data.itemsize).T
     # noise holds no repeats to look for: run lengths and Huffman codes alone are twice as fast and no larger
-    deflate = zlib.compressobj(_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
+    deflate = zlib.compressobj(
+        _LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE
+    )
     return deflate.compress(np.ascontiguousarray(shuffled).tobytes()) + deflate.flush()
 
 
@@ -147,7 +151,10 @@ class PartialFilm:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         """Leave nothing behind where no trigger was finished."""
         if not any(self.directory.glob("trigger_*.npz")):
@@ -166,12 +173,16 @@ class PartialFilm:
         numbers: Mapping[str, npt.ArrayLike],
     ) -> None:
         """Keep the maps (y, x) and small numbers of one trigger; raises OutputError, and keeps what was put before."""
-        record: dict[str, npt.ArrayLike] = {f"number_{name}": np.asarray(value) for name, value in numbers.items()}
+        record: dict[str, npt.ArrayLike] = {
+            f"number_{name}": np.asarray(value) for name, value in numbers.items()
+        }
         for variable in variables:
             values = maps[variable.name]
             if variable.dtype == "float32":
                 values = round_bits(values, variable.bits)
-            record[f"map_{variable.name}"] = np.frombuffer(compress(values.astype(variable.dtype)), np.uint8)
+            record[f"map_{variable.name}"] = np.frombuffer(
+                compress(values.astype(variable.dtype)), np.uint8
+            )
         scratch = self._path(trigger).with_suffix(".unfinished")
         try:
             with scratch.open("wb") as file:
@@ -193,7 +204,11 @@ class PartialFilm:
     def numbers(self, trigger: int) -> dict[str, npt.NDArray[Any]]:
         """Small numbers of one trigger."""
         with np.load(self._path(trigger)) as record:
-            return {name.removeprefix("number_"): record[name] for name in record if name.startswith("number_")}
+            return {
+                name.removeprefix("number_"): record[name]
+                for name in record
+                if name.startswith("number_")
+            }
 
     def discard(self) -> None:
         """Remove what was kept, once the output stands."""
@@ -208,9 +223,13 @@ def refuse_existing(output: Path, *, overwrite: bool) -> None:
     if not output.exists():
         return
     if not overwrite:
-        raise OutputError(f"{output} exists already; use --overwrite to replace it, or -o for another name.")
+        raise OutputError(
+            f"{output} exists already; use --overwrite to replace it, or -o for another name."
+        )
     if output.is_dir():
-        ours = output.suffix == ".zarr" and ((output / "zarr.json").is_file() or not any(output.iterdir()))
+        ours = output.suffix == ".zarr" and (
+            (output / "zarr.json").is_file() or not any(output.iterdir())
+        )
     else:
         with output.open("rb") as file:
             start = file.read(8)
@@ -271,15 +290,25 @@ def _remove(path: Path) -> None:
             path.unlink()
 
 
-def write_dataset(dataset: xr.Dataset, output: Path, *, groups: Mapping[str, xr.Dataset] | None = None) -> None:
+def write_dataset(
+    dataset: xr.Dataset, output: Path, *, groups: Mapping[str, xr.Dataset] | None = None
+) -> None:
     """Write a small dataset, and others as groups of the file, as netCDF-4, whole or not at all; raises OutputError."""
-    tree = xr.DataTree.from_dict({"/": dataset, **{f"/{name}": group for name, group in (groups or {}).items()}})
+    tree = xr.DataTree.from_dict(
+        {"/": dataset, **{f"/{name}": group for name, group in (groups or {}).items()}}
+    )
     with replacing(output) as scratch:
-        scratch.write_bytes(tree.to_netcdf(engine="h5netcdf"))  # as a whole: HDF5 does not survive a full disk
+        scratch.write_bytes(
+            tree.to_netcdf(engine="h5netcdf")
+        )  # as a whole: HDF5 does not survive a full disk
 
 
 def write_film(
-    output: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+    output: Path,
+    film: xr.Dataset,
+    groups: Mapping[str, xr.Dataset],
+    partial: PartialFilm,
+    variables: list[MapVariable],
 ) -> None:
     """Put a film together: `film` holds what is small, `partial` the maps; zarr by the suffix of `output`.
 
@@ -288,11 +317,19 @@ def write_film(
     OutputError
         If it cannot be written; the previous output is then as it was.
     """
-    with replacing(output, scratch=partial.directory / f"output.unfinished{output.suffix}") as scratch:
+    with replacing(
+        output, scratch=partial.directory / f"output.unfinished{output.suffix}"
+    ) as scratch:
         if output.suffix == ".zarr":
             _write_zarr(scratch, film, groups, partial, variables)
         else:
-            _make_room(scratch, partial.size() + film.nbytes + sum(group.nbytes for group in groups.values()) + 2**20)
+            _make_room(
+                scratch,
+                partial.size()
+                + film.nbytes
+                + sum(group.nbytes for group in groups.values())
+                + 2**20,
+            )
             _write_netcdf(scratch, film, groups, partial, variables)
 
 
@@ -306,7 +343,11 @@ def _make_room(path: Path, size: int) -> None:
 
 
 def _write_netcdf(
-    path: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+    path: Path,
+    film: xr.Dataset,
+    groups: Mapping[str, xr.Dataset],
+    partial: PartialFilm,
+    variables: list[MapVariable],
 ) -> None:
     import h5netcdf
     import h5py
@@ -336,7 +377,11 @@ def _write_netcdf(
 
 
 def _write_zarr(
-    path: Path, film: xr.Dataset, groups: Mapping[str, xr.Dataset], partial: PartialFilm, variables: list[MapVariable]
+    path: Path,
+    film: xr.Dataset,
+    groups: Mapping[str, xr.Dataset],
+    partial: PartialFilm,
+    variables: list[MapVariable],
 ) -> None:
     import zarr
 
@@ -354,7 +399,8 @@ def _write_zarr(
             fill_value=np.nan if variable.dtype == "float32" else 0,
             dimension_names=("trigger", "y", "x"),
             attributes={
-                key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in variable.attrs.items()
+                key: value.tolist() if isinstance(value, np.ndarray) else value
+                for key, value in variable.attrs.items()
             },
         )
         for trigger in range(shape[0]):
@@ -365,7 +411,9 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     """Open a netCDF-4 file or one of its groups with xarray."""
     import h5py
 
-    with h5py.File(path, "r") as file:  # where this fails, h5netcdf would leave a complaint of its own on the terminal
+    with h5py.File(
+        path, "r"
+    ) as file:  # where this fails, h5netcdf would leave a complaint of its own on the terminal
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
     return xr.open_dataset(path, engine="h5netcdf", group=group)
@@ -381,7 +429,9 @@ def has_group(path: Path, group: str) -> bool:
 
 def _free_text(dataset: xr.Dataset) -> xr.Dataset:
     """Text as strings of any length: zarr's format 3 does not know text of a fixed length."""
-    return dataset.assign({name: dataset[name].astype(object) for name in dataset if dataset[name].dtype.kind == "U"})
+    return dataset.assign(
+        {name: dataset[name].astype(object) for name in dataset if dataset[name].dtype.kind == "U"}
+    )
 
 
 def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
@@ -401,7 +451,9 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     """
     path = Path(path)
     if not path.exists():
-        raise OutputError(f"Expected a film file; {path} does not exist. Make one with: erlif process RUN_DIR")
+        raise OutputError(
+            f"Expected a film file; {path} does not exist. Make one with: erlif process RUN_DIR"
+        )
     if path.is_dir() and path.suffix != ".zarr":
         inside = f"; did you mean {path / 'film.nc'}?" if (path / "film.nc").is_file() else ""
         raise OutputError(

@@ -24,7 +24,11 @@ _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?)\s*\Z"
 )
-_HINTS = {"lb": 'write "lbf" for a force', "lbs": 'write "lbf" for a force', "kg": 'write "kgf" for a force'}
+_HINTS = {
+    "lb": 'write "lbf" for a force',
+    "lbs": 'write "lbf" for a force',
+    "kg": 'write "kgf" for a force',
+}
 
 
 @cache
@@ -78,7 +82,11 @@ def parse_quantity(text: object, unit: str) -> float:
         raise ValueError(f"{example}; got {text!r}, and a pixel is not a unit of length here")
     registry = _registry()
     try:
-        value = registry.Quantity(number, name.replace("°C", "degC").replace("°", "deg")).to(unit).magnitude
+        value = (
+            registry.Quantity(number, name.replace("°C", "degC").replace("°", "deg"))
+            .to(unit)
+            .magnitude
+        )
     except Exception as error:  # pint raises whatever the text leads it to
         hint = f"; {_HINTS[name]}" if name in _HINTS and unit == "N" else ""
         raise ValueError(f"{example}; {text!r} cannot be read as one{hint}") from error

@@ -28,9 +28,13 @@ def require_between(lowest: float, highest: float, **arguments: Values) -> None:
     """Raise ModelError naming the first argument outside the closed range from `lowest` to `highest`."""
     for name, value in arguments.items():
         if np.any(np.less(value, lowest)):
-            raise ModelError(f"{name} must lie in {lowest:g} to {highest:g}, got {_worst(value, np.nanmin)}.")
+            raise ModelError(
+                f"{name} must lie in {lowest:g} to {highest:g}, got {_worst(value, np.nanmin)}."
+            )
         if np.any(np.greater(value, highest)):
-            raise ModelError(f"{name} must lie in {lowest:g} to {highest:g}, got {_worst(value, np.nanmax)}.")
+            raise ModelError(
+                f"{name} must lie in {lowest:g} to {highest:g}, got {_worst(value, np.nanmax)}."
+            )
 
 
 def require_poisson(**arguments: Values) -> None:

@@ -36,7 +36,9 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
     return np.sqrt(2 * np.sqrt(3) * load * safety / (np.pi * yield_stress))
 
 
-def pin_diameter_in_bending(load: Values, *, free_length: Values, yield_stress: Values, safety: Values) -> Values:
+def pin_diameter_in_bending(
+    load: Values, *, free_length: Values, yield_stress: Values, safety: Values
+) -> Values:
     """Least diameter [m] of a pin clamped at its seats, loaded in the middle: (4 F L eta / (pi sigma_y))^(1/3). Eq. 2.
 
     Parameters as in `pin_diameter_in_shear`, with the length L between the seats, bushing and lateral play [m].
@@ -69,8 +71,12 @@ def pin_diameter_with_hole(
     The section modulus of the weakened section is pi d^3/32 - hole d^2/6; the source prints 8/(3 pi) for 16/(3 pi). The
     diameter then grows by 40 to 45 %, not 34 to 44 %.
     """
-    plain = pin_diameter_in_bending(load, free_length=free_length, yield_stress=yield_stress, safety=safety)
-    return plain * (hole_stress_concentration(hole_ratio) / (1 - 16 * hole_ratio / (3 * np.pi))) ** (1 / 3)
+    plain = pin_diameter_in_bending(
+        load, free_length=free_length, yield_stress=yield_stress, safety=safety
+    )
+    return plain * (
+        hole_stress_concentration(hole_ratio) / (1 - 16 * hole_ratio / (3 * np.pi))
+    ) ** (1 / 3)
 
 
 def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
@@ -82,7 +88,9 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     return 2 * load / yield_stress
 
 
-def least_bushing_width(load: Values, *, diameter: Values, hardness: Values, safety: Values) -> Values:
+def least_bushing_width(
+    load: Values, *, diameter: Values, hardness: Values, safety: Values
+) -> Values:
     """Least width [m] of a bushing whose edges stay elastic: w = 8 F eta / (pi d H). Strand (2005), eq. 10.
 
     The line load at the edge is twice the mean (a triangle), the pressure a cosine around it.
@@ -120,7 +128,9 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     return 0.3 * 9.80665 * ultimate_stress
 
 
-def least_eyebar_diameter(load: Values, *, bore: Values, width: Values, yield_stress: Values, safety: Values) -> Values:
+def least_eyebar_diameter(
+    load: Values, *, bore: Values, width: Values, yield_stress: Values, safety: Values
+) -> Values:
     """Least outer diameter [m] of a housing eye: F (D/d + d/D) / (s (D - d)) = sigma_y / eta. Strand (2005), eq. 14.
 
     Parameters
@@ -154,7 +164,12 @@ def least_eyebar_diameter(load: Values, *, bore: Values, width: Values, yield_st
 
 
 def lock_force(
-    load: Values, *, diameter: Values, lever: Values, friction_bushing: Values = 1.0, friction_seat: Values = 0.0
+    load: Values,
+    *,
+    diameter: Values,
+    lever: Values,
+    friction_bushing: Values = 1.0,
+    friction_seat: Values = 0.0,
 ) -> Values:
     """Shear force [N] on the screw of the lock plate: d F (mu1 - mu2) / (2R). Strand (2005), eq. 15.
 
@@ -185,8 +200,17 @@ def least_weld_diameter(
     -----
     The print is illegible between 2a and sqrt(2) a in the last term. Static strength only, not fatigue.
     """
-    require_positive(load=load, pin_diameter=pin_diameter, throat=throat, yield_stress=yield_stress, safety=safety)
-    return np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress)) - 2 * throat
+    require_positive(
+        load=load,
+        pin_diameter=pin_diameter,
+        throat=throat,
+        yield_stress=yield_stress,
+        safety=safety,
+    )
+    return (
+        np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
+        - 2 * throat
+    )
 
 
 def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> Values:
@@ -243,7 +267,9 @@ def least_closed_prong_height(
     return _prong_height(load, 11 / 16, root_shear, thickness, length, yield_stress, safety)
 
 
-def least_closed_end_width(load: Values, *, thickness: Values, yield_stress: Values, safety: Values) -> Values:
+def least_closed_end_width(
+    load: Values, *, thickness: Values, yield_stress: Values, safety: Values
+) -> Values:
     """Least width [m] of the closed end of a lock plate: c = 5 F eta / (32 sigma_y t). Strand (2005), first eq. 21.
 
     Note: the source calls this the eyebar width and gives the number 21 to two equations.
@@ -252,7 +278,9 @@ def least_closed_end_width(load: Values, *, thickness: Values, yield_stress: Val
     return end_force_of_closed_lock(load) * safety / (yield_stress * thickness)
 
 
-def lateral_shift(load: Values, *, length: Values, diameter: Values, youngs_modulus: Values) -> Values:
+def lateral_shift(
+    load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
+) -> Values:
     """Shortening [m] of a bent pin between its ends: dL = L [1 - sqrt(1 - (F L^2 / (24 E I))^2)]. Second eq. 21.
 
     Parameters
@@ -276,7 +304,9 @@ def lateral_shift(load: Values, *, length: Values, diameter: Values, youngs_modu
     return length * slope**2 / (1 + np.sqrt(1 - slope**2))
 
 
-def lateral_force(load: Values, *, length: Values, diameter: Values, youngs_modulus: Values) -> Values:
+def lateral_force(
+    load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
+) -> Values:
     """Force [N] that keeps the end of a bent pin in place: E A dL / L. Strand (2005), eq. 22; no friction in the seat.
 
     Parameters as in `lateral_shift`.
@@ -328,7 +358,12 @@ def press_fit_displacement(
     k_h = (housing_diameter**2 + fit_diameter**2) / (housing_diameter**2 - fit_diameter**2)
     k_b = (fit_diameter**2 + bore**2) / (fit_diameter**2 - bore**2)
     compliance = (k_h + poisson_housing) / youngs_housing + (k_b - poisson_bushing) / youngs_bushing
-    return -interference * bore * fit_diameter / (youngs_bushing * (fit_diameter**2 - bore**2) * compliance)
+    return (
+        -interference
+        * bore
+        * fit_diameter
+        / (youngs_bushing * (fit_diameter**2 - bore**2) * compliance)
+    )
 
 
 @dataclass(frozen=True)
@@ -381,8 +416,12 @@ class JointDesign:
     def __post_init__(self) -> None:
         given = {name: value for name, value in vars(self).items() if value is not None}
         may_be_zero = {"lateral_play", "hole_diameter", "friction"}
-        require_positive(**{name: value for name, value in given.items() if name not in may_be_zero})
-        require_not_negative(**{name: value for name, value in given.items() if name in may_be_zero})
+        require_positive(
+            **{name: value for name, value in given.items() if name not in may_be_zero}
+        )
+        require_not_negative(
+            **{name: value for name, value in given.items() if name in may_be_zero}
+        )
 
 
 @dataclass(frozen=True)
@@ -429,7 +468,8 @@ class DesignReport:
         if missed:
             lines.append(f"Outside the recommended range: {', '.join(missed)}.")
         lines += [
-            f"  {check.utilisation:6.2f}  {check.name}: {check.statement} ({check.equation})" for check in self.checks
+            f"  {check.utilisation:6.2f}  {check.name}: {check.statement} ({check.equation})"
+            for check in self.checks
         ]
         return "\n".join([*lines, *(f"  {figure}" for figure in self.figures)])
 
@@ -451,32 +491,48 @@ def design_report(joint: JointDesign) -> DesignReport:
     -----
     A limit on a dimension is used by required over actual dimension; a recommended range by the nearer of its ends.
     """
-    checks = sorted([*_pin_checks(joint), *_bushing_checks(joint)], key=lambda check: -check.utilisation)
+    checks = sorted(
+        [*_pin_checks(joint), *_bushing_checks(joint)], key=lambda check: -check.utilisation
+    )
     return DesignReport(tuple(checks), tuple(_figures(joint)))
 
 
 def _pin_checks(joint: JointDesign) -> list[DesignCheck]:
     d, free = joint.pin_diameter, joint.bushing_width + joint.lateral_play
     strength = {"yield_stress": joint.pin_yield, "safety": joint.safety}
-    checks = [_least("pin in shear", "eq. 1", pin_diameter_in_shear(joint.load, **strength), d, "diameter")]
+    checks = [
+        _least(
+            "pin in shear", "eq. 1", pin_diameter_in_shear(joint.load, **strength), d, "diameter"
+        )
+    ]
     if joint.hole_diameter > 0:
-        bent = pin_diameter_with_hole(joint.load, free_length=free, hole_ratio=joint.hole_diameter / d, **strength)
+        bent = pin_diameter_with_hole(
+            joint.load, free_length=free, hole_ratio=joint.hole_diameter / d, **strength
+        )
         checks.append(_least("pin in bending at its hole", "eq. 4", bent, d, "diameter"))
     else:
         bent = pin_diameter_in_bending(joint.load, free_length=free, **strength)
         checks.append(_least("pin in bending", "eq. 2", bent, d, "diameter"))
-    seat = least_seat_width(joint.load, diameter=d, hardness=joint.seat_hardness, safety=joint.safety)
+    seat = least_seat_width(
+        joint.load, diameter=d, hardness=joint.seat_hardness, safety=joint.safety
+    )
     checks.append(_least("pin seat", "eq. 12", seat, joint.seat_width, "width"))
     slender = (2 * joint.seat_width + joint.bushing_width) / d
     statement = f"length over diameter {slender:.2f}, below 3 recommended"
-    checks.append(DesignCheck("lateral pin movement", "section 2.1.10", slender / 3, statement, recommended=True))
+    checks.append(
+        DesignCheck(
+            "lateral pin movement", "section 2.1.10", slender / 3, statement, recommended=True
+        )
+    )
     return checks
 
 
 def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
     d, w = joint.pin_diameter, joint.bushing_width
     area = least_projected_area(joint.load, yield_stress=min(joint.bushing_yield, joint.pin_yield))
-    width = least_bushing_width(joint.load, diameter=d, hardness=joint.bushing_hardness, safety=joint.safety)
+    width = least_bushing_width(
+        joint.load, diameter=d, hardness=joint.bushing_hardness, safety=joint.safety
+    )
     half_angle, peak = persson_contact(
         joint.load / w, play=joint.play, pin_diameter=d, youngs_modulus=joint.youngs_modulus
     )
@@ -501,7 +557,12 @@ def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
         _range("relative play", "eq. 23", 1e3 * joint.play / d, 0.3, 5.0, " per mille"),
         _least("housing eye", "eq. 14", eye, joint.housing_diameter, "diameter"),
         _range(
-            "housing outer over inner diameter", "section 2.1.6", joint.housing_diameter / joint.housing_bore, 2, 4, ""
+            "housing outer over inner diameter",
+            "section 2.1.6",
+            joint.housing_diameter / joint.housing_bore,
+            2,
+            4,
+            "",
         ),
     ]
     if joint.pv_limit is not None and joint.half_swing is not None and joint.period is not None:
@@ -537,21 +598,33 @@ def _figures(joint: JointDesign) -> list[str]:
     return figures
 
 
-def _least(name: str, equation: str, required: Values, actual: float, dimension: str) -> DesignCheck:
+def _least(
+    name: str, equation: str, required: Values, actual: float, dimension: str
+) -> DesignCheck:
     statement = f"{dimension} {required * 1e3:.2f} mm required, {actual * 1e3:.2f} mm there"
     return DesignCheck(name, equation, float(required) / actual, statement)
 
 
-def _range(name: str, equation: str, value: float, low: float, high: float, unit: str) -> DesignCheck:
+def _range(
+    name: str, equation: str, value: float, low: float, high: float, unit: str
+) -> DesignCheck:
     statement = f"{value:.3g}{unit}, {low:g} to {high:g} recommended"
     return DesignCheck(name, equation, max(value / high, low / value), statement, recommended=True)
 
 
 def _prong_height(
-    load: Values, moment: float, shear: Values, thickness: Values, length: Values, yield_stress: Values, safety: Values
+    load: Values,
+    moment: float,
+    shear: Values,
+    thickness: Values,
+    length: Values,
+    yield_stress: Values,
+    safety: Values,
 ) -> Values:
     """Height [m] at which bending by moment F L and shear by shear F reach yield after von Mises at the root."""
-    require_positive(load=load, thickness=thickness, length=length, yield_stress=yield_stress, safety=safety)
+    require_positive(
+        load=load, thickness=thickness, length=length, yield_stress=yield_stress, safety=safety
+    )
     allowed = yield_stress * thickness / safety
     sheared = 3 * (shear * load) ** 2
     bent = 6 * moment * load * length

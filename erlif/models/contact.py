@@ -46,7 +46,9 @@ def conformal_radius(pin_radius: Values, *, bushing_radius: Values) -> Values:
     return pin_radius * bushing_radius / (bushing_radius - pin_radius)
 
 
-def contact_modulus(youngs_1: Values, *, poisson_1: Values, youngs_2: Values, poisson_2: Values) -> Values:
+def contact_modulus(
+    youngs_1: Values, *, poisson_1: Values, youngs_2: Values, poisson_2: Values
+) -> Values:
     """Contact modulus E* [Pa]: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. Farzaneh (2002), eq. B.1.
 
     The E' of Strand (2005) is this E*; the E' of the film formulas of Dowson, Higginson and Hamrock is 2 E*.
@@ -64,7 +66,11 @@ def contact_modulus(youngs_1: Values, *, poisson_1: Values, youngs_2: Values, po
 
 
 def scale_load(
-    load: Values, *, youngs_modulus: Values, model_youngs_modulus: Values, length_ratio: Values = 1.0
+    load: Values,
+    *,
+    youngs_modulus: Values,
+    model_youngs_modulus: Values,
+    length_ratio: Values = 1.0,
 ) -> Values:
     """Load [N] that strains a model joint like the full one: F / (E D l) is kept. Farzaneh (2002), eq. 3.13.
 
@@ -109,7 +115,9 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
     return 4 * load_per_length / (np.pi * pin_diameter)
 
 
-def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Values) -> tuple[Values, Values]:
+def hertz_line(
+    load_per_length: Values, *, radius: Values, contact_modulus: Values
+) -> tuple[Values, Values]:
     """Half width [m] and greatest pressure [Pa] of a Hertzian line contact.
 
     b = sqrt(4 q R / (pi E*)),  p0 = sqrt(q E* / (pi R)). Strand (2005), eq. 8.
@@ -128,7 +136,9 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
     The contact must be narrow against the pin: in a conformal joint Hertz is 0.3 % low in pressure at a half contact
     angle of 5 degrees, 1.2 % at 10, 4.8 % at 20 and 19 % at 40; use `persson_contact` there.
     """
-    require_positive(load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus)
+    require_positive(
+        load_per_length=load_per_length, radius=radius, contact_modulus=contact_modulus
+    )
     half_width = np.sqrt(4 * load_per_length * radius / (np.pi * contact_modulus))
     return half_width, np.sqrt(load_per_length * contact_modulus / (np.pi * radius))
 
@@ -162,12 +172,23 @@ def relative_radii(
     -----
     Eq. B.3 prints the curvature 1/R2'' twice; one of them is 1/R2'.
     """
-    if not all(abs(radius) > 0 for radius in (radius_1, radius_1_across, radius_2, radius_2_across)):
-        raise ModelError("radius_1, radius_1_across, radius_2 and radius_2_across must not be zero.")
-    k1, k1_across, k2, k2_across = 1 / radius_1, 1 / radius_1_across, 1 / radius_2, 1 / radius_2_across
+    if not all(
+        abs(radius) > 0 for radius in (radius_1, radius_1_across, radius_2, radius_2_across)
+    ):
+        raise ModelError(
+            "radius_1, radius_1_across, radius_2 and radius_2_across must not be zero."
+        )
+    k1, k1_across, k2, k2_across = (
+        1 / radius_1,
+        1 / radius_1_across,
+        1 / radius_2,
+        1 / radius_2_across,
+    )
     total = (k1 + k1_across + k2 + k2_across) / 2
     first, second = k1 - k1_across, k2 - k2_across
-    difference = np.sqrt(max(first**2 + second**2 + 2 * first * second * np.cos(2 * angle), 0.0)) / 2
+    difference = (
+        np.sqrt(max(first**2 + second**2 + 2 * first * second * np.cos(2 * angle), 0.0)) / 2
+    )
     A, B = (total - difference) / 2, (total + difference) / 2
     if A <= 0:
         raise ModelError(
@@ -191,7 +212,9 @@ class EllipticalContact:
     """Approach of the two bodies. [m]"""
 
 
-def hertz_ellipse(load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values) -> EllipticalContact:
+def hertz_ellipse(
+    load: Values, *, radius: Values, radius_across: Values, contact_modulus: Values
+) -> EllipticalContact:
     """Hertzian contact over an ellipse, with exact elliptic integrals. Johnson (1985), Contact Mechanics, eqs. 4.26-4.28.
 
     With p = (b/a)^2 and Carlson's R_D, R_F:
@@ -219,9 +242,13 @@ def hertz_ellipse(load: Values, *, radius: Values, radius_across: Values, contac
     radii of the bodies: on the lobed bushing of that source, at 100 klbf, a is 28.5 mm along the circumference of a pin
     of 33.4 mm radius, so there the numbers only compare designs.
     """
-    require_positive(load=load, radius=radius, radius_across=radius_across, contact_modulus=contact_modulus)
+    require_positive(
+        load=load, radius=radius, radius_across=radius_across, contact_modulus=contact_modulus
+    )
     if np.any(np.less(radius, radius_across)):
-        raise ModelError("radius must be the larger reduced radius and radius_across the smaller one.")
+        raise ModelError(
+            "radius must be the larger reduced radius and radius_across the smaller one."
+        )
     radius_ratio = radius / radius_across
     p = _like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
     along, across = elliprd(0.0, 1.0, p), elliprd(0.0, p, 1.0)
@@ -242,9 +269,13 @@ def thesis_ellipse(
     -----
     Eq. B.10 lacks the exponent 1/3 and prints F1^(-2/3) for F1^-2; the worked value uses 3P/(2 pi a b), as here.
     """
-    require_positive(load=load, radius=radius, radius_across=radius_across, contact_modulus=contact_modulus)
+    require_positive(
+        load=load, radius=radius, radius_across=radius_across, contact_modulus=contact_modulus
+    )
     axis_ratio = (radius / radius_across) ** (2 / 3)
-    return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=axis_ratio, F1=0.89, F2=0.88)
+    return _ellipse(
+        load, radius, radius_across, contact_modulus, axis_ratio=axis_ratio, F1=0.89, F2=0.88
+    )
 
 
 def persson_group(half_angle: Values) -> Values:
@@ -286,11 +317,15 @@ def persson_half_angle(group: Values) -> Values:
             "presses all round the pin."
         )
     wanted = np.log(np.asarray(group, float) - FULL_CONTACT)
-    log_b = _solve(_log_of_persson_group_above_full_contact, -150.0, 17.0, wanted)  # half angles 1e-65 to pi - 1e-7
+    log_b = _solve(
+        _log_of_persson_group_above_full_contact, -150.0, 17.0, wanted
+    )  # half angles 1e-65 to pi - 1e-7
     return _like(group, 2 * np.arctan(np.exp(log_b)))
 
 
-def persson_pressure(angle: Values, *, half_angle: Values, load_per_length: Values, pin_diameter: Values) -> Values:
+def persson_pressure(
+    angle: Values, *, half_angle: Values, load_per_length: Values, pin_diameter: Values
+) -> Values:
     """Pressure [Pa] at an angle [rad] from the line of load, zero outside the contact. Persson (1964).
 
     d p / 2q = 2u / [pi s (1 + y^2)] + ln[(s + u)/(s - u)] / [2 pi b^2 (1 + b^2)],
@@ -341,7 +376,9 @@ def persson_contact(
     -----
     Equal elastic constants only; frictionless; infinite bodies around the hole.
     """
-    require_positive(load_per_length=load_per_length, pin_diameter=pin_diameter, youngs_modulus=youngs_modulus)
+    require_positive(
+        load_per_length=load_per_length, pin_diameter=pin_diameter, youngs_modulus=youngs_modulus
+    )
     half_angle = persson_half_angle(youngs_modulus * play / (2 * load_per_length))
     return half_angle, persson_peak_group(half_angle) * 2 * load_per_length / pin_diameter
 
@@ -389,12 +426,19 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
     require_positive(youngs_modulus=youngs_modulus)
     require_poisson(poisson=poisson)
     if np.any(np.greater_equal(poisson, 0.5)):
-        raise ModelError("poisson must be below 0.5: an incompressible layer that cannot spread is rigid.")
+        raise ModelError(
+            "poisson must be below 0.5: an incompressible layer that cannot spread is rigid."
+        )
     return (1 - poisson) * youngs_modulus / ((1 + poisson) * (1 - 2 * poisson))
 
 
 def winkler_load(
-    half_angle: Values, *, shaft_radius: Values, bushing_radius: Values, thickness: Values, modulus: Values
+    half_angle: Values,
+    *,
+    shaft_radius: Values,
+    bushing_radius: Values,
+    thickness: Values,
+    modulus: Values,
 ) -> Values:
     """Line load [N/m] that spreads the contact of a Winkler bushing to a half angle [rad]. Colbert et al. (2009), B1-B10.
 
@@ -423,7 +467,12 @@ def winkler_load(
 
 
 def winkler_contact(
-    load_per_length: Values, *, shaft_radius: Values, bushing_radius: Values, thickness: Values, modulus: Values
+    load_per_length: Values,
+    *,
+    shaft_radius: Values,
+    bushing_radius: Values,
+    thickness: Values,
+    modulus: Values,
 ) -> WinklerContact:
     """Contact of a rigid shaft in a Winkler bushing under a line load [N/m]. Colbert et al. (2009), B1-B10.
 
@@ -437,7 +486,12 @@ def winkler_contact(
     """
     _require_fit(shaft_radius, bushing_radius)
     require_positive(load_per_length=load_per_length, thickness=thickness, modulus=modulus)
-    grid = load_per_length * thickness / (modulus * bushing_radius**2) * (shaft_radius / bushing_radius)
+    grid = (
+        load_per_length
+        * thickness
+        / (modulus * bushing_radius**2)
+        * (shaft_radius / bushing_radius)
+    )
     ratio = np.asarray(0 * grid + shaft_radius / bushing_radius, float)
     group = np.asarray(grid, float) / ratio
     most, _ = _winkler_integrals(np.full(ratio.shape, np.pi / 2), ratio)
@@ -447,7 +501,11 @@ def winkler_contact(
             f"got {float(np.nanmax(group / most)):.3g} times that."
         )
     half_angle = _solve(
-        lambda angle, wanted, fit: _winkler_integrals(angle, fit)[0] - wanted, 1e-9, np.pi / 2, group, ratio
+        lambda angle, wanted, fit: _winkler_integrals(angle, fit)[0] - wanted,
+        1e-9,
+        np.pi / 2,
+        group,
+        ratio,
     )
     supported, rubbed = _winkler_integrals(half_angle, ratio)
     eccentricity = _winkler_eccentricity(half_angle, ratio)
@@ -483,7 +541,12 @@ def impact_stiffness(
 
 
 def impact_force(
-    penetration: Values, *, rate: Values, impact_speed: Values, stiffness: Values, restitution: Values
+    penetration: Values,
+    *,
+    rate: Values,
+    impact_speed: Values,
+    stiffness: Values,
+    restitution: Values,
 ) -> Values:
     """Normal force [N] of an impact with hysteresis. Lankarani and Nikravesh (1994); Mukras et al. (2008), eq. 12.
 
@@ -509,7 +572,14 @@ def impact_force(
 
 
 def _ellipse(
-    load: Values, radius: Values, radius_across: Values, modulus: Values, *, axis_ratio: Values, F1: Values, F2: Values
+    load: Values,
+    radius: Values,
+    radius_across: Values,
+    modulus: Values,
+    *,
+    axis_ratio: Values,
+    F1: Values,
+    F2: Values,
 ) -> EllipticalContact:
     equivalent = np.sqrt(radius * radius_across)
     mean_axis = (3 * load * equivalent / (4 * modulus)) ** (1 / 3) * F1
@@ -560,7 +630,9 @@ def _winkler_integrals(half_angle: Values, ratio: Values) -> tuple[Values, Value
 def _require_fit(shaft_radius: Values, bushing_radius: Values) -> None:
     require_positive(shaft_radius=shaft_radius, bushing_radius=bushing_radius)
     if np.any(np.less_equal(bushing_radius - shaft_radius, 0)):
-        raise ModelError("bushing_radius must exceed shaft_radius; an interference fit presses all round.")
+        raise ModelError(
+            "bushing_radius must exceed shaft_radius; an interference fit presses all round."
+        )
 
 
 def _require_half_angle(half_angle: Values) -> None:
@@ -568,11 +640,15 @@ def _require_half_angle(half_angle: Values) -> None:
         raise ModelError("half_angle must lie between 0 and pi.")
 
 
-def _solve(function: Callable[..., Values], low: Values, high: Values, *arguments: Values) -> Values:
+def _solve(
+    function: Callable[..., Values], low: Values, high: Values, *arguments: Values
+) -> Values:
     """Root of function(x, *arguments) between low and high, for each element of the arguments."""
     shape = arguments[0].shape
     bracket: Values = (np.broadcast_to(low, shape).copy(), np.broadcast_to(high, shape).copy())
-    return elementwise.find_root(function, bracket, args=arguments, tolerances={"xatol": 1e-14, "xrtol": 1e-14}).x
+    return elementwise.find_root(
+        function, bracket, args=arguments, tolerances={"xatol": 1e-14, "xrtol": 1e-14}
+    ).x
 
 
 def _like(example: Values, data: Values) -> Values:

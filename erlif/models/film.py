@@ -12,7 +12,12 @@ import numpy as np
 from erlif.models.arguments import Values, require_not_negative, require_positive
 from erlif.models.contact import hertz_line
 
-FILM_REGIMES = ("isoviscous-rigid", "piezoviscous-rigid", "isoviscous-elastic", "piezoviscous-elastic")
+FILM_REGIMES = (
+    "isoviscous-rigid",
+    "piezoviscous-rigid",
+    "isoviscous-elastic",
+    "piezoviscous-elastic",
+)
 """The four asymptotes of the line contact, in the order of `LineContactFilm`."""
 
 LUBRICATION_REGIMES = {
@@ -67,11 +72,20 @@ def piezoviscous_rigid_film(
     """
     require_positive(viscosity=viscosity, radius=radius)
     require_not_negative(pressure_viscosity=pressure_viscosity)
-    return 1.666297 * radius * (pressure_viscosity * viscosity * np.abs(entrainment_speed) / radius) ** (2 / 3)
+    return (
+        1.666297
+        * radius
+        * (pressure_viscosity * viscosity * np.abs(entrainment_speed) / radius) ** (2 / 3)
+    )
 
 
 def isoviscous_elastic_film(
-    entrainment_speed: Values, *, load_per_length: Values, viscosity: Values, radius: Values, contact_modulus: Values
+    entrainment_speed: Values,
+    *,
+    load_per_length: Values,
+    viscosity: Values,
+    radius: Values,
+    contact_modulus: Values,
 ) -> Values:
     """Film thickness [m] of soft cylinders in an oil of constant viscosity: h/R = 3.10 U^0.6 W^-0.2. Herrebrugh (1968).
 
@@ -240,7 +254,9 @@ def line_contact_film(
     )
     film = np.maximum(np.maximum(rigid, viscous), np.maximum(elastic, both))
     # ties, and the zero film of a standstill, go to the first of the four
-    governing = (film != rigid) * (1 + (film != viscous) * (1 + (film != elastic) * (1 + (film != both) * 1)))
+    governing = (film != rigid) * (
+        1 + (film != viscous) * (1 + (film != elastic) * (1 + (film != both) * 1))
+    )
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -251,7 +267,9 @@ def line_contact_film(
     with np.errstate(divide="ignore"):  # at a standstill both parameters are infinite
         gE = W / np.sqrt(U)
     gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
-    half_width, pressure = hertz_line(load_per_length, radius=radius, contact_modulus=contact_modulus)
+    half_width, pressure = hertz_line(
+        load_per_length, radius=radius, contact_modulus=contact_modulus
+    )
     asymptotes = (rigid, viscous, elastic, both)
     notes = (
         "Steady motion, one temperature, smooth surfaces and a flooded inlet are assumed.",
@@ -292,7 +310,9 @@ def hamrock_dowson_film(
     Fitted for hard contacts with k from 1 to 8, entrained along the minor axis. The lobed bushing of Farzaneh (2002)
     slides along the major axis of its contact (Rx 4.87 m, Ry 0.2 m): k is far below 1, outside the fit.
     """
-    require_positive(load=load, viscosity=viscosity, radius_along=radius_along, radius_across=radius_across)
+    require_positive(
+        load=load, viscosity=viscosity, radius_along=radius_along, radius_across=radius_across
+    )
     require_positive(contact_modulus=contact_modulus)
     require_not_negative(pressure_viscosity=pressure_viscosity)
     G = pressure_viscosity * 2 * contact_modulus
@@ -304,7 +324,9 @@ def hamrock_dowson_film(
     return least, central
 
 
-def squeeze_time(film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values) -> Values:
+def squeeze_time(
+    film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values
+) -> Values:
     """Time [s] in which a load squeezes a parallel film down to a thickness: t = 4 eta b^3 / (q h^2).
 
     From a thick start; long strip of width 2b, constant viscosity, ambient pressure at both edges. Says how long the middle
@@ -321,7 +343,9 @@ def squeeze_time(film: Values, *, half_width: Values, load_per_length: Values, v
     viscosity : float or array
         Dynamic viscosity. [Pa s]
     """
-    require_positive(film=film, half_width=half_width, load_per_length=load_per_length, viscosity=viscosity)
+    require_positive(
+        film=film, half_width=half_width, load_per_length=load_per_length, viscosity=viscosity
+    )
     return 4 * viscosity * half_width**3 / (load_per_length * film**2)
 
 
@@ -353,11 +377,18 @@ def lubrication_regimes(film_parameter: float) -> tuple[str, ...]:
     Each range holds its lower end and not its upper one. Beyond 100 no regime is listed.
     """
     require_not_negative(film_parameter=film_parameter)
-    return tuple(name for name, (low, high) in LUBRICATION_REGIMES.items() if low <= film_parameter < high)
+    return tuple(
+        name for name, (low, high) in LUBRICATION_REGIMES.items() if low <= film_parameter < high
+    )
 
 
 def _speed_and_load_groups(
-    entrainment_speed: Values, *, load_per_length: Values, viscosity: Values, radius: Values, contact_modulus: Values
+    entrainment_speed: Values,
+    *,
+    load_per_length: Values,
+    viscosity: Values,
+    radius: Values,
+    contact_modulus: Values,
 ) -> tuple[Values, Values]:
     """U = eta u / (E' R) and W = q / (E' R) with E' = 2 E*."""
     require_positive(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
@@ -390,7 +421,9 @@ def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...
 
 def _motion_notes(entrainment_speed: Values, half_width: Values, stroke: float | None) -> list[str]:
     notes = []
-    if np.any(np.less_equal(entrainment_speed, 0)) and np.any(np.greater_equal(entrainment_speed, 0)):
+    if np.any(np.less_equal(entrainment_speed, 0)) and np.any(
+        np.greater_equal(entrainment_speed, 0)
+    ):
         notes.append(
             "Entrainment reverses: steady formulas give no film there, a real film lives on squeeze and depends on the "
             "acceleration."

@@ -61,7 +61,11 @@ def band_signal(thickness: npt.ArrayLike, *, attenuation: float, brightness: flo
 
 
 def log_band_ratio(
-    thickness: npt.ArrayLike, *, ratio_at_zero: float, attenuation_camera1: float, attenuation_camera2: float
+    thickness: npt.ArrayLike,
+    *,
+    ratio_at_zero: float,
+    attenuation_camera1: float,
+    attenuation_camera2: float,
 ) -> Any:
     """Natural logarithm of the camera 2 / camera 1 ratio of a film.
 
@@ -90,7 +94,9 @@ def log_band_ratio(
     )
 
 
-def log_band_ratio_slope(thickness: npt.ArrayLike, *, attenuation_camera1: float, attenuation_camera2: float) -> Any:
+def log_band_ratio_slope(
+    thickness: npt.ArrayLike, *, attenuation_camera1: float, attenuation_camera2: float
+) -> Any:
     """Derivative of `log_band_ratio` by thickness, q/(exp(q t) - 1) - p/(exp(p t) - 1), at fixed K; inverse of its unit."""
     t = np.asarray(thickness, float)
     p, q = attenuation_camera1, attenuation_camera2
@@ -98,7 +104,11 @@ def log_band_ratio_slope(thickness: npt.ArrayLike, *, attenuation_camera1: float
 
 
 def log_band_ratio_gradient(
-    thickness: npt.ArrayLike, *, ratio_at_zero: float, attenuation_camera1: float, attenuation_camera2: float
+    thickness: npt.ArrayLike,
+    *,
+    ratio_at_zero: float,
+    attenuation_camera1: float,
+    attenuation_camera2: float,
 ) -> Array:
     """Derivatives of `log_band_ratio` by its parameters.
 

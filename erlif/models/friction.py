@@ -16,7 +16,9 @@ The source prints 1.25 for this limit of its equation; the limit is 1.2732, and 
 """
 
 
-def friction_torque(friction: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0) -> Values:
+def friction_torque(
+    friction: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
+) -> Values:
     """Torque [N m] that turns a loaded shaft in its bushing: T = T* mu F R. Colbert et al. (2009), eqs. 1 and 4.
 
     Parameters
@@ -39,7 +41,9 @@ def friction_torque(friction: Values, *, load: Values, radius: Values, torque_ra
     return torque_ratio * friction * load * radius
 
 
-def friction_coefficient(torque: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0) -> Values:
+def friction_coefficient(
+    torque: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
+) -> Values:
     """Friction coefficient [1] from a torque [N m]: mu = T / (T* F R). Colbert et al. (2009), eqs. 1, 4 and B6.
 
     With the default torque ratio of 1 this is the apparent coefficient mu' of the source, at least the true one.
@@ -95,7 +99,9 @@ def thin_winkler_torque_ratio(half_angle: Values) -> Values:
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
     small = (half_angle < 0.03) * 1  # both brackets vanish as a^3: their series there
-    series = (1 - half_angle**2 / 10 + half_angle**4 / 280) / (1 - half_angle**2 / 5 + 2 * half_angle**4 / 105)
+    series = (1 - half_angle**2 / 10 + half_angle**4 / 280) / (
+        1 - half_angle**2 / 5 + 2 * half_angle**4 / 105
+    )
     a = half_angle + small
     closed = 2 * (np.sin(a) - a * np.cos(a)) / (a - np.sin(a) * np.cos(a))
     return small * series + (1 - small) * closed
@@ -143,7 +149,9 @@ class ReversalFriction:
     """Of `friction`, from the scatter of the samples taken as independent. [1]"""
 
 
-def average_reversals(torque: Values, *, load: Values, radius: float, direction: Values) -> ReversalFriction:
+def average_reversals(
+    torque: Values, *, load: Values, radius: float, direction: Values
+) -> ReversalFriction:
     """Friction coefficient from a torque measured in both directions, free of a constant offset.
 
     Parameters
@@ -289,7 +297,9 @@ def analyse_endurance(
     columns = {"time": time, "load": load, "torque": torque, "temperature": temperature}
     t, force, moment, heat = (np.asarray(column, float) for column in columns.values())
     if not t.ndim == 1 or not t.shape == force.shape == moment.shape == heat.shape:
-        raise ModelError(f"time, load, torque and temperature must be columns of one length, got {t.shape} for time.")
+        raise ModelError(
+            f"time, load, torque and temperature must be columns of one length, got {t.shape} for time."
+        )
     for name, column in columns.items():
         if not np.all(np.isfinite(np.asarray(column, float))):
             raise ModelError(f"{name} must hold no missing values.")
@@ -303,10 +313,16 @@ def analyse_endurance(
         if t[stretch[-1]] - t[stretch[0]] >= least_duration
     ]
     if not stretches:
-        raise ModelError(f"load must hold at least one stage of {least_duration:g} s above {least_load:g} N.")
+        raise ModelError(
+            f"load must hold at least one stage of {least_duration:g} s above {least_load:g} N."
+        )
     kept = np.concatenate(stretches)
-    number = np.concatenate([np.full(stretch.size, i) for i, stretch in enumerate(stretches, start=1)])
-    friction = friction_coefficient(moment[kept], load=force[kept], radius=radius, torque_ratio=torque_ratio)
+    number = np.concatenate(
+        [np.full(stretch.size, i) for i, stretch in enumerate(stretches, start=1)]
+    )
+    friction = friction_coefficient(
+        moment[kept], load=force[kept], radius=radius, torque_ratio=torque_ratio
+    )
     stages = tuple(
         LoadStage(
             number=i,
@@ -314,12 +330,16 @@ def analyse_endurance(
             end=float(t[stretch[-1]]),
             load=float(force[stretch].mean()),
             friction=float(np.median(friction[number == i])),
-            friction_spread=float(stats.median_abs_deviation(friction[number == i], scale="normal")),
+            friction_spread=float(
+                stats.median_abs_deviation(friction[number == i], scale="normal")
+            ),
             temperature=float(heat[stretch].mean()),
         )
         for i, stretch in enumerate(stretches, start=1)
     )
-    return EnduranceTest(stages, _find_galling(t[kept], friction, heat[kept], number, least_rise, significance))
+    return EnduranceTest(
+        stages, _find_galling(t[kept], friction, heat[kept], number, least_rise, significance)
+    )
 
 
 def _stretches(load: Values, tolerance: float, least_load: float) -> list[Values]:
@@ -339,7 +359,12 @@ def _stretches(load: Values, tolerance: float, least_load: float) -> list[Values
 
 
 def _find_galling(
-    time: Values, friction: Values, temperature: Values, stage: Values, least_rise: float, significance: float
+    time: Values,
+    friction: Values,
+    temperature: Values,
+    stage: Values,
+    least_rise: float,
+    significance: float,
 ) -> Galling | None:
     """The jump between two levels of friction that leaves the least sum of squares, if it is galling."""
     n = friction.size

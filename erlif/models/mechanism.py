@@ -39,7 +39,9 @@ class CrankRocker:
     ground: float
 
     def __post_init__(self) -> None:
-        require_positive(crank=self.crank, coupler=self.coupler, rocker=self.rocker, ground=self.ground)
+        require_positive(
+            crank=self.crank, coupler=self.coupler, rocker=self.rocker, ground=self.ground
+        )
         others = sorted((self.coupler, self.rocker, self.ground))
         if not (self.crank < others[0] and self.crank + others[2] < others[0] + others[1]):
             raise ModelError(
@@ -74,12 +76,19 @@ class CrankRocker:
         The rule of Farzaneh (2002), appendix A.2, crank speed times crank over rocker, is 0.6 to 1.1 % low on that rig.
         """
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
-        return crank_speed * self.crank * np.sin(phi - crank_angle) / (self.rocker * np.sin(psi + phi))
+        return (
+            crank_speed * self.crank * np.sin(phi - crank_angle) / (self.rocker * np.sin(psi + phi))
+        )
 
     def coupler_speed(self, crank_angle: Values, *, crank_speed: Values) -> Values:
         """Rate of the coupler angle [rad/s] for a crank speed [rad/s]."""
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
-        return -crank_speed * self.crank * np.sin(crank_angle + psi) / (self.coupler * np.sin(psi + phi))
+        return (
+            -crank_speed
+            * self.crank
+            * np.sin(crank_angle + psi)
+            / (self.coupler * np.sin(psi + phi))
+        )
 
     def rocker_acceleration(
         self, crank_angle: Values, *, crank_speed: Values, crank_acceleration: Values = 0.0
@@ -99,7 +108,9 @@ class CrankRocker:
 
         Note: the thesis prints a swing of 26 degrees for 5.5, 44, 26 and 51 cm; its own equation gives 24.43.
         """
-        return self._rocker_angle_at(self.coupler - self.crank), self._rocker_angle_at(self.coupler + self.crank)
+        return self._rocker_angle_at(self.coupler - self.crank), self._rocker_angle_at(
+            self.coupler + self.crank
+        )
 
     def coupler_limits(self) -> tuple[float, float]:
         """Smallest and largest coupler angle [rad], where the crank is parallel to the rocker."""
@@ -113,7 +124,9 @@ class CrankRocker:
     def dead_points(self) -> tuple[float, float]:
         """Crank angles [rad, 0 to 2 pi] at which the rocker angle is smallest and largest."""
         smallest, largest = self.limits()
-        return float(self._direction_of_rocker_pin(smallest) + np.pi), float(self._direction_of_rocker_pin(largest))
+        return float(self._direction_of_rocker_pin(smallest) + np.pi), float(
+            self._direction_of_rocker_pin(largest)
+        )
 
     def time_ratio(self) -> float:
         """Time of the slower stroke of the rocker over the time of the quicker one, at constant crank speed."""
@@ -136,7 +149,9 @@ class CrankRocker:
             float(self.rocker_speed(at_fastest_rise, crank_speed=crank_speed)),
         )
 
-    def crank_angle(self, rocker_angle: Values, *, rising: Values, tolerance: float = 1e-9) -> Values:
+    def crank_angle(
+        self, rocker_angle: Values, *, rising: Values, tolerance: float = 1e-9
+    ) -> Values:
         """Find the crank angle that gives a rocker angle: the map of an encoder that sits on the rocker.
 
         Parameters
@@ -159,11 +174,15 @@ class CrankRocker:
             An angle beyond the reach of the rocker.
         """
         psi = _within_reach(rocker_angle, self.limits(), tolerance, "rocker_angle")
-        reach = np.sqrt(self.rocker**2 + self.ground**2 - 2 * self.rocker * self.ground * np.cos(psi))
+        reach = np.sqrt(
+            self.rocker**2 + self.ground**2 - 2 * self.rocker * self.ground * np.cos(psi)
+        )
         apart = self._angle_off_the_line(reach, self.coupler)
         return (self._direction_of_rocker_pin(psi) - _sign(rising) * apart) % TURN
 
-    def crank_angle_from_coupler(self, coupler_angle: Values, *, rising: Values, tolerance: float = 1e-9) -> Values:
+    def crank_angle_from_coupler(
+        self, coupler_angle: Values, *, rising: Values, tolerance: float = 1e-9
+    ) -> Values:
         """Find the crank angle that gives a coupler angle: the map of an encoder that sits on the intermediate link.
 
         Parameters, result and errors as in `crank_angle`, with the coupler in the place of the rocker.
@@ -186,7 +205,9 @@ class CrankRocker:
 
     def _direction_of_rocker_pin(self, rocker_angle: Values) -> Values:
         """Direction of the rocker pin seen from the crank pivot."""
-        return np.arctan2(self.rocker * np.sin(rocker_angle), self.ground - self.rocker * np.cos(rocker_angle))
+        return np.arctan2(
+            self.rocker * np.sin(rocker_angle), self.ground - self.rocker * np.cos(rocker_angle)
+        )
 
     def _angle_off_the_line(self, reach: Values, closing_link: float) -> Values:
         """Angle at the crank pivot in the triangle of crank, `closing_link` and `reach`."""
@@ -306,7 +327,9 @@ class SliderCrank:
         """Crank angles [rad, 0 to 2 pi] at which the coupler angle is smallest and largest."""
         return np.pi / 2, 3 * np.pi / 2
 
-    def crank_angle(self, coupler_angle: Values, *, rising: Values, tolerance: float = 1e-9) -> Values:
+    def crank_angle(
+        self, coupler_angle: Values, *, rising: Values, tolerance: float = 1e-9
+    ) -> Values:
         """Find the crank angle [rad, 0 to 2 pi] that gives a coupler angle: the map of an encoder on the rod.
 
         `rising` says whether the coupler angle grows while the crank turns in its positive sense; an angle at most
@@ -317,7 +340,9 @@ class SliderCrank:
         falling_side = np.arcsin(height)  # cos t > 0, where phi falls
         return (np.pi / 2 + _sign(rising) * (np.pi / 2 - falling_side)) % TURN
 
-    def crank_angle_from_slider(self, slider_position: Values, *, rising: Values, tolerance: float = 1e-9) -> Values:
+    def crank_angle_from_slider(
+        self, slider_position: Values, *, rising: Values, tolerance: float = 1e-9
+    ) -> Values:
         """Find the crank angle [rad, 0 to 2 pi] that gives a slider position [m]; `rising`: the slider moves out."""
         x = _within_reach(slider_position, self.slider_limits(), tolerance, "slider_position")
         beyond = np.maximum(self.rod**2 - (x - self.crank) ** 2, 0.0)
@@ -348,10 +373,15 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
     shortest, middle, longest = sorted((coupler, rocker, ground))
     longest_crank = min(shortest, shortest + middle - longest)
     if longest_crank <= 0:
-        raise ModelError(f"coupler, rocker and ground of {coupler:g}, {rocker:g} and {ground:g} m close no triangle.")
+        raise ModelError(
+            f"coupler, rocker and ground of {coupler:g}, {rocker:g} and {ground:g} m close no triangle."
+        )
 
     def swing_of(crank: float) -> float:
-        cosines = [(rocker**2 + ground**2 - (coupler + s * crank) ** 2) / (2 * rocker * ground) for s in (-1, 1)]
+        cosines = [
+            (rocker**2 + ground**2 - (coupler + s * crank) ** 2) / (2 * rocker * ground)
+            for s in (-1, 1)
+        ]
         smallest, largest = np.arccos(np.clip(cosines, -1.0, 1.0))
         return float(largest - smallest)
 
@@ -368,7 +398,9 @@ def _sign(rising: Values) -> Values:
     return 2 * (rising * 1) - 1
 
 
-def _within_reach(value: Values, limits: tuple[float, float], tolerance: float, name: str) -> Values:
+def _within_reach(
+    value: Values, limits: tuple[float, float], tolerance: float, name: str
+) -> Values:
     """`value` clipped to `limits`, refused where it lies further out than `tolerance`."""
     low, high = limits
     outside = np.less(value, low - tolerance) | np.greater(value, high + tolerance)
@@ -382,4 +414,8 @@ def _within_reach(value: Values, limits: tuple[float, float], tolerance: float, 
 
 
 def _told(value: float, name: str) -> str:
-    return f"{value:.6g} rad ({np.degrees(value):.4f} degrees)" if name.endswith("angle") else f"{value:.6g} m"
+    return (
+        f"{value:.6g} rad ({np.degrees(value):.4f} degrees)"
+        if name.endswith("angle")
+        else f"{value:.6g} m"
+    )

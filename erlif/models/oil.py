@@ -85,13 +85,20 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> tuple[float, floa
     ratio = (y[1] - y[0]) / (T[1] - T[0]) * (T[2] - T[1]) / (y[2] - y[1])
     c = (T[2] - ratio * T[0]) / (1 - ratio)
     if not (ratio > 1 and c < T[0]):
-        raise ModelError("viscosities must fall with temperature, ever more slowly, for a Vogel curve through them.")
+        raise ModelError(
+            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through them."
+        )
     b = (y[0] - y[2]) / (1 / (T[0] - c) - 1 / (T[2] - c))
     return float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c)
 
 
 def walther_viscosity(
-    temperature: Values, *, viscosity_1: Values, temperature_1: Values, viscosity_2: Values, temperature_2: Values
+    temperature: Values,
+    *,
+    viscosity_1: Values,
+    temperature_1: Values,
+    viscosity_2: Values,
+    temperature_2: Values,
 ) -> Values:
     """Kinematic viscosity [m2/s] through two measured ones: log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s.
 
@@ -114,10 +121,14 @@ def walther_viscosity(
     -----
     Walther's law as ASTM D341 uses it, for petroleum products above 2 mm2/s.
     """
-    require_positive(temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2)
+    require_positive(
+        temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2
+    )
     for name, value in {"viscosity_1": viscosity_1, "viscosity_2": viscosity_2}.items():
         if np.any(np.less(value, 2e-6)):
-            raise ModelError(f"{name} must be at least 2e-6 m2/s, got {np.nanmin(np.asarray(value)):g}.")
+            raise ModelError(
+                f"{name} must be at least 2e-6 m2/s, got {np.nanmin(np.asarray(value)):g}."
+            )
     if np.any(np.equal(temperature_1, temperature_2)):
         raise ModelError("temperature_1 and temperature_2 must differ.")
     w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
@@ -147,7 +158,9 @@ def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: 
     return viscosity * np.exp(pressure_viscosity * pressure)
 
 
-def roelands_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: Values) -> Values:
+def roelands_viscosity(
+    pressure: Values, *, viscosity: Values, pressure_viscosity: Values
+) -> Values:
     """Viscosity [Pa s] under pressure: ln(eta/eta0) = (ln eta0 + 9.67) [(1 + p/p_r)^Z - 1], p_r = 0.196 GPa.
 
     Z = alpha p_r / (ln eta0 + 9.67) makes the slope at ambient pressure that of `barus_viscosity`.
@@ -168,7 +181,9 @@ def roelands_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosit
     scale = np.log(viscosity) + ROELANDS_CONSTANT
     require_not_negative(pressure_viscosity=pressure_viscosity)
     if np.any(np.less_equal(scale, 0)):
-        raise ModelError(f"viscosity must exceed {np.exp(-ROELANDS_CONSTANT):.3g} Pa s for the Roelands law.")
+        raise ModelError(
+            f"viscosity must exceed {np.exp(-ROELANDS_CONSTANT):.3g} Pa s for the Roelands law."
+        )
     if np.any(np.less_equal(pressure, -ROELANDS_PRESSURE)):
         raise ModelError(f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the Roelands law.")
     exponent = pressure_viscosity * ROELANDS_PRESSURE / scale
@@ -204,7 +219,9 @@ def density_at_temperature(
     expansion : float or array
         Coefficient of cubic expansion beta, about 7e-4 for mineral oils. [1/K]
     """
-    require_positive(temperature=temperature, density=density, reference_temperature=reference_temperature)
+    require_positive(
+        temperature=temperature, density=density, reference_temperature=reference_temperature
+    )
     return density * (1 - expansion * (temperature - reference_temperature))
 
 

@@ -84,7 +84,10 @@ def joint_reaction(
     Friction acts where pin and bushing touch, so it is a couple mu N r on both links and makes the force sqrt(1 + mu^2)
     times its normal share. The right side of eq. 10 must hold gamma = -(Phi_q q')_q q' - 2 Phi_qt q' - Phi_tt.
     """
-    half, to_pin = linkage.coupler / 2, linkage.coupler / 2 + linkage.clearance  # from the centre of mass
+    half, to_pin = (
+        linkage.coupler / 2,
+        linkage.coupler / 2 + linkage.clearance,
+    )  # from the centre of mass
     phi = linkage.coupler_angle(crank_angle)
     phi_rate = linkage.coupler_speed(crank_angle, crank_speed=crank_speed)
     phi_second = linkage.coupler_acceleration(crank_angle, crank_speed=crank_speed)
@@ -103,7 +106,9 @@ def joint_reaction(
     normal_share = 1 / np.sqrt(1 + bodies.friction**2)
 
     couple = 0.0 * force_x
-    for _ in range(12):  # the couple changes the force by some mu r / rod of itself: each pass gains two digits
+    for _ in range(
+        12
+    ):  # the couple changes the force by some mu r / rod of itself: each pass gains two digits
         force_y = bodies.rod_mass * rod_y + (moment + couple) / ((half + to_pin) * ux)
         force = np.sqrt(force_x**2 + force_y**2)
         couple = sense * bodies.friction * normal_share * force * bodies.pin_radius
@@ -119,7 +124,9 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
 
 
-def rolling_bearing_life(load: Values, *, rating: Values, speed: Values, exponent: float = 3.0) -> Values:
+def rolling_bearing_life(
+    load: Values, *, rating: Values, speed: Values, exponent: float = 3.0
+) -> Values:
     """Time [s] that 90 % of rolling bearings live: L10 = 10^6 (2 pi / omega) (C/P)^p. Farzaneh (2002), appendix A.4.1.
 
     Parameters

@@ -69,7 +69,9 @@ class PublishedNumber:
         """Whether the model gives the printed number, to the last printed digit."""
         if not self.printed:
             return "not printed"
-        return "agrees" if abs(self.computed - float(self.printed)) <= self.within else "**differs**"
+        return (
+            "agrees" if abs(self.computed - float(self.printed)) <= self.within else "**differs**"
+        )
 
 
 def published_numbers() -> tuple[PublishedNumber, ...]:
@@ -105,10 +107,25 @@ def render_sources() -> str:
         "",
     ]
     for source, title in TITLES.items():
-        lines += [f"## {title}", "", "| place | quantity | printed | erlif | unit | verdict | note |", "|" + "---|" * 7]
+        lines += [
+            f"## {title}",
+            "",
+            "| place | quantity | printed | erlif | unit | verdict | note |",
+            "|" + "---|" * 7,
+        ]
         for n in numbers:
             if n.source == source:
-                lines.append(_line(n.place, n.quantity, n.printed, f"{n.computed:.5g}", n.unit, n.verdict, n.note))
+                lines.append(
+                    _line(
+                        n.place,
+                        n.quantity,
+                        n.printed,
+                        f"{n.computed:.5g}",
+                        n.unit,
+                        n.verdict,
+                        n.note,
+                    )
+                )
         lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
         for row in errata:
             if row["source"] == source:
@@ -122,7 +139,9 @@ def _line(*cells: str) -> str:
 
 
 def _table(name: str) -> list[dict[str, str]]:
-    return list(csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines()))
+    return list(
+        csv.DictReader((files("erlif.models") / name).read_text(encoding="utf-8").splitlines())
+    )
 
 
 def _film(pressure_viscosity: float) -> Values:
@@ -138,7 +157,9 @@ def _film(pressure_viscosity: float) -> Values:
 
 def _lobe(load: float, *, exact: bool = False) -> contact.EllipticalContact:
     """Contact of one of the two lobes under a total load [lbf]."""
-    radius, across = contact.relative_radii(-BUSHING, radius_1_across=0.2, radius_2=PIN, radius_2_across=np.inf)
+    radius, across = contact.relative_radii(
+        -BUSHING, radius_1_across=0.2, radius_2=PIN, radius_2_across=np.inf
+    )
     ellipse = contact.hertz_ellipse if exact else contact.thesis_ellipse
     return ellipse(load / 2 * LBF, radius=radius, radius_across=across, contact_modulus=STEEL)
 
@@ -149,7 +170,10 @@ def _torque(radius: float) -> Values:
 
 def _life(load: float, exponent: float) -> Values:
     """Life [h] of the ball bearings of the machine."""
-    return reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent) / 3600
+    return (
+        reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent)
+        / 3600
+    )
 
 
 def _growth_with_hole(hole_ratio: Values) -> Values:
@@ -161,14 +185,20 @@ def _growth_with_hole(hole_ratio: Values) -> Values:
 
 def _safe_from(simple: float) -> float:
     """Half contact angle [degree] from which a simple law's d p / 2q exceeds Persson's."""
-    return float(np.degrees(brentq(lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8)))
+    return float(
+        np.degrees(brentq(lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8))
+    )
 
 
 @cache
 def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
     """Worn mass [g] and depth [mm] of the joint of Mukras et al., from its initial dynamics, PTFE of 2200 kg/m3."""
     bodies = reaction.SliderCrankBodies(
-        rod_mass=0.8175, rod_inertia=5500e-6, slider_mass=5.5487, spring_stiffness=525.4, spring_preload=preload
+        rod_mass=0.8175,
+        rod_inertia=5500e-6,
+        slider_mass=5.5487,
+        spring_stiffness=525.4,
+        spring_preload=preload,
     )
     worn = wear.coupled_wear(
         MUKRAS,
@@ -189,8 +219,12 @@ MODELS: dict[str, Callable[[], Values]] = {
     "klbf_100": lambda: 1e5 * LBF / 1e3,
     "sliding_speed": lambda: RULE_SPEED * PIN,
     "film_standard": lambda: _film(2e-8) * 1e6,
-    "film_alpha": lambda: 1e8 * brentq(lambda alpha: _film(alpha) - 0.54e-6, 1e-9, 1e-7, xtol=1e-14),
-    "film_parameter": lambda: film.film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6),
+    "film_alpha": lambda: (
+        1e8 * brentq(lambda alpha: _film(alpha) - 0.54e-6, 1e-9, 1e-7, xtol=1e-14)
+    ),
+    "film_parameter": lambda: film.film_parameter(
+        0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6
+    ),
     "lobe_pressure": lambda: _lobe(1e5).pressure / 1e6,
     "lobe_pressure_exact": lambda: _lobe(1e5, exact=True).pressure / 1e6,
     "lobe_a": lambda: _lobe(1e5).a * 1e3,
@@ -208,7 +242,9 @@ MODELS: dict[str, Callable[[], Values]] = {
     "stage_5": lambda: 8e3 + 4 * 4e3,
     "images": lambda: np.floor(2 * np.degrees(np.ptp(RIG.limits())) / 0.96),
     "swing": lambda: np.degrees(np.ptp(RIG.limits())),
-    "crank_for_26": lambda: 100 * crank_for_swing(np.radians(26), coupler=0.44, rocker=0.26, ground=0.51),
+    "crank_for_26": lambda: (
+        100 * crank_for_swing(np.radians(26), coupler=0.44, rocker=0.26, ground=0.51)
+    ),
     "rocker_over_crank": lambda: RIG.rocker / RIG.crank,
     "speed_rule": lambda: RULE_SPEED,
     "speed_fall": lambda: -RIG.speed_limits(crank_speed=RIG_SPEED)[0],
@@ -218,7 +254,12 @@ MODELS: dict[str, Callable[[], Values]] = {
     "torque_true": lambda: _torque(PIN) * 100,
     "link_force": lambda: _torque(1.25 * INCH) / RIG.rocker / 1e3,
     "link_force_worst": lambda: (
-        np.max(reaction.coupler_force(RIG, crank_angle=np.array([0, np.pi]), rocker_torque=_torque(1.25 * INCH))) / 1e3
+        np.max(
+            reaction.coupler_force(
+                RIG, crank_angle=np.array([0, np.pi]), rocker_torque=_torque(1.25 * INCH)
+            )
+        )
+        / 1e3
     ),
     "life_4": lambda: _life(4.1e3, 3.0),
     "life_4_printed": lambda: _life(4.1e3, 10 / 3),

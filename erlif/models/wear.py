@@ -10,7 +10,9 @@ from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
 
 
-def adhesive_wear(load: Values, *, sliding_distance: Values, hardness: Values, coefficient: Values) -> Values:
+def adhesive_wear(
+    load: Values, *, sliding_distance: Values, hardness: Values, coefficient: Values
+) -> Values:
     """Volume [m3] worn by adhesion: V = K F s / H. Archard; Farzaneh (2002), eq. 2.1; Strand (2005), eq. 31.
 
     Parameters
@@ -29,14 +31,18 @@ def adhesive_wear(load: Values, *, sliding_distance: Values, hardness: Values, c
     return coefficient * load * sliding_distance / hardness
 
 
-def abrasive_wear(load: Values, *, sliding_distance: Values, hardness: Values, asperity_slope: Values) -> Values:
+def abrasive_wear(
+    load: Values, *, sliding_distance: Values, hardness: Values, asperity_slope: Values
+) -> Values:
     """Volume [m3] worn by abrasion: V = (2/pi) tan(Theta) F s / H. Farzaneh (2002), eq. 2.2.
 
     Parameters as in `adhesive_wear`, with the angle Theta of the hard asperities to the surface [rad].
     """
     slope = np.tan(asperity_slope)
     require_not_negative(asperity_slope=slope)
-    return adhesive_wear(load, sliding_distance=sliding_distance, hardness=hardness, coefficient=2 / np.pi * slope)
+    return adhesive_wear(
+        load, sliding_distance=sliding_distance, hardness=hardness, coefficient=2 / np.pi * slope
+    )
 
 
 def fatigue_wear(
@@ -56,7 +62,9 @@ def fatigue_wear(
     """
     require_positive(failure_strain=failure_strain)
     share = coefficient * asperity_distribution * particle_size / failure_strain**2
-    return adhesive_wear(load, sliding_distance=sliding_distance, hardness=hardness, coefficient=share)
+    return adhesive_wear(
+        load, sliding_distance=sliding_distance, hardness=hardness, coefficient=share
+    )
 
 
 def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Values) -> Values:
@@ -71,7 +79,9 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
     specific_wear : float or array
         k = K/H of `adhesive_wear`. [1/Pa]
     """
-    require_not_negative(pressure=pressure, sliding_distance=sliding_distance, specific_wear=specific_wear)
+    require_not_negative(
+        pressure=pressure, sliding_distance=sliding_distance, specific_wear=specific_wear
+    )
     return specific_wear * pressure * sliding_distance
 
 
@@ -88,7 +98,12 @@ class WornBushing:
 
 
 def steady_bushing_wear(
-    load: Values, *, shaft_radius: Values, width: Values, sliding_distance: Values, specific_wear: Values
+    load: Values,
+    *,
+    shaft_radius: Values,
+    width: Values,
+    sliding_distance: Values,
+    specific_wear: Values,
 ) -> WornBushing:
     """Wear of a bushing whose rigid shaft sinks straight in: depth and pressure are cosines. Colbert et al. (2009), app. A.
 
@@ -180,7 +195,9 @@ def coupled_wear(
     source does not state the width, and about 8.4 mm agrees with its worn mass and depth. Its speed "0.5 RPM" is 0.5 turns
     per second by its own cycles and hours.
     """
-    require_positive(crank_speed=crank_speed, bushing_radius=bushing_radius, bushing_width=bushing_width)
+    require_positive(
+        crank_speed=crank_speed, bushing_radius=bushing_radius, bushing_width=bushing_width
+    )
     require_positive(cycles=cycles, extrapolation=extrapolation, steps_per_cycle=steps_per_cycle)
     require_not_negative(specific_wear=specific_wear)
     crank_angle = np.linspace(0, 2 * np.pi, steps_per_cycle, endpoint=False)
@@ -188,13 +205,17 @@ def coupled_wear(
     while True:
         clearance = linkage.clearance + coupled * volume[-1] / (2 * bushing_radius * bushing_width)
         worn = replace(linkage, clearance=clearance)
-        reaction = joint_reaction(worn, crank_angle=crank_angle, crank_speed=crank_speed, bodies=bodies)
+        reaction = joint_reaction(
+            worn, crank_angle=crank_angle, crank_speed=crank_speed, bodies=bodies
+        )
         force.append(float(np.max(reaction.force)))
         if at[-1] == cycles:
             break
         turning = np.abs(worn.joint_speed(crank_angle, crank_speed=crank_speed)) / crank_speed
         # the mean over equal steps of a periodic function is its integral to the last digit
-        per_cycle = specific_wear * bushing_radius * float(np.mean(reaction.normal * turning)) * 2 * np.pi
+        per_cycle = (
+            specific_wear * bushing_radius * float(np.mean(reaction.normal * turning)) * 2 * np.pi
+        )
         step = min(extrapolation, cycles - at[-1])
         if step * per_cycle / (2 * bushing_radius * bushing_width) > 0.1 * bushing_radius:
             raise ModelError(
@@ -276,8 +297,12 @@ def surface_temperature(
     -----
     The source has pi in the place of the arc: heat through half of the ring, twice the rise of the whole one.
     """
-    require_positive(pin_diameter=pin_diameter, wall=wall, width=width, conductivity=conductivity, arc=arc)
-    return measured_temperature + heat * np.log((pin_diameter + 2 * wall) / pin_diameter) / (arc * width * conductivity)
+    require_positive(
+        pin_diameter=pin_diameter, wall=wall, width=width, conductivity=conductivity, arc=arc
+    )
+    return measured_temperature + heat * np.log((pin_diameter + 2 * wall) / pin_diameter) / (
+        arc * width * conductivity
+    )
 
 
 def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: Values) -> Values:

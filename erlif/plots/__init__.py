@@ -14,8 +14,19 @@ from erlif.plots.calibration import (
 )
 from erlif.plots.files import find_fixture, find_run, missing_figures, write_figures
 from erlif.plots.frames import band_images, band_images_figure, ratio_image, restore_frames
-from erlif.plots.kinematics import cycle_figure, film_over_cycle, speed_against_angle, speed_over_cycle
-from erlif.plots.maps import map_sheet_figure, profile_residual, sliding_profile, thickness_figure, thickness_map
+from erlif.plots.kinematics import (
+    cycle_figure,
+    film_over_cycle,
+    speed_against_angle,
+    speed_over_cycle,
+)
+from erlif.plots.maps import (
+    map_sheet_figure,
+    profile_residual,
+    sliding_profile,
+    thickness_figure,
+    thickness_map,
+)
 from erlif.plots.products import average_across_sliding, calibration_of, rigid_gap, settings_of
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
 from erlif.plots.style import save_figure

@@ -136,7 +136,13 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
         label="calibrated range",
     )
     band = ax.fill_between(
-        t, ratio * np.exp(-share), ratio * np.exp(share), color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
+        t,
+        ratio * np.exp(-share),
+        ratio * np.exp(share),
+        color=RETURN,
+        alpha=0.35,
+        linewidth=0,
+        label="fit, 95 % band",
     )
     model = "reabsorption model" + ("" if calibration.departure is None else " and departure")
     (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label=model)
@@ -161,7 +167,14 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
     ax.legend(loc="lower right")
-    ax.annotate(_parameters(calibration), (0.04, 0.97), xycoords="axes fraction", ha="left", va="top", fontsize=6.5)
+    ax.annotate(
+        _parameters(calibration),
+        (0.04, 0.97),
+        xycoords="axes fraction",
+        ha="left",
+        va="top",
+        fontsize=6.5,
+    )
     return artists
 
 
@@ -186,13 +199,22 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     ax = given_or_new(ax)
     t = _grid(calibration)
     share = 100 * _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, facecolor=_SHADE, edgecolor=MUTED, linestyle=":", linewidth=0.5, zorder=0)
+    ax.axvspan(
+        *calibration.thickness_range,
+        facecolor=_SHADE,
+        edgecolor=MUTED,
+        linestyle=":",
+        linewidth=0.5,
+        zorder=0,
+    )
     band = ax.fill_between(t, -share, share, color=RETURN, alpha=0.35, linewidth=0)
     zero = ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3)
     artists: list[Artist] = [zero, band]
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
-        artists += ax.plot(t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone")
+        artists += ax.plot(
+            t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone"
+        )
         ax.legend(loc="best")
     curve = calibration.curve
     if "curve_ratio" in curve:

@@ -21,7 +21,13 @@ from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image, restore_frames
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
-from erlif.plots.products import calibration_of, check_trigger, describe_trigger, fastest_trigger, settings_of
+from erlif.plots.products import (
+    calibration_of,
+    check_trigger,
+    describe_trigger,
+    fastest_trigger,
+    settings_of,
+)
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure
@@ -91,13 +97,18 @@ class FigureSource:
                     continue
                 if np.allclose(found.parameters, kept.parameters, rtol=1e-9):
                     return found
-                logger.warning("%s is not the calibration that the film was made with; its points are not drawn", path)
+                logger.warning(
+                    "%s is not the calibration that the film was made with; its points are not drawn",
+                    path,
+                )
         return kept
 
     def _calibration_files(self) -> list[Path]:
         named = settings_of(self.film).calibration
         files = [self.run_dir / named] if self.run_dir is not None and named is not None else []
-        return files + ([self.fixture_dir / "calibration.nc"] if self.fixture_dir is not None else [])
+        return files + (
+            [self.fixture_dir / "calibration.nc"] if self.fixture_dir is not None else []
+        )
 
     def group(self, name: str) -> xr.Dataset:
         """A group of the film, in memory."""
@@ -134,14 +145,18 @@ def _ratio(source: FigureSource) -> Figure:
 DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
     "speed_against_angle": _speed,
     "fixture_profile": _profile,
-    "processed_images": lambda source: band_images_figure(source.restored, source.film, trigger=source.trigger),
+    "processed_images": lambda source: band_images_figure(
+        source.restored, source.film, trigger=source.trigger
+    ),
     "ratio_image": _ratio,
     "calibration": lambda source: calibration_figure(source.calibration),
     "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
     "film_against_speed": lambda source: speed_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
     "film_over_cycle": lambda source: cycle_figure(source.film),
-    "registration": lambda source: registration_figure(source.group("registration"), source.group("frames")),
+    "registration": lambda source: registration_figure(
+        source.group("registration"), source.group("frames")
+    ),
 }
 """The figures of a film, in the order of the method."""
 
@@ -159,14 +174,19 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         if source.fixture_dir is None:
             return "it needs the CMM profile, and the fixture directory is neither given nor where run.toml names it"
         try:
-            read_profile(source.fixture_dir / read_fixture_settings(source.fixture_dir).fixture.profile)
+            read_profile(
+                source.fixture_dir / read_fixture_settings(source.fixture_dir).fixture.profile
+            )
         except ErlifError as error:
             return str(error)
     return None
 
 
 def missing_figures(
-    film_path: str | Path, *, run_dir: str | Path | None = None, fixture_dir: str | Path | None = None
+    film_path: str | Path,
+    *,
+    run_dir: str | Path | None = None,
+    fixture_dir: str | Path | None = None,
 ) -> dict[str, str]:
     """Figures that `write_figures` would leave out, each with the reason."""
     with open_film(film_path) as film:

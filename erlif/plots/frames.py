@@ -58,7 +58,10 @@ def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Datase
     with open_film(film_path) as film:
         check_trigger(film, trigger)
         shape = (film.sizes["y"], film.sizes["x"])
-    with open_film(film_path, group="frames") as frames, open_film(film_path, group="registration") as registration:
+    with (
+        open_film(film_path, group="frames") as frames,
+        open_film(film_path, group="registration") as registration,
+    ):
         camera_map = CameraMap.from_dataset(registration)
         usable = (frames.trigger.values == trigger) & np.isfinite(frames.drift_x.values)
         if not usable.any():
@@ -76,7 +79,9 @@ def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Datase
         )
     options = recording.settings.thickness
     corrected = correct_frames(
-        read_frames(recording, [number]), measure_references(recording), least_signal=options.least_signal
+        read_frames(recording, [number]),
+        measure_references(recording),
+        least_signal=options.least_signal,
     )
     aligned = align_frames(corrected, camera_map, drift=drift)
     ratios = compute_ratio(aligned, no_film_below=options.no_film_below)
@@ -84,14 +89,20 @@ def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Datase
     return xr.Dataset(
         {
             "signal": (("camera", "y", "x"), aligned.signal.values[:, 0], {"units": "DN"}),
-            "ratio": (("y", "x"), np.exp(np.where(good, ratios.log_ratio.values[0], np.nan)), {"units": "1"}),
+            "ratio": (
+                ("y", "x"),
+                np.exp(np.where(good, ratios.log_ratio.values[0], np.nan)),
+                {"units": "1"},
+            ),
         },
         attrs={"frame": number},
     )
 
 
 @styled
-def band_images(restored: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes | None = None) -> AxesImage:
+def band_images(
+    restored: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes | None = None
+) -> AxesImage:
     """Draw the corrected image of one camera.
 
     Parameters

@@ -41,9 +41,15 @@ def exact_cycle(film: xr.Dataset) -> tuple[Array, Array, Array]:
     mechanism = build_mechanism(settings)
     omega = settings.mechanism.crank_speed
     if isinstance(mechanism, SliderCrank):
-        angle, speed = mechanism.coupler_angle(_CYCLE), mechanism.joint_speed(_CYCLE, crank_speed=omega)
+        angle, speed = (
+            mechanism.coupler_angle(_CYCLE),
+            mechanism.joint_speed(_CYCLE, crank_speed=omega),
+        )
     else:
-        angle, speed = mechanism.rocker_angle(_CYCLE), mechanism.rocker_speed(_CYCLE, crank_speed=omega)
+        angle, speed = (
+            mechanism.rocker_angle(_CYCLE),
+            mechanism.rocker_speed(_CYCLE, crank_speed=omega),
+        )
     if settings.encoder.mounted_on == "crank":
         reading = np.degrees(_CYCLE - (settings.encoder.zero or 0.0)) % 360
     else:
@@ -97,9 +103,16 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     ax = given_or_new(ax)
     settings = settings_of(film)
     _, reading, speed = exact_cycle(film)
-    jump = np.abs(np.diff(reading, prepend=reading[:1])) > 180  # where an encoder on the crank starts anew
+    jump = (
+        np.abs(np.diff(reading, prepend=reading[:1])) > 180
+    )  # where an encoder on the crank starts anew
     (curve,) = ax.plot(
-        np.where(jump, np.nan, reading), speed, color=MUTED, linewidth=0.9, label="exact linkage", zorder=2
+        np.where(jump, np.nan, reading),
+        speed,
+        color=MUTED,
+        linewidth=0.9,
+        label="exact linkage",
+        zorder=2,
     )
     points = _draw_strokes(ax, film, film.encoder_angle.values, film.rocker_speed.values)
     if speed.min() < 0:
@@ -141,8 +154,12 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         value, std = film[name].values, film[f"{name}_std"].values
         for n, members in enumerate(_runs(film)):
             x, y, half = film.crank_angle.values[members], value[members], COVERAGE * std[members]
-            artists.append(ax.fill_between(x, y - half, y + half, color=colour, alpha=0.3, linewidth=0))
-            artists += ax.plot(x, y, color=colour, linestyle=style, linewidth=0.9, label=label if n == 0 else None)
+            artists.append(
+                ax.fill_between(x, y - half, y + half, color=colour, alpha=0.3, linewidth=0)
+            )
+            artists += ax.plot(
+                x, y, color=colour, linestyle=style, linewidth=0.9, label=label if n == 0 else None
+            )
         for sign, look in STROKES.items():
             of_stroke = film.stroke.values == sign
             artists += ax.plot(
@@ -157,7 +174,9 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     _label_crank(ax)
     ax.set_ylabel("film thickness [µm]")
     ax.set_ylim(0, None)
-    frame_legend(ax, loc="lower center", ncols=2, title="bands 95 %, random and shared", title_fontsize=6.5)
+    frame_legend(
+        ax, loc="lower center", ncols=2, title="bands 95 %, random and shared", title_fontsize=6.5
+    )
     return artists
 
 

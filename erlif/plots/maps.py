@@ -89,7 +89,12 @@ def bare_image(ax: Axes) -> None:
 
 @styled
 def thickness_map(
-    film: xr.Dataset, *, trigger: int, ax: Axes | None = None, limits: Limits | None = None, region: bool = True
+    film: xr.Dataset,
+    *,
+    trigger: int,
+    ax: Axes | None = None,
+    limits: Limits | None = None,
+    region: bool = True,
 ) -> AxesImage:
     """Draw film thickness at one trigger, with the pixels that do not answer in the colour of their reason.
 
@@ -163,10 +168,20 @@ def _draw_flags(ax: Axes, flags: npt.NDArray[np.uint8], film: xr.Dataset) -> lis
     shown = first_reason(flags)
     palette = ListedColormap(["none", *FLAG_COLOURS.values()])
     ax.imshow(
-        shown, cmap=palette, vmin=-0.5, vmax=len(FLAG_COLOURS) + 0.5, extent=pixel_edges(film), interpolation="none"
+        shown,
+        cmap=palette,
+        vmin=-0.5,
+        vmax=len(FLAG_COLOURS) + 0.5,
+        extent=pixel_edges(film),
+        interpolation="none",
     )
     return [
-        Patch(facecolor=colour, edgecolor="#404040", linewidth=0.4, label=f"{flag_title(flag)}, {100 * share:.2f} %")
+        Patch(
+            facecolor=colour,
+            edgecolor="#404040",
+            linewidth=0.4,
+            label=f"{flag_title(flag)}, {100 * share:.2f} %",
+        )
         for n, (flag, colour) in enumerate(FLAG_COLOURS.items(), 1)
         if (share := float((shown == n).mean())) > 0
     ]
@@ -225,7 +240,9 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
             f"rigid gap: {1 / gap.radius:.4f} µm/mm²\nits least {gap.least:.2f} µm (mean over y)"
         )
-        ax.annotate(words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5)
+        ax.annotate(
+            words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5
+        )
     if np.isfinite(h).any():
         # room below the curve for the words on curvature, and no more of the rigid gap than was measured
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
@@ -251,9 +268,14 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
 def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
     """Profile less `base`, with its random band and the limits of its shared error."""
     x, h = profile.position.values, profile.thickness.values - base
-    random, shared = COVERAGE * profile.thickness_std.values, COVERAGE * profile.thickness_std_shared.values
+    random, shared = (
+        COVERAGE * profile.thickness_std.values,
+        COVERAGE * profile.thickness_std_shared.values,
+    )
     (line,) = ax.plot(x, h, color=OUTWARD, linewidth=0.7, label="measured")
-    band = ax.fill_between(x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %")
+    band = ax.fill_between(
+        x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
+    )
     look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
     centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
     (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
@@ -277,7 +299,9 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     if below_map is not None:
         handles = below_map.legend_handles
         below_map.remove()
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, handlelength=1.8, handleheight=1.0)
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=4, handlelength=1.8, handleheight=1.0
+        )
     panels["m"].set_title("")
     figure.suptitle(describe_trigger(film, trigger))
     for name, text in (("m", "a"), ("p", "b"), ("r", "c")):
@@ -345,7 +369,9 @@ def _best_columns(sizes: list[int]) -> int:
     """Columns that leave the fewest gaps where every group starts a new row."""
     most = min(_SHEET_COLUMNS, max(sizes))
     fewest = min(7, most)
-    return min(range(most, fewest - 1, -1), key=lambda columns: sum(-size % columns for size in sizes))
+    return min(
+        range(most, fewest - 1, -1), key=lambda columns: sum(-size % columns for size in sizes)
+    )
 
 
 def flag_swatch(flag: Flag) -> str:

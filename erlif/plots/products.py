@@ -21,7 +21,9 @@ from erlif.models.contact import conformal_radius
 Array = npt.NDArray[np.float64]
 
 _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
-_MOST_BEYOND = 0.02  # of a line of pixels; with more of them beyond the range, what is left is no fair sample
+_MOST_BEYOND = (
+    0.02  # of a line of pixels; with more of them beyond the range, what is left is no fair sample
+)
 _LEAST_VALID = 0.25  # of a line of pixels
 _BLOCK = 8  # pixels; machining marks make closer neighbours alike
 
@@ -51,7 +53,9 @@ def calibration_of(film: xr.Dataset) -> Calibration:
     settings = settings_of(film)
     low, high = kept["thickness_range"]
     covered = kept.get("covered_range", [low, high])
-    departure = {name: np.asarray(values, float) for name, values in kept.get("departure", {}).items()}
+    departure = {
+        name: np.asarray(values, float) for name, values in kept.get("departure", {}).items()
+    }
     return Calibration(
         ratio_at_zero=float(kept["ratio_at_zero"]),
         attenuation_camera1=float(kept["attenuation_camera1"]),
@@ -81,7 +85,9 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
     """Raise ErlifError if the film has no such trigger."""
     count = film.sizes["trigger"]
     if not 0 <= trigger < count:
-        raise ErlifError(f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}.")
+        raise ErlifError(
+            f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}."
+        )
 
 
 def fastest_trigger(film: xr.Dataset) -> int:
@@ -126,7 +132,9 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     calibration, region = calibration_of(film), region_of(film)
     low, high = getattr(region, axial)
     inside = (film[axial].values >= low) & (film[axial].values <= high)
-    one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(trigger=trigger)
+    one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
+        trigger=trigger
+    )
     one = one.transpose(axial, sliding).isel({axial: inside}).load()
     flags = one.flags.values
     good = flags == 0
@@ -134,7 +142,9 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     log_ratio = np.where(good, calibration.predict_log(thickness), 0.0)
     variance = np.where(good, one.thickness_std.values.astype(float), 0.0) ** 2
     beyond = ((flags & _RANGE_FLAGS) != 0).sum(axis=0)
-    use = (good.mean(axis=0) >= _LEAST_VALID) & (beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond))
+    use = (good.mean(axis=0) >= _LEAST_VALID) & (
+        beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond)
+    )
     total = np.where(use, good.sum(axis=0), np.nan)
     table = calibration.inverse
     grid = table.start + table.step * np.arange(table.thickness.size)
@@ -155,7 +165,13 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
                 {"units": "um", "long_name": "its standard deviation, what all pixels share"},
             ),
         },
-        {"position": ("position", film[sliding].values, {"units": "mm", "long_name": f"{sliding}, sliding"})},
+        {
+            "position": (
+                "position",
+                film[sliding].values,
+                {"units": "mm", "long_name": f"{sliding}, sliding"},
+            )
+        },
     )
 
 
@@ -196,7 +212,9 @@ class RigidGap:
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""
-        return self.least + (np.asarray(position, float) - self.place) ** 2 / (2 * self.radius)  # mm2/m = um
+        return self.least + (np.asarray(position, float) - self.place) ** 2 / (
+            2 * self.radius
+        )  # mm2/m = um
 
 
 def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
@@ -223,7 +241,10 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     full = weight > 0
     if full.sum() < 6:
         return None
-    x, h = (np.bincount(block[use], values[use] / std[use] ** 2)[full] / weight[full] for values in (x, h))
+    x, h = (
+        np.bincount(block[use], values[use] / std[use] ** 2)[full] / weight[full]
+        for values in (x, h)
+    )
     root = np.sqrt(weight[full])
     middle = float(x.mean())
     design = np.column_stack([np.ones_like(x), x - middle, (x - middle) ** 2 / 2])
@@ -235,7 +256,9 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     calibration = calibration_of(film)
     by_parameter = -(calibration.gradient(h) / calibration.slope(h))
     change = solve[2] @ (root * by_parameter).T
-    variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(change @ calibration.full_covariance @ change)
+    variance = float(solve[2] @ solve[2]) * max(scale, 1.0) + float(
+        change @ calibration.full_covariance @ change
+    )
     return RigidGap(
         least=float(level - slope**2 * radius / 2),
         place=float(middle - slope * radius),

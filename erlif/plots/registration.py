@@ -26,7 +26,9 @@ from erlif.plots.style import (
 
 
 @styled
-def displacement_map(registration: xr.Dataset, *, component: str, ax: Axes | None = None) -> AxesImage:
+def displacement_map(
+    registration: xr.Dataset, *, component: str, ax: Axes | None = None
+) -> AxesImage:
     """Draw one component of the displacement of camera 2 against camera 1, less its mean, which the title gives.
 
     Parameters
@@ -65,7 +67,11 @@ def _outline_overlap(ax: Axes, registration: xr.Dataset) -> None:
     for name, colour in (("overlap", "black"), ("poor", "#E4002B")):
         if name in registration and 0 < registration[name].values.mean() < 1:
             ax.contour(
-                registration[name].values.astype(float), levels=[0.5], colors=colour, linewidths=0.7, linestyles="--"
+                registration[name].values.astype(float),
+                levels=[0.5],
+                colors=colour,
+                linewidths=0.7,
+                linestyles="--",
             )
 
 

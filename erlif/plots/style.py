@@ -114,7 +114,9 @@ def colour_map(name: str, *, bad: str | None = None) -> Colormap:
 
 def new_figure(width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN) -> Figure:
     """An empty figure whose panels keep out of each other's way. Sizes in inches."""
-    return Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.03))
+    return Figure(
+        figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.03)
+    )
 
 
 def given_or_new(ax: Axes | None, *, height: float = 0.72 * ONE_COLUMN) -> Axes:

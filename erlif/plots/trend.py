@@ -148,9 +148,16 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     regime = str(film.film_theory.attrs.get("regime", "steady"))
     for name, colour, dashes, label in (
         ("film_theory", RETURN, "-", f"theory, {regime}"),
-        ("film_hamrock_dowson", OUTWARD, (0, (4, 1.5, 1, 1.5)), "2.65 formula (piezoviscous-elastic)"),
+        (
+            "film_hamrock_dowson",
+            OUTWARD,
+            (0, (4, 1.5, 1, 1.5)),
+            "2.65 formula (piezoviscous-elastic)",
+        ),
     ):
-        artists += ax.plot(x[order], film[name].values[order], color=colour, linestyle=dashes, label=label)
+        artists += ax.plot(
+            x[order], film[name].values[order], color=colour, linestyle=dashes, label=label
+        )
     ax.set_xlabel(_LABEL)
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
@@ -168,7 +175,9 @@ def _plain_ticks(ax: Axes) -> None:
         steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
         axis.set_major_locator(LogLocator(base=10, subs=steps, numticks=20))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(LogLocator(base=10, subs=tuple(map(float, range(1, 10))), numticks=20))
+        axis.set_minor_locator(
+            LogLocator(base=10, subs=tuple(map(float, range(1, 10))), numticks=20)
+        )
         axis.set_minor_formatter(NullFormatter())
 
 

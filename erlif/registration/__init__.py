@@ -5,7 +5,12 @@ from erlif.registration.camera_map import CameraMap
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
-from erlif.registration.warp import interpolation_variance_factor, sample_spline, spline_coefficients, warp
+from erlif.registration.warp import (
+    interpolation_variance_factor,
+    sample_spline,
+    spline_coefficients,
+    warp,
+)
 
 __all__ = [
     "ORIENTATIONS",

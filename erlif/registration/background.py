@@ -50,11 +50,15 @@ def local_light(image: Array, weight: Array) -> Array:
         return np.asarray(correlate1d(rows, taps[along_y], axis=0, mode="constant"))
 
     moments = {(a, b): moment(count, a, b) for a in range(5) for b in range(5 - a)}
-    normal = np.stack([np.stack([moments[a + c, b + d] for c, d in _TERMS], -1) for a, b in _TERMS], -2)
+    normal = np.stack(
+        [np.stack([moments[a + c, b + d] for c, d in _TERMS], -1) for a, b in _TERMS], -2
+    )
     normal += (_RIDGE * normal[..., :1, :1] + 1e-12) * np.eye(len(_TERMS))
     data = np.stack([moment(light, a, b) for a, b in _TERMS], -1)
     fitted = np.linalg.solve(normal, data[..., None])[..., 0, 0]
-    along_y, along_x = (_from_cells(cells, pixels) for cells, pixels in zip(fitted.shape, (h, w), strict=True))
+    along_y, along_x = (
+        _from_cells(cells, pixels) for cells, pixels in zip(fitted.shape, (h, w), strict=True)
+    )
     return np.asarray(along_y @ fitted @ along_x.T, np.float32)
 
 

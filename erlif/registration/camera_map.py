@@ -47,12 +47,23 @@ class CameraMap:
         what = "camera-2 pixel minus camera-1 pixel of the same object point"
         return xr.Dataset(
             {
-                "displacement_x": (("y", "x"), self.displacement_x, {"units": "px", "long_name": f"{what}, along x"}),
-                "displacement_y": (("y", "x"), self.displacement_y, {"units": "px", "long_name": f"{what}, along y"}),
+                "displacement_x": (
+                    ("y", "x"),
+                    self.displacement_x,
+                    {"units": "px", "long_name": f"{what}, along x"},
+                ),
+                "displacement_y": (
+                    ("y", "x"),
+                    self.displacement_y,
+                    {"units": "px", "long_name": f"{what}, along y"},
+                ),
                 "displacement_std": (
                     ("y", "x"),
                     self.displacement_std,
-                    {"units": "px", "long_name": "standard deviation of one component of the displacement"},
+                    {
+                        "units": "px",
+                        "long_name": "standard deviation of one component of the displacement",
+                    },
                 ),
                 "overlap": (
                     ("y", "x"),
@@ -90,7 +101,9 @@ class CameraMap:
             attrs = dataset.attrs
             kinds = {name: type(value) for name, value in asdict(RegistrationSettings()).items()}
             chosen: dict[str, Any] = {
-                name: kind(attrs["registration_model_asked" if name == "model" else f"registration_{name}"])
+                name: kind(
+                    attrs["registration_model_asked" if name == "model" else f"registration_{name}"]
+                )
                 for name, kind in kinds.items()
             }
             return cls(

@@ -94,8 +94,12 @@ class _Correlator:
         """Significance and offset (x, y) of the best alignment; ``blur`` [px] gathers a peak that a slight
         rotation smears."""
         h, w = self.shape
-        ky = np.exp(-0.5 * (2 * np.pi * fft.fftfreq(self.size[0]) * blur) ** 2)[:, None].astype(np.float32)
-        kx = np.exp(-0.5 * (2 * np.pi * fft.rfftfreq(self.size[1]) * blur) ** 2)[None, :].astype(np.float32)
+        ky = np.exp(-0.5 * (2 * np.pi * fft.fftfreq(self.size[0]) * blur) ** 2)[:, None].astype(
+            np.float32
+        )
+        kx = np.exp(-0.5 * (2 * np.pi * fft.rfftfreq(self.size[1]) * blur) ** 2)[None, :].astype(
+            np.float32
+        )
         product = fft.rfft2(texture, self.size)
         product *= self.spectrum
         product *= ky
@@ -103,7 +107,11 @@ class _Correlator:
         value = fft.irfft2(product, self.size, overwrite_x=True)
         value *= self.scale
         reach = 0.75 if everywhere else self.search
-        inside = self.enough & (np.abs(self.offset_x) <= reach * w) & (np.abs(self.offset_y) <= reach * h)
+        inside = (
+            self.enough
+            & (np.abs(self.offset_x) <= reach * w)
+            & (np.abs(self.offset_y) <= reach * h)
+        )
         if not inside.any():
             return 0.0, np.zeros(2)
         chance = 1.4826 * float(np.median(np.abs(value[self.enough][::5])))
@@ -125,7 +133,9 @@ def _turned(
     dx = (linear[0, 0] - 1) * x + linear[0, 1] * y + offset[0]
     dy = linear[1, 0] * x + (linear[1, 1] - 1) * y + offset[1]
     out = np.empty(shape, np.float32)
-    sample_spline(coefficients, dx.astype(np.float32), dy.astype(np.float32), 0.0, 0.0, bad, out, 0, h)
+    sample_spline(
+        coefficients, dx.astype(np.float32), dy.astype(np.float32), 0.0, 0.0, bad, out, 0, h
+    )
     sound = np.isfinite(out)
     return np.where(sound, out, np.float32(0)), sound.astype(np.float32)
 
@@ -146,7 +156,15 @@ def _integral(values: Array, other: Array, out: Array) -> None:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
 def _match_blocks(
-    a: Array, b: Array, energy_a: Array, energy_b: Array, area: Array, block: int, stride: int, reach: int, out: Array
+    a: Array,
+    b: Array,
+    energy_a: Array,
+    energy_b: Array,
+    area: Array,
+    block: int,
+    stride: int,
+    reach: int,
+    out: Array,
 ) -> None:
     """Normalised correlation of each block of ``a`` with ``b`` at every integer offset within ``reach``; -2 where
     less than a third of the block is seen. Energies and area are integral images."""
@@ -209,7 +227,9 @@ def _block_vectors(a: Array, b: Array, wb: Array, reach: int) -> tuple[Array, Ar
         middle = scores[y, x, jj, ii]
         bend = 2 * middle - low - high
         ok = inner & (bend > 0) & (low > -1.5) & (high > -1.5)
-        sub[..., axis] = np.where(ok, np.clip((high - low) / (2 * np.where(bend > 0, bend, 1)), -0.5, 0.5), 0)
+        sub[..., axis] = np.where(
+            ok, np.clip((high - low) / (2 * np.where(bend > 0, bend, 1)), -0.5, 0.5), 0
+        )
     vectors = np.stack([i - reach, j - reach], axis=-1) + sub
     half = (min(BLOCK, w, h) - 1) / 2
     centres = np.stack([x * STRIDE + half, y * STRIDE + half], axis=-1).astype(float)
@@ -275,18 +295,29 @@ class _Coarse:
     factor: int
 
     def turned(self, linear: Array, shift: Array) -> tuple[Array, Array]:
-        return _turned(self.coefficients, self.bad, linear, shift, (self.a.shape[0], self.a.shape[1]))
+        return _turned(
+            self.coefficients, self.bad, linear, shift, (self.a.shape[0], self.a.shape[1])
+        )
 
 
 def _second(b: Array, wb: Array) -> dict[str, Any]:
     """The part of `_Coarse` that belongs to camera 2."""
     b = np.clip(b, -4, 4)
-    return {"b": b, "wb": wb, "coefficients": spline_coefficients(b), "bad": NOTHING_BAD if wb.all() else wb == 0}
+    return {
+        "b": b,
+        "wb": wb,
+        "coefficients": spline_coefficients(b),
+        "bad": NOTHING_BAD if wb.all() else wb == 0,
+    }
 
 
-def _prepare(reference: Array, moving: Array, wr: Array | None, wm: Array | None, factor: int) -> _Coarse:
+def _prepare(
+    reference: Array, moving: Array, wr: Array | None, wm: Array | None, factor: int
+) -> _Coarse:
     a, wa = _textures(reference, wr, factor)
-    return _Coarse(a=np.clip(a, -4, 4), wa=wa, factor=factor, **_second(*_textures(moving, wm, factor)))
+    return _Coarse(
+        a=np.clip(a, -4, 4), wa=wa, factor=factor, **_second(*_textures(moving, wm, factor))
+    )
 
 
 def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
@@ -373,7 +404,9 @@ def find_start(
         If the frames share no texture, if camera 2 is mirrored or turned against the settings, or if the offset is
         beyond the search range.
     """
-    factor = coarse_binning((min(reference.shape[0], moving.shape[0]), min(reference.shape[1], moving.shape[1])))
+    factor = coarse_binning(
+        (min(reference.shape[0], moving.shape[0]), min(reference.shape[1], moving.shape[1]))
+    )
     coarse = _prepare(reference, moving, weight_reference, weight_moving, factor)
     if not (coarse.wa > 0).mean() > 0.05 or not (coarse.wb > 0).mean() > 0.05:
         raise RegistrationError(
@@ -408,7 +441,11 @@ def _explain(
     for search in (_search_still, _search_bank):
         for other in ORIENTATIONS[1:]:
             turned = np.ascontiguousarray(orient(moving, other))
-            weight = None if weight_moving is None else np.ascontiguousarray(orient(weight_moving, other))
+            weight = (
+                None
+                if weight_moving is None
+                else np.ascontiguousarray(orient(weight_moving, other))
+            )
             b, wb = _textures(turned, weight, coarse.factor)
             trial = replace(coarse, **_second(b, wb))
             start, peak = search(trial, _Correlator(trial, settings.search))

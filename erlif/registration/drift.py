@@ -87,7 +87,9 @@ def estimate_drift(
             f"The camera map was made for frames of {camera_map.shape}, this frame has {pair.reference.shape}; "
             "register the cameras again for this region of interest."
         )
-    found = follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads)
+    found = follow_drift(
+        camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads
+    )
     if np.isnan(found.dx):
         raise RegistrationError(
             f"This frame does not fit the camera map: laid over each other, the images of the two cameras have a "
@@ -98,7 +100,11 @@ def estimate_drift(
 
 
 def check_map(
-    camera_map: CameraMap, pairs: Pairs, *, tolerance: float = 0.1, settings: RegistrationSettings | None = None
+    camera_map: CameraMap,
+    pairs: Pairs,
+    *,
+    tolerance: float = 0.1,
+    settings: RegistrationSettings | None = None,
 ) -> Array:
     """Check on a few frames of a run that a map made before still fits it.
 
@@ -139,7 +145,9 @@ def check_map(
         drift.append((found.dx, found.dy))
         views = textures(pair, 1, settings.threads)
         field = camera_map.displacement_x, camera_map.displacement_y
-        b = laid_over(views.spline(settings.threads), *field, (found.dx, found.dy), settings.threads)
+        b = laid_over(
+            views.spline(settings.threads), *field, (found.dx, found.dy), settings.threads
+        )
         total = total + cell_sums(views.a, views.weight, b, STEP, threads=settings.threads)
     total = without_noise(total)
     off = local.still_off(total * cell_weights(total)[..., None], STEP, tolerance=tolerance)
@@ -152,7 +160,9 @@ def check_map(
     return np.array(drift)
 
 
-def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, threads: int = 1) -> Drift:
+def follow_drift(
+    displacement_x: Array, displacement_y: Array, pair: Pair, *, threads: int = 1
+) -> Drift:
     """The same as `estimate_drift` for a checked pair and a dense displacement (NaN where it is not known). [px]
 
     The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them to a fraction of a
@@ -161,7 +171,9 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
     """
     shift = np.zeros(2)
     sums = np.zeros((1, 1, SUMS))
-    last = 2 if min(pair.reference.shape) >= 400 else 1  # large frames have texture enough for a shift when binned
+    last = (
+        2 if min(pair.reference.shape) >= 400 else 1
+    )  # large frames have texture enough for a shift when binned
     for binning, passes in ((2 * last, 3), (last, last)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)
@@ -170,7 +182,13 @@ def follow_drift(displacement_x: Array, displacement_y: Array, pair: Pair, *, th
             shift = binning * _whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
         for _ in range(passes):
             here = (float(shift[0]) / binning, float(shift[1]) / binning)
-            sums = cell_sums(views.a, views.weight, laid_over(spline, dx, dy, here, threads), STEP, threads=threads)
+            sums = cell_sums(
+                views.a,
+                views.weight,
+                laid_over(spline, dx, dy, here, threads),
+                STEP,
+                threads=threads,
+            )
             shift = shift + binning * np.array(solve_shift(without_noise(sums)))
     quality = correlation(sums)
     products = sums[..., AB][sums[..., WEIGHT] > 0]
@@ -187,13 +205,17 @@ def _beyond_chance(products: Array) -> bool:
     median = float(np.median(products))
     spread = 1.4826 * float(np.median(np.abs(products - median)))
     return bool(
-        products.mean() > CHANCE * products.std() * error or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
+        products.mean() > CHANCE * products.std() * error
+        or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
     )
 
 
 def _whole_pixels(a: Array, b: Array) -> Array:
     """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation; NaN in ``b`` counts 0."""
-    size = (fft.next_fast_len(a.shape[0] + FARTHEST, real=True), fft.next_fast_len(a.shape[1] + FARTHEST, real=True))
+    size = (
+        fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
+        fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
+    )
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
     value = fft.irfft2(product, size)
     near = np.r_[-FARTHEST : FARTHEST + 1]

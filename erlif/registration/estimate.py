@@ -39,7 +39,14 @@ from erlif.registration.selection import (
     moved_to,
 )
 from erlif.registration.settings import RegistrationSettings
-from erlif.registration.surface import Cells, Surface, bilinear, cell_weights, equations, solve_surface
+from erlif.registration.surface import (
+    Cells,
+    Surface,
+    bilinear,
+    cell_weights,
+    equations,
+    solve_surface,
+)
 from erlif.registration.uncertainty import surface_covariance, surface_std
 from erlif.registration.whitening import (
     Filter,
@@ -91,11 +98,15 @@ def register(
         If the frames share no texture, are mirrored or turned against the settings, or lie too far apart.
     """
     settings = RegistrationSettings() if settings is None else settings
-    found, _ = register_frames([(reference, moving, weight_reference, weight_moving)], settings=settings)
+    found, _ = register_frames(
+        [(reference, moving, weight_reference, weight_moving)], settings=settings
+    )
     return found
 
 
-def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = None) -> tuple[CameraMap, Array]:
+def register_frames(
+    pairs: Pairs, *, settings: RegistrationSettings | None = None
+) -> tuple[CameraMap, Array]:
     """Find the fixed map of a run and the drift of each of its frames.
 
     Parameters
@@ -146,7 +157,9 @@ def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = Non
     surface = solve_surface(equations(cells, model.elements, box=surface.box), basis=model.basis)
     cells = moved_to(cells, surface)
     solution = describe_surface(cells, surface, model, views.shape)
-    if settings.model == "local" or (settings.model == "auto" and (unresolved or max(model.elements) >= FINE)):
+    if settings.model == "local" or (
+        settings.model == "auto" and (unresolved or max(model.elements) >= FINE)
+    ):
         windows = solve_local(views, surface, slope, expected_rms(seen.sums))
         if settings.model == "local" or unresolved or fits_better(views, windows, solution):
             solution = windows
@@ -155,10 +168,14 @@ def register_frames(pairs: Pairs, *, settings: RegistrationSettings | None = Non
         return camera_map, np.zeros((1, 2))
     drift = np.empty((frames.count, 2))
     for number, pair in enumerate(frames.pick(range(frames.count))):
-        found = follow_drift(camera_map.displacement_x, camera_map.displacement_y, pair, threads=settings.threads)
+        found = follow_drift(
+            camera_map.displacement_x, camera_map.displacement_y, pair, threads=settings.threads
+        )
         drift[number] = found.dx, found.dy
     mean = np.nanmean(drift, axis=0)
-    moved = replace(solution, dx=solution.dx + np.float32(mean[0]), dy=solution.dy + np.float32(mean[1]))
+    moved = replace(
+        solution, dx=solution.dx + np.float32(mean[0]), dy=solution.dy + np.float32(mean[1])
+    )
     return finish_map(moved, views, cells, quality), drift - mean
 
 
@@ -167,7 +184,13 @@ def start_with_any(frames: Frames) -> tuple[Pair, Surface]:
     failure: RegistrationError | None = None
     for pair in frames.pick(frames.chosen[:4]):
         try:
-            start = find_start(pair.reference, pair.moving, pair.weight_reference, pair.weight_moving, frames.settings)
+            start = find_start(
+                pair.reference,
+                pair.moving,
+                pair.weight_reference,
+                pair.weight_moving,
+                frames.settings,
+            )
         except RegistrationError as error:
             failure = failure or error
             continue
@@ -191,7 +214,9 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
             b = laid_over(spline, dx, dy, (0.0, 0.0), settings.threads)
             sums = cell_sums(views.a, views.weight, b, settings.step, threads=settings.threads)
             cells = make_cells(sums, settings.step, surface, binning=binning)
-            surface = solve_surface(equations(cells, (1, 1), box=surface.box), basis=Model((1, 1), degree).basis)
+            surface = solve_surface(
+                equations(cells, (1, 1), box=surface.box), basis=Model((1, 1), degree).basis
+            )
         binning //= 2
         degrees = (3, 3) if binning > 2 else (3,)
     return surface
@@ -289,7 +314,9 @@ class Views:
             yield number, plain if self._whitening is None else self._filtered(plain)
         self._drift_known = True
 
-    def sums(self, dx: Array, dy: Array, scale: Array | None) -> tuple[Array, Spectra | None, Array]:
+    def sums(
+        self, dx: Array, dy: Array, scale: Array | None
+    ) -> tuple[Array, Spectra | None, Array]:
         """Sums over the frames at a dense displacement, spectra if not filtered yet, and the mean drift (dx, dy) by
         which the displacement must be moved for the sums to hold."""
         total: Array | None = None
@@ -298,7 +325,9 @@ class Views:
         for number, view in self._each(dx, dy):
             here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
             b = laid_over(view.spline(threads), dx, dy, here, threads)
-            sums = cell_sums(view.a, view.weight, b, self.settings.step, scale=scale, threads=threads)
+            sums = cell_sums(
+                view.a, view.weight, b, self.settings.step, scale=scale, threads=threads
+            )
             if self._whitening is None:
                 one = measure_spectra(view.a, view.weight, b)
                 spectra = one if spectra is None else spectra + one
@@ -326,7 +355,11 @@ class Views:
 
     def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made."""
-        return make_cells(without_noise(merge_cells(sums, self.merge), slope), self.settings.step * self.merge, surface)
+        return make_cells(
+            without_noise(merge_cells(sums, self.merge), slope),
+            self.settings.step * self.merge,
+            surface,
+        )
 
 
 def check_correlation(sums: Array) -> float:
@@ -383,13 +416,17 @@ class Solution:
     model: str
 
 
-def describe_surface(cells: Cells, surface: Surface, model: Model, shape: tuple[int, int]) -> Solution:
+def describe_surface(
+    cells: Cells, surface: Surface, model: Model, shape: tuple[int, int]
+) -> Solution:
     """The surface on every pixel, with the uncertainty of its coefficients carried along."""
     covariance = surface_covariance(cells, model, surface.box)
     x, y = np.linspace(0, shape[1] - 1, 81), np.linspace(0, shape[0] - 1, 65)
     std = surface_std(covariance, model, surface.box, x, y)
     zoom = ((shape[0] - 1) / 64, (shape[1] - 1) / 80)
-    row, column = (np.arange(n, dtype=np.float32) / np.float32(z) for n, z in zip(shape, zoom, strict=True))
+    row, column = (
+        np.arange(n, dtype=np.float32) / np.float32(z) for n, z in zip(shape, zoom, strict=True)
+    )
     std = bilinear(std.astype(np.float32), row, column)
     dx, dy = surface.on_pixels(shape)
     return Solution(dx, dy, std, str(model))
@@ -458,7 +495,9 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _find_overlap(dx: Array, dy: Array, std: Array, height: int, width: int, overlap: Array) -> None:
+def _find_overlap(
+    dx: Array, dy: Array, std: Array, height: int, width: int, overlap: Array
+) -> None:
     """Mark the pixels whose point camera 2 sees; NaN into the fields far beyond its frame."""
     for y in range(dx.shape[0]):
         for x in range(dx.shape[1]):

@@ -30,7 +30,9 @@ def window_sigma(window: int, step: int) -> float:
 
 def window_sums(cells: Array, sigma: float) -> Array:
     """Gaussian-weighted sums about each cell; nothing beyond the edges."""
-    return np.asarray(ndimage.gaussian_filter(cells, (sigma, sigma, 0), mode="constant", truncate=3.5))
+    return np.asarray(
+        ndimage.gaussian_filter(cells, (sigma, sigma, 0), mode="constant", truncate=3.5)
+    )
 
 
 def solve_windows(sums: Array, sigma: float) -> tuple[Array, Array, Array]:
@@ -41,7 +43,9 @@ def solve_windows(sums: Array, sigma: float) -> tuple[Array, Array, Array]:
     ridge = 1e-3 * float(np.median(trace[trace > 0])) if (trace > 0).any() else 1.0
     gxx, gyy = gxx + ridge, gyy + ridge
     det = gxx * gyy - gxy**2
-    inverse = np.stack([np.stack([gyy, -gxy], -1), np.stack([-gxy, gxx], -1)], -2) / det[..., None, None]
+    inverse = (
+        np.stack([np.stack([gyy, -gxy], -1), np.stack([-gxy, gxx], -1)], -2) / det[..., None, None]
+    )
     vector = np.stack([inverse[..., k, 0] * bx + inverse[..., k, 1] * by for k in range(2)])
     return vector, inverse, trace > 20 * ridge
 
@@ -72,7 +76,9 @@ def smooth(field: Array) -> Array:
     return np.asarray((p[:, :, :-2] + 2 * p[:, :, 1:-1] + p[:, :, 2:]) / 16)
 
 
-def to_pixels(nodes: Array, positions_y: Array, positions_x: Array, shape: tuple[int, int]) -> Array:
+def to_pixels(
+    nodes: Array, positions_y: Array, positions_x: Array, shape: tuple[int, int]
+) -> Array:
     """Catmull-Rom interpolation from equidistant nodes (row, column) to all pixels; constant beyond them; float32."""
 
     def matrix(positions: Array, size: int) -> Array:
@@ -148,7 +154,9 @@ def window_std(sums: Array, sigma: float, passes: int) -> Array:
     product = near[..., :, None] * near[..., None, :]
     rows, cols = sound.shape
     # the square of the Gaussian window is a Gaussian of 1/sqrt(2) its width and 1/(4 pi sigma^2) its height
-    spread = window_sums(product.reshape(rows, cols, 4), sigma / float(np.sqrt(2))) / (4 * np.pi * sigma**2)
+    spread = window_sums(product.reshape(rows, cols, 4), sigma / float(np.sqrt(2))) / (
+        4 * np.pi * sigma**2
+    )
     covariance = inverse @ spread.reshape(rows, cols, 2, 2) @ inverse
     effect = response(sigma, passes)
     variance = 0.5 * np.trace(covariance, axis1=-2, axis2=-1) * effect.gain / effect.kept

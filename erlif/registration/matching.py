@@ -35,10 +35,14 @@ the textures themselves for the correlation coefficient, and the scalar product 
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _cell_sums(a: Array, weight: Array, b: Array, step: int, limit: Array, sums: Array, start: int, stop: int) -> None:
+def _cell_sums(
+    a: Array, weight: Array, b: Array, step: int, limit: Array, sums: Array, start: int, stop: int
+) -> None:
     h, w = a.shape
     cols = sums.shape[1]
-    c1 = np.float32(1.0 / 24.0)  # five-point derivative of the mean image: half of 1/12, half of 8/12
+    c1 = np.float32(
+        1.0 / 24.0
+    )  # five-point derivative of the mean image: half of 1/12, half of 8/12
     c8 = np.float32(8.0 / 24.0)
     zero = np.float32(0)
     bounded = limit.size > 0
@@ -96,7 +100,9 @@ def _cell_sums(a: Array, weight: Array, b: Array, step: int, limit: Array, sums:
                 sums[r, c, k] = total
 
 
-def cell_sums(a: Array, weight: Array, b: Array, step: int, *, scale: Array | None = None, threads: int = 1) -> Array:
+def cell_sums(
+    a: Array, weight: Array, b: Array, step: int, *, scale: Array | None = None, threads: int = 1
+) -> Array:
     """Sums of the Gauss-Newton equations over square cells.
 
     Parameters
@@ -126,7 +132,9 @@ def cell_sums(a: Array, weight: Array, b: Array, step: int, *, scale: Array | No
     else:
         inverse = (1 / (4.0 * np.maximum(scale, 1e-6)) ** 2).astype(np.float32)
         limit = np.repeat(inverse, step, axis=1)
-        limit = np.concatenate([limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1)
+        limit = np.concatenate(
+            [limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1
+        )
         limit = np.ascontiguousarray(np.concatenate([limit, limit[-1:]], axis=0))
     in_bands(lambda s, t: _cell_sums(a, weight, b, step, limit, sums, s, t), rows + 1, threads)
     sums[rows - 1] += sums[rows]
@@ -143,7 +151,9 @@ def merge_cells(sums: Array, factor: int) -> Array:
     rows, cols, n = sums.shape
     padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor, n))
     padded[:rows, :cols] = sums
-    merged: Array = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, n).sum((1, 3))
+    merged: Array = padded.reshape(
+        padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, n
+    ).sum((1, 3))
     return merged
 
 

@@ -57,7 +57,9 @@ def binned(image: Array, weight: Array | None, factor: int) -> tuple[Array, Arra
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _cell_statistics(image: Array, weight: Array, size: int, sums: Array, start: int, stop: int) -> None:
+def _cell_statistics(
+    image: Array, weight: Array, size: int, sums: Array, start: int, stop: int
+) -> None:
     """Per cell of ``size`` pixels: weight, mean and variance, for the cell rows ``start`` to ``stop``."""
     h, w = image.shape
     weighted = weight.size > 0
@@ -188,14 +190,20 @@ def normalise(
     scale = (1 / np.maximum(rms, max(0.02 * float(rms.max()), 1e-6))).astype(np.float32)
     out = np.empty((h, w), np.float32)
     out_weight = np.empty((h, w), np.float32)
-    in_bands(lambda a, b: _flatten(image, weight, CELL, mean, scale, floor, out, out_weight, a, b), h, threads)
+    in_bands(
+        lambda a, b: _flatten(image, weight, CELL, mean, scale, floor, out, out_weight, a, b),
+        h,
+        threads,
+    )
     return out, out_weight
 
 
 def _average(cells: Array, weight: Array, sigma: float) -> Array:
     """Weighted Gaussian average of the cells, edges mirrored; the plain mean where no weight is near."""
     if float(weight.min()) == float(weight.max()):  # nothing is missing
-        return np.asarray(ndimage.gaussian_filter(cells, sigma, mode="reflect", truncate=3.0), np.float32)
+        return np.asarray(
+            ndimage.gaussian_filter(cells, sigma, mode="reflect", truncate=3.0), np.float32
+        )
     near = ndimage.gaussian_filter(weight, sigma, mode="reflect", truncate=3.0)
     total = ndimage.gaussian_filter(cells * weight, sigma, mode="reflect", truncate=3.0)
     overall = float((cells * weight).sum() / max(float(weight.sum()), 1e-30))

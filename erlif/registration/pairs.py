@@ -92,17 +92,25 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
         b, wb = normalise(pair.moving, pair.weight_moving, threads=threads)
     else:
         reach = max(REACH / binning, 3.0)
-        a, wa = normalise(*binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads)
-        b, wb = normalise(*binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads)
+        a, wa = normalise(
+            *binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads
+        )
+        b, wb = normalise(
+            *binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads
+        )
     return Textures(a, wa, b, wb)
 
 
-def laid_over(spline: tuple[Array, Array], dx: Array, dy: Array, drift: tuple[float, float], threads: int) -> Array:
+def laid_over(
+    spline: tuple[Array, Array], dx: Array, dy: Array, drift: tuple[float, float], threads: int
+) -> Array:
     """Texture of camera 2 at the pixels of camera 1; NaN where there is none."""
     out = np.empty(dx.shape, np.float32)
     coefficients, bad = spline
     x, y = float(drift[0]), float(drift[1])
-    in_bands(lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads)
+    in_bands(
+        lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads
+    )
     return out
 
 

@@ -47,7 +47,11 @@ class Model:
     def coefficients(self) -> int:
         """Coefficients for each component."""
         nx, ny = self.elements
-        return (nx + 3) * (ny + 3) if self.degree is None else (self.degree + 1) * (self.degree + 2) // 2
+        return (
+            (nx + 3) * (ny + 3)
+            if self.degree is None
+            else (self.degree + 1) * (self.degree + 2) // 2
+        )
 
     def __str__(self) -> str:
         if self.degree is not None:
@@ -68,7 +72,9 @@ def candidates(box: Box, ladder: tuple[int, ...]) -> list[Model]:
     """Models in the order of their coefficients; polynomials first if the ladder begins with one element."""
     longer = max(box[1] - box[0], box[3] - box[2])
     models = [Model((1, 1), 1), Model((1, 1), 2), Model((1, 1), 3)] if ladder[0] == 1 else []
-    return models + [Model(elements_of(n, box)) for n in ladder if n == 1 or longer / n >= LEAST_ELEMENT]
+    return models + [
+        Model(elements_of(n, box)) for n in ladder if n == 1 or longer / n >= LEAST_ELEMENT
+    ]
 
 
 def moved_to(cells: Cells, surface: Surface) -> Cells:
@@ -125,7 +131,9 @@ def noise_of_scores(cells: Cells, used_up: int) -> float:
     return max(values, default=0.0)
 
 
-def choose_model(cells: Cells, ladder: tuple[int, ...] = LADDER, best: Model | None = None) -> Model:
+def choose_model(
+    cells: Cells, ladder: tuple[int, ...] = LADDER, best: Model | None = None
+) -> Model:
     """The coarsest model on which no finer one is a clear gain. All are tried: a ripple shows only at its own scale.
 
     Parameters

@@ -82,14 +82,18 @@ class RegistrationSettings:
                 "Correct it in the settings of the registration."
             )
         if self.model not in ("auto", "surface", "local"):
-            raise RegistrationError(f"model must be auto, surface or local; got {self.model!r}. Correct the settings.")
+            raise RegistrationError(
+                f"model must be auto, surface or local; got {self.model!r}. Correct the settings."
+            )
         if not 4 <= self.step <= self.window / 2 or self.window > 256 or self.step % 2:
             raise RegistrationError(
                 "window must lie between twice the step and 256 px, and step must be even and at least 4 px; "
                 f"got window {self.window} and step {self.step}. Keep 32 and 8 if in doubt."
             )
         if not 0 < self.search <= 0.4:
-            raise RegistrationError(f"search must lie above 0 and at most at 0.4 of the frame; got {self.search}.")
+            raise RegistrationError(
+                f"search must lie above 0 and at most at 0.4 of the frame; got {self.search}."
+            )
         if self.passes < 1 or self.frames_for_map < 1 or self.threads < 1:
             raise RegistrationError(
                 f"passes, frames_for_map and threads must be at least 1; "

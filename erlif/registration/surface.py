@@ -18,7 +18,9 @@ Array = NDArray[Any]
 Box = tuple[float, float, float, float]
 
 
-def spline_weights(positions: Array, start: float, stop: float, elements: int) -> tuple[Array, Array]:
+def spline_weights(
+    positions: Array, start: float, stop: float, elements: int
+) -> tuple[Array, Array]:
     """Cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
@@ -40,7 +42,12 @@ def spline_weights(positions: Array, start: float, stop: float, elements: int) -
     t = (np.asarray(positions, float) - start) * (elements / (stop - start))
     first = np.clip(np.floor(t), 0, elements - 1).astype(np.int64)
     u = t - first
-    weights = np.stack([(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3], axis=-1) / 6
+    weights = (
+        np.stack(
+            [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3], axis=-1
+        )
+        / 6
+    )
     return first, weights
 
 
@@ -55,7 +62,12 @@ def design(positions: Array, start: float, stop: float, elements: int) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
 def _evaluate(
-    coefficients: Array, first_x: Array, weight_x: Array, first_y: Array, weight_y: Array, out: Array
+    coefficients: Array,
+    first_x: Array,
+    weight_x: Array,
+    first_y: Array,
+    weight_y: Array,
+    out: Array,
 ) -> None:
     """Tensor spline at the grid of positions; ``weight_x`` is (4, x), ``weight_y`` (y, 4)."""
     line = np.empty(coefficients.shape[1])
@@ -122,7 +134,14 @@ class Surface:
         fields = []
         for c in self.coefficients:
             field = np.empty(shape, np.float32)
-            _evaluate(np.ascontiguousarray(c / binning), first_x, weight_x.T.copy(), first_y, weight_y, field)
+            _evaluate(
+                np.ascontiguousarray(c / binning),
+                first_x,
+                weight_x.T.copy(),
+                first_y,
+                weight_y,
+                field,
+            )
             fields.append(field)
         return fields[0], fields[1]
 
@@ -135,10 +154,14 @@ class Surface:
 def affine_surface(box: Box, matrix: Array, offset: Array) -> Surface:
     """The affine displacement ``matrix @ (x, y) + offset`` as a surface of one element."""
     x0, x1, y0, y1 = box
-    gx = x0 + (x1 - x0) * np.arange(-1, 3)  # a cubic B-spline reproduces a line from its values at these abscissae
+    gx = x0 + (x1 - x0) * np.arange(
+        -1, 3
+    )  # a cubic B-spline reproduces a line from its values at these abscissae
     gy = y0 + (y1 - y0) * np.arange(-1, 3)
     x, y = np.meshgrid(gx, gy)
-    return Surface(box, np.stack([m[0] * x + m[1] * y + o for m, o in zip(matrix, offset, strict=True)]))
+    return Surface(
+        box, np.stack([m[0] * x + m[1] * y + o for m, o in zip(matrix, offset, strict=True)])
+    )
 
 
 def degree_basis(degree: int) -> Array:
@@ -146,7 +169,12 @@ def degree_basis(degree: int) -> Array:
     t = np.linspace(0, 1, 4)
     power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
     one = np.linalg.solve(design(t, 0.0, 1.0, 1), power)  # spline coefficients (4,) of each power
-    columns = [np.outer(one[:, j], one[:, i]).ravel() for i in range(4) for j in range(4) if i + j <= degree]
+    columns = [
+        np.outer(one[:, j], one[:, i]).ravel()
+        for i in range(4)
+        for j in range(4)
+        if i + j <= degree
+    ]
     return np.linalg.qr(np.stack(columns, axis=1))[0]
 
 
@@ -289,7 +317,18 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
     p = (nx + 3) * (ny + 3)
     blocks = np.zeros((3, ny + 3, nx + 3, ny + 3, nx + 3))
     right = np.zeros((2, ny + 3, nx + 3))
-    _assemble(cells.sums, cells.weight, first_x, weight_x, first_y, weight_y, cells.here_x, cells.here_y, blocks, right)
+    _assemble(
+        cells.sums,
+        cells.weight,
+        first_x,
+        weight_x,
+        first_y,
+        weight_y,
+        cells.here_x,
+        cells.here_y,
+        blocks,
+        right,
+    )
     xx, xy, yy = blocks.reshape(3, p, p)
     matrix = np.block([[xx, xy], [xy, yy]])
     return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
@@ -297,7 +336,9 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
 
 def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     """Spline coefficients (2p,) of the plane nearest to the displacement at which the sums were taken."""
-    x, y = np.meshgrid((cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2]))
+    x, y = np.meshgrid(
+        (cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2])
+    )
     on = cells.weight > 0
     terms = np.stack([np.ones(on.sum()), x[on], y[on]], axis=1)
     here = np.stack([cells.here_x[on], cells.here_y[on]], axis=1)
@@ -326,5 +367,7 @@ def _solve(matrix: Array, right: Array) -> Array:
     ridge = 1e-9 * np.trace(matrix) / n
     if not ridge > 0:
         return np.zeros(n)
-    solution: Array = cho_solve(cho_factor(matrix + ridge * np.eye(n), overwrite_a=True, check_finite=False), right)
+    solution: Array = cho_solve(
+        cho_factor(matrix + ridge * np.eye(n), overwrite_a=True, check_finite=False), right
+    )
     return solution

@@ -58,7 +58,9 @@ def _block_scores(
                     xx += both * inverse[index[m], index[n]]
                     xy += both * inverse[index[m], p + index[n]]
                     yy += both * inverse[p + index[m], p + index[n]]
-            leverage[b] += w * (sums[r, c, GXX] * xx + 2 * sums[r, c, GXY] * xy + sums[r, c, GYY] * yy)
+            leverage[b] += w * (
+                sums[r, c, GXX] * xx + 2 * sums[r, c, GXY] * xy + sums[r, c, GYY] * yy
+            )
 
 
 def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
@@ -81,7 +83,9 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     nx, ny = model.elements
     system = equations(cells, model.elements, box=box)
     side = 32.0 if model.coefficients <= 49 else 16.0
-    side = max(min(side, (box[1] - box[0]) / 8, (box[3] - box[2]) / 8), float(cells.x[1] - cells.x[0]))
+    side = max(
+        min(side, (box[1] - box[0]) / 8, (box[3] - box[2]) / 8), float(cells.x[1] - cells.x[0])
+    )
     column = ((cells.x - cells.x[0] + 0.5) // side).astype(np.int64)
     row = ((cells.y - cells.y[0] + 0.5) // side).astype(np.int64)
     block = row[:, None] * (column[-1] + 1) + column[None, :]
@@ -96,7 +100,17 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     blocks = int(block.max()) + 1
     scores, leverage = np.zeros((blocks, 2 * p)), np.zeros(blocks)
     _block_scores(
-        cells.sums, cells.weight, first_x, weight_x, first_y, weight_y, block, nx + 3, inverse, scores, leverage
+        cells.sums,
+        cells.weight,
+        first_x,
+        weight_x,
+        first_y,
+        weight_y,
+        block,
+        nx + 3,
+        inverse,
+        scores,
+        leverage,
     )
     # the fit has bent towards each block by its leverage on either component; without the block, it had not
     scores /= np.maximum(1 - leverage / 2, 0.1)[:, None]
@@ -106,7 +120,13 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _variance_at(
-    first_x: Array, weight_x: Array, first_y: Array, weight_y: Array, covariance: Array, nx: int, out: Array
+    first_x: Array,
+    weight_x: Array,
+    first_y: Array,
+    weight_y: Array,
+    covariance: Array,
+    nx: int,
+    out: Array,
 ) -> None:
     p = covariance.shape[0] // 2
     index = np.empty(16, np.int64)

@@ -164,7 +164,14 @@ def sample_spline(
             v = dy - fy
             i = x + int(fx)
             j = y + int(fy)
-            if i < 0 or j < 0 or i > w - 1 or j > h - 1 or (i == w - 1 and u > 0) or (j == h - 1 and v > 0):
+            if (
+                i < 0
+                or j < 0
+                or i > w - 1
+                or j > h - 1
+                or (i == w - 1 and u > 0)
+                or (j == h - 1 and v > 0)
+            ):
                 out[y, x] = np.nan
                 continue
             if masked:
@@ -278,7 +285,9 @@ def warp(
             f"{displacement_y.shape}; take both from one CameraMap."
         )
     if image.ndim != 2 or min(image.shape) < 3:
-        raise RegistrationError(f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}.")
+        raise RegistrationError(
+            f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}."
+        )
     bad = NOTHING_BAD
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         holes = ~np.isfinite(image)
@@ -292,7 +301,9 @@ def warp(
     dy = np.ascontiguousarray(displacement_y, np.float32)
     out = np.empty(dx.shape, np.float32)
     x, y = float(drift[0]), float(drift[1])
-    in_bands(lambda a, b: sample_spline(coefficients, dx, dy, x, y, bad, out, a, b), dx.shape[0], threads)
+    in_bands(
+        lambda a, b: sample_spline(coefficients, dx, dy, x, y, bad, out, a, b), dx.shape[0], threads
+    )
     return out
 
 
@@ -301,10 +312,14 @@ def _noise_table(size: int = 1024) -> Array:
     """s(f), the sum of the squared values of the cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
     n = 64
     f = np.linspace(0.0, 1.0, size + 1)
-    taps = np.stack([(1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3]) / 6
+    taps = (
+        np.stack([(1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3]) / 6
+    )
     z = float(np.sqrt(3.0) - 2.0)
     k = np.arange(-n, n + 1)
-    inverse = np.sqrt(3.0) * z ** np.abs(k)  # impulse response of the prefilter, 6 z/(1 - z^2) z^|k| with sign
+    inverse = np.sqrt(3.0) * z ** np.abs(
+        k
+    )  # impulse response of the prefilter, 6 z/(1 - z^2) z^|k| with sign
     response = np.zeros((2 * n + 4, f.size))
     for i in range(4):
         response[i : i + 2 * n + 1] += inverse[:, None] * taps[i]

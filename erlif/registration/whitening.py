@@ -32,7 +32,10 @@ class Spectra:
 
     def __add__(self, other: "Spectra") -> "Spectra":
         return Spectra(
-            self.first + other.first, self.second + other.second, self.cross + other.cross, self.blocks + other.blocks
+            self.first + other.first,
+            self.second + other.second,
+            self.cross + other.cross,
+            self.blocks + other.blocks,
         )
 
 
@@ -161,7 +164,13 @@ def slope_gain(spectra: Spectra, filter_: Filter | None) -> float:
     common[0, 0] = 0
     if filter_ is not None:
         radius = np.hypot(ky, kx) / (2 * np.pi)
-        common = common * np.interp(radius, filter_.spacing * np.arange(len(filter_.amplitude)), filter_.amplitude) ** 2
+        common = (
+            common
+            * np.interp(
+                radius, filter_.spacing * np.arange(len(filter_.amplitude)), filter_.amplitude
+            )
+            ** 2
+        )
     answer, held = 0.0, 0.0
     for k in (kx, ky):
         derivative = (8 * np.sin(k) - np.sin(2 * k)) / 6
@@ -175,7 +184,9 @@ def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
     return fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
 
 
-def whiten(texture: Array, weight: Array, amplitude: Array, *, threads: int = 1) -> tuple[Array, Array]:
+def whiten(
+    texture: Array, weight: Array, amplitude: Array, *, threads: int = 1
+) -> tuple[Array, Array]:
     """Filter a texture; its weight becomes 0 near the frame's edge and around holes, where the filter saw no light.
 
     Parameters
@@ -189,7 +200,9 @@ def whiten(texture: Array, weight: Array, amplitude: Array, *, threads: int = 1)
     size = padded_size((h, w))
     spectrum = fft.rfft2(texture, size, workers=threads)
     spectrum *= amplitude
-    filtered = np.ascontiguousarray(fft.irfft2(spectrum, size, overwrite_x=True, workers=threads)[:h, :w])
+    filtered = np.ascontiguousarray(
+        fft.irfft2(spectrum, size, overwrite_x=True, workers=threads)[:h, :w]
+    )
     scale = float(np.sqrt(np.mean(filtered**2)))
     if scale > 0:
         filtered *= np.float32(1 / scale)

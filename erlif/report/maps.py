@@ -66,10 +66,13 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
     flags = one.flags.values.astype(np.uint8)
     good = flags == 0
     counts = np.zeros(flags.shape, np.uint16)
-    counts[good] = np.clip(np.rint(one.thickness.values[good] / coding.step), 0, 65535).astype(np.uint16)
+    counts[good] = np.clip(np.rint(one.thickness.values[good] / coding.step), 0, 65535).astype(
+        np.uint16
+    )
     planes = [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8), flags]
     planes += [
-        _encode_std(np.where(good, one[name].values, np.nan)) for name in ("thickness_std", "thickness_std_shared")
+        _encode_std(np.where(good, one[name].values, np.nan))
+        for name in ("thickness_std", "thickness_std_shared")
     ]
     packed = zlib.compress(b"".join(plane.tobytes() for plane in planes), 9)
     return base64.b64encode(packed).decode("ascii")
@@ -86,7 +89,11 @@ def _block_median(values: Array) -> Array:
     rows, columns = block_shape((values.shape[0], values.shape[1]))
     padded = np.full((rows * _BLOCK, columns * _BLOCK), np.nan)
     padded[: values.shape[0], : values.shape[1]] = values
-    blocks = padded.reshape(rows, _BLOCK, columns, _BLOCK).transpose(0, 2, 1, 3).reshape(rows, columns, -1)
+    blocks = (
+        padded.reshape(rows, _BLOCK, columns, _BLOCK)
+        .transpose(0, 2, 1, 3)
+        .reshape(rows, columns, -1)
+    )
     ordered = np.sort(blocks, axis=-1)  # NaN last
     valid = np.isfinite(blocks).sum(axis=-1)
     middle = np.maximum(valid - 1, 0) // 2

@@ -63,7 +63,9 @@ _CAPTIONS = {
         "Both bands after dark, flat and, for camera 2, resampling onto the pixel grid of camera 1. Grey: outside camera 2.",
         "png",
     ),
-    "ratio_image": _Caption("Ratio of the two images", "Camera 2 over camera 1, which rises with thickness.", "png"),
+    "ratio_image": _Caption(
+        "Ratio of the two images", "Camera 2 over camera 1, which rises with thickness.", "png"
+    ),
     "calibration": _Caption(
         "Calibration",
         "(a) Ratio against thickness with the fitted reabsorption model and its 95 % band; bars are one standard deviation, the "
@@ -81,7 +83,9 @@ _CAPTIONS = {
         "(a) Mean and least film of each trigger with the fitted powers n; bars one standard deviation, random and shared. Grey "
         "points, where there are any, were too slow for the fit. (b) The least film with theory on scales that hold both.",
     ),
-    "map_sheet": _Caption("The maps of a whole cycle", "One colour scale for all. Grey: no answer.", "png"),
+    "map_sheet": _Caption(
+        "The maps of a whole cycle", "One colour scale for all. Grey: no answer.", "png"
+    ),
     "film_over_cycle": _Caption(
         "Film and speed over the cycle",
         "(a) Mean and least film with 95 % bands, random and shared errors together; (b) speed. Dotted: the motion turns.",
@@ -147,7 +151,9 @@ def _page(source: FigureSource) -> str:
     for trigger in range(film.sizes["trigger"]):
         maps.append(embed_map(film, trigger=trigger, coding=coding))
         flags = film.flags.isel(trigger=trigger).values
-        counts.append([int((flags == 0).sum())] + [int(((flags & int(flag)) != 0).sum()) for flag in Flag])
+        counts.append(
+            [int((flags == 0).sum())] + [int(((flags & int(flag)) != 0).sum()) for flag in Flag]
+        )
     tally = np.array(counts, float) / (film.sizes["y"] * film.sizes["x"])
     name = settings_of(film).name
     sections = [
@@ -162,7 +168,9 @@ def _page(source: FigureSource) -> str:
         f'<section id="{key}" aria-labelledby="{key}-title"><h2 id="{key}-title">{title}</h2>\n{content}\n</section>'
         for key, title, content in sections
     )
-    embedded = "\n".join(f'<script type="text/plain" id="map-{k}">{text}</script>' for k, text in enumerate(maps))
+    embedded = "\n".join(
+        f'<script type="text/plain" id="map-{k}">{text}</script>' for k, text in enumerate(maps)
+    )
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -205,7 +213,11 @@ def with_error(value: float, std: float, unit: str = "") -> str:
 
 
 def _table(
-    rows: Iterable[Sequence[str]], *, head: Sequence[str] = (), caption: str = "", numbers: Iterable[int] = ()
+    rows: Iterable[Sequence[str]],
+    *,
+    head: Sequence[str] = (),
+    caption: str = "",
+    numbers: Iterable[int] = (),
 ) -> str:
     """An HTML table; cells are HTML already, the first of each row heads it where there is no `head`."""
     right = set(numbers)
@@ -256,11 +268,16 @@ def _results_table(film: xr.Dataset, tally: Array) -> str:
             used = film[name].attrs.get("triggers_used")
             words = with_error(float(film[name]), float(film[f"{name}_std"]))
             rows.append(
-                (f"Power of speed over load, {title}", words + (f" ({int(used)} triggers)" if used is not None else ""))
+                (
+                    f"Power of speed over load, {title}",
+                    words + (f" ({int(used)} triggers)" if used is not None else ""),
+                )
             )
     theory = film.film_theory
     rows.append(("Theory", escape(str(theory.attrs.get("long_name", "")))))
-    rows.append(("Its range", f"{_span(theory.values)} µm; measured least film over it: {_share(film)}"))
+    rows.append(
+        ("Its range", f"{_span(theory.values)} µm; measured least film over it: {_share(film)}")
+    )
     rows.append(("Why this theory", escape(str(theory.attrs.get("reason", "")))))
     rows.append(("2.65 line-contact formula", f"{_span(film.film_hamrock_dowson.values)} µm"))
     if "film_parameter" in film:
@@ -268,7 +285,9 @@ def _results_table(film: xr.Dataset, tally: Array) -> str:
     rows.append(("Load", f"{_span(film['load'].values)} N"))
     limits = [escape(line) for line in str(theory.attrs.get("notes", "")).split("\n") if line]
     table = _table(rows, caption="Results (± is one standard deviation, random and shared)")
-    return table + (f"<p class='quiet'>Limits of the theory: {' '.join(limits)}</p>" if limits else "")
+    return table + (
+        f"<p class='quiet'>Limits of the theory: {' '.join(limits)}</p>" if limits else ""
+    )
 
 
 def _span(values: Array) -> str:
@@ -295,8 +314,15 @@ def _calibration_table(source: FigureSource) -> str:
     stds = calibration.standard_deviations.tolist()
     low, high = calibration.thickness_range
     rows = [
-        ("Fixture", escape(calibration.fixture) + (f", {escape(calibration.date)}" if calibration.date else "")),
-        ("Ratio", f"{calibration.bands[1]:g} nm over {calibration.bands[0]:g} nm (camera 2 over camera 1)"),
+        (
+            "Fixture",
+            escape(calibration.fixture)
+            + (f", {escape(calibration.date)}" if calibration.date else ""),
+        ),
+        (
+            "Ratio",
+            f"{calibration.bands[1]:g} nm over {calibration.bands[0]:g} nm (camera 2 over camera 1)",
+        ),
         ("Ratio of a vanishing film, K", with_error(K, stds[0])),
         ("Attenuation of camera 1, p", with_error(p, stds[1], "µm⁻¹")),
         ("Attenuation of camera 2, q", with_error(q, stds[2], "µm⁻¹")),
@@ -311,7 +337,10 @@ def _registration_table(source: FigureSource) -> str:
     registration, frames = source.group("registration"), source.group("frames")
     drift = np.hypot(frames.drift_x.values, frames.drift_y.values)
     rows = [
-        ("Correlation of the aligned textures", f"{float(registration.attrs['registration_quality']):.3f}"),
+        (
+            "Correlation of the aligned textures",
+            f"{float(registration.attrs['registration_quality']):.3f}",
+        ),
         ("Model", escape(str(registration.attrs["registration_model"]))),
         (
             "Standard deviation of the map",
@@ -322,7 +351,12 @@ def _registration_table(source: FigureSource) -> str:
         rms, most = math.sqrt(float(np.nanmean(drift**2))), float(np.nanmax(drift))
         rows.append(("Drift of camera 2", f"{rms:.2f} px rms, {most:.2f} px at most"))
     if "pulse_energy" in frames and np.isfinite(frames.pulse_energy.values).any():
-        rows.append(("Pulse energy", f"varies by {100 * float(np.nanstd(frames.pulse_energy.values)):.1f} %"))
+        rows.append(
+            (
+                "Pulse energy",
+                f"varies by {100 * float(np.nanstd(frames.pulse_energy.values)):.1f} %",
+            )
+        )
     skipped = int(np.isnan(frames.drift_x.values).sum())
     if skipped:
         rows.append(("Frame pairs left out", f"{skipped}"))
@@ -348,7 +382,11 @@ def _flag_table(tally: Array) -> str:
 def _notes(film: xr.Dataset) -> str:
     notes = [line for line in str(film.attrs.get("notes", "")).split("\n") if line]
     unique = dict.fromkeys(notes)
-    return "<h3>Notes</h3><ul>" + "".join(f"<li>{escape(note)}</li>" for note in unique) + "</ul>" if unique else ""
+    return (
+        "<h3>Notes</h3><ul>" + "".join(f"<li>{escape(note)}</li>" for note in unique) + "</ul>"
+        if unique
+        else ""
+    )
 
 
 def _figures(source: FigureSource) -> str:
@@ -376,7 +414,15 @@ def _figures(source: FigureSource) -> str:
 
 
 def _trigger_table(film: xr.Dataset, valid: Array) -> str:
-    head = ["Trigger", "Stroke", "Encoder [°]", "Crank [°]", "Speed [rad/s]", "Sliding [mm/s]", "Load [N]"]
+    head = [
+        "Trigger",
+        "Stroke",
+        "Encoder [°]",
+        "Crank [°]",
+        "Speed [rad/s]",
+        "Sliding [mm/s]",
+        "Load [N]",
+    ]
     head += ["Oil [°C]"] if "temperature" in film else []
     head += ["Frames", "Mean film [µm]", "Least film [µm]", "Theory [µm]", "2.65 formula [µm]"]
     head += ["Λ"] if "film_parameter" in film else []
@@ -393,7 +439,10 @@ def _trigger_table(film: xr.Dataset, valid: Array) -> str:
         row += [f"{1e3 * one['sliding_speed']:.1f}", f"{one['load']:.1f}"]
         row += [f"{one['temperature']:.2f}"] if "temperature" in film else []
         row += [f"{int(one['frames_used'])}"]
-        row += [with_error(float(one[name]), float(one[f"{name}_std"])) for name in ("film_mean", "film_min")]
+        row += [
+            with_error(float(one[name]), float(one[f"{name}_std"]))
+            for name in ("film_mean", "film_min")
+        ]
         row += [_number(one["film_theory"], 1), _number(one["film_hamrock_dowson"], 3)]
         row += [_number(one["film_parameter"], 1)] if "film_parameter" in film else []
         rows.append([*row, f"{100 * valid[k]:.1f} %"])
@@ -403,16 +452,23 @@ def _trigger_table(film: xr.Dataset, valid: Array) -> str:
 
 def _provenance(film: xr.Dataset) -> str:
     parts = [f"<p>{escape(str(film.attrs.get('history', '')))}</p>"]
-    parts.append(f"<details><summary>Settings</summary><pre>{escape(str(film.attrs['settings']))}</pre></details>")
+    parts.append(
+        f"<details><summary>Settings</summary><pre>{escape(str(film.attrs['settings']))}</pre></details>"
+    )
     kept = json.loads(str(film.attrs.get("calibration", "{}")))
     for title, hashes in (
         ("Inputs of the run", json.loads(str(film.attrs.get("input_hashes", "{}")))),
         ("Inputs of the calibration", kept.get("input_hashes", {})),
     ):
-        rows = [(escape(name), f'<code class="hash">{escape(digest)}</code>') for name, digest in hashes.items()]
+        rows = [
+            (escape(name), f'<code class="hash">{escape(digest)}</code>')
+            for name, digest in hashes.items()
+        ]
         if rows:
             table = _table(rows, head=("File", "SHA-256"))
-            parts.append(f'<details><summary>{title}</summary><div class="wide">{table}</div></details>')
+            parts.append(
+                f'<details><summary>{title}</summary><div class="wide">{table}</div></details>'
+            )
     return "\n".join(parts)
 
 
@@ -420,7 +476,9 @@ def _viewer(film: xr.Dataset, coding: MapCoding) -> str:
     last = film.sizes["trigger"] - 1
     ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
     thinned = (
-        f" The page holds every {ordinal} pixel along each axis; the film file holds all." if coding.stride > 1 else ""
+        f" The page holds every {ordinal} pixel along each axis; the film file holds all."
+        if coding.stride > 1
+        else ""
     )
     key = "".join(
         f'<li><span class="swatch" style="background:{flag_swatch(flag)}"></span>{flag_title(flag)}</li>'
@@ -449,7 +507,9 @@ def _viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
     region = region_of(film)
     sliding = settings_of(film).optics.x_axis == "sliding"
-    colours = (np.asarray(colour_map("batlow")(np.linspace(0, 1, 256)))[:, :3] * 255).round().astype(int)
+    colours = (
+        (np.asarray(colour_map("batlow")(np.linspace(0, 1, 256)))[:, :3] * 255).round().astype(int)
+    )
     count = film.sizes["trigger"]
     limits = common_limits(film, range(0, count, max(1, count // 12)))
     pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
@@ -464,7 +524,9 @@ def _viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
         "yLabel": f"y ({'axial' if sliding else 'sliding'}) [mm]",
         "region": [*region.x, *region.y],
         "limits": [round(limit, 3) for limit in limits],
-        "palette": "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in colours.tolist()),
+        "palette": "".join(
+            f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in colours.tolist()
+        ),
         "flags": [
             {
                 "bit": int(flag),

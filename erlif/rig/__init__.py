@@ -55,11 +55,18 @@ def simulate(
     out = Path(out)
     existing = [name for name in WRITTEN if (out / name).exists()]
     if existing and not overwrite:
-        raise OutputError(f"{out} holds {', '.join(existing)} already; choose another directory or pass --overwrite.")
+        raise OutputError(
+            f"{out} holds {', '.join(existing)} already; choose another directory or pass --overwrite."
+        )
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".simulate-", dir=out) as scratch:
-            write_rig(Path(scratch), seed=seed, rig=rig or RigSettings(), progress=progress or (lambda *_: None))
+            write_rig(
+                Path(scratch),
+                seed=seed,
+                rig=rig or RigSettings(),
+                progress=progress or (lambda *_: None),
+            )
             for name in existing:
                 shutil.rmtree(out / name) if (out / name).is_dir() else (out / name).unlink()
             for name in WRITTEN:

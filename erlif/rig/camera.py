@@ -26,8 +26,16 @@ def map_coefficients(rig: RigSettings) -> Array:
     """
     cos, sin = np.cos(np.radians(rig.rotation)), np.sin(np.radians(rig.rotation))
     half_width, half_height = rig.centre
-    along_x = [rig.shift[0], (rig.scale[0] * cos - 1) * half_width, -rig.scale[0] * sin * half_height]
-    along_y = [rig.shift[1], rig.scale[1] * sin * half_width, (rig.scale[1] * cos - 1) * half_height]
+    along_x = [
+        rig.shift[0],
+        (rig.scale[0] * cos - 1) * half_width,
+        -rig.scale[0] * sin * half_height,
+    ]
+    along_y = [
+        rig.shift[1],
+        rig.scale[1] * sin * half_width,
+        (rig.scale[1] * cos - 1) * half_height,
+    ]
     bend = rig.distortion * np.array([[0.6, 0.4, -0.2], [-0.3, 0.5, 0.5]])
     return np.hstack([[along_x, along_y], bend])
 
@@ -38,7 +46,9 @@ def displacement(x: Array, y: Array, rig: RigSettings) -> tuple[Array, Array]:
     return dx, dy
 
 
-def seen_from_camera_2(x: Array, y: Array, drift: tuple[float, float], rig: RigSettings) -> tuple[Array, Array]:
+def seen_from_camera_2(
+    x: Array, y: Array, drift: tuple[float, float], rig: RigSettings
+) -> tuple[Array, Array]:
     """Object points [pixel of camera 1] that the pixels (x, y) of camera 2 look at, to 1e-10 pixel.
 
     Fixed point of ``X = P - drift - d(X)``; a displacement that changes by about 0.01 per pixel converges two digits
@@ -71,7 +81,9 @@ def _displace(x: Any, y: Any, centre_x: float, centre_y: float, terms: Array) ->
 
 
 @njit(cache=True, nogil=True)
-def _look_back(x: Array, y: Array, centre_x: float, centre_y: float, terms: Array) -> tuple[Array, Array]:
+def _look_back(
+    x: Array, y: Array, centre_x: float, centre_y: float, terms: Array
+) -> tuple[Array, Array]:
     object_x, object_y = x.copy(), y.copy()
     for j in range(x.shape[0]):
         for i in range(x.shape[1]):
@@ -111,7 +123,10 @@ class Camera:
 def vignetting(x: Array, y: Array, number: int, rig: RigSettings) -> Array:
     """Transmission of the lens of camera `number`: cos^4 of the field angle, centred a little off the middle."""
     side = 1 if number == 1 else -1
-    off_x, off_y = x - rig.centre[0] - side * 0.02 * rig.width, y - rig.centre[1] - 0.015 * rig.height
+    off_x, off_y = (
+        x - rig.centre[0] - side * 0.02 * rig.width,
+        y - rig.centre[1] - 0.015 * rig.height,
+    )
     tan2 = (rig.vignetting[number - 1] ** -0.5 - 1) * (off_x**2 + off_y**2) / rig.half_diagonal**2
     return np.asarray((1 + tan2) ** -2)
 
@@ -126,7 +141,9 @@ def build_camera(number: int, rig: RigSettings, rng: np.random.Generator) -> Cam
         depth, width = rng.uniform(0.05, 0.2), rng.uniform(2, 5)
         sensitivity *= 1 - depth * np.exp(-((x - at_x) ** 2 + (y - at_y) ** 2) / (2 * width**2))
     odd = rng.permutation(sensitivity.size)
-    dead, hot = np.split(odd[: rig.dead_pixels + round(rig.hot_fraction * odd.size)], [rig.dead_pixels])
+    dead, hot = np.split(
+        odd[: rig.dead_pixels + round(rig.hot_fraction * odd.size)], [rig.dead_pixels]
+    )
     sensitivity.flat[dead] = 0.0
     dark_signal = np.zeros(shape)
     dark_signal.flat[hot] = rng.uniform(500, 3000, hot.size)

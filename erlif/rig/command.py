@@ -14,18 +14,30 @@ class PictureSize(click.ParamType[tuple[int, int]]):
 
     name = "WIDTHxHEIGHT"
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
         if isinstance(value, tuple):
             return value
         width, _, height = str(value).lower().partition("x")
         if not (width.isdigit() and height.isdigit()):
-            self.fail(f"{value!r} is not a picture size; write columns x rows, for example 320x256.", param, ctx)
+            self.fail(
+                f"{value!r} is not a picture size; write columns x rows, for example 320x256.",
+                param,
+                ctx,
+            )
         return int(width), int(height)
 
 
 @click.command()
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0), help="Same seed, same bytes.")
+@click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    type=click.IntRange(min=0),
+    help="Same seed, same bytes.",
+)
 @click.option(
     "--size",
     default=f"{DEFAULT.width}x{DEFAULT.height}",
@@ -33,17 +45,53 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     type=PictureSize(),
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
-@click.option("--spacing", default=DEFAULT.spacing, show_default=True, help="Rocker degrees between triggers.")
+@click.option(
+    "--spacing", default=DEFAULT.spacing, show_default=True, help="Rocker degrees between triggers."
+)
 @click.option("--cycles", default=DEFAULT.cycles, show_default=True, help="Turns of the crank.")
-@click.option("--film", default=DEFAULT.film_reference, show_default=True, help="Least film at top speed, in um.")
-@click.option("--exponent", default=DEFAULT.exponent, show_default=True, help="Film exponent of speed over load.")
+@click.option(
+    "--film",
+    default=DEFAULT.film_reference,
+    show_default=True,
+    help="Least film at top speed, in um.",
+)
+@click.option(
+    "--exponent",
+    default=DEFAULT.exponent,
+    show_default=True,
+    help="Film exponent of speed over load.",
+)
 @click.option("--marks", default=DEFAULT.marks, show_default=True, help="Turning marks, rms in um.")
-@click.option("--bubbles", default=DEFAULT.bubbles, show_default=True, help="Most bubbles in a frame.")
-@click.option("--light", default=DEFAULT.light, show_default=True, help="Exposure; 1 nearly fills the cameras.")
-@click.option("--vibration", default=DEFAULT.vibration, show_default=True, help="Shake of camera 2, rms in pixels.")
-@click.option("--fixture-frames", default=DEFAULT.fixture_frames, show_default=True, help="Frames of the wedge.")
-@click.option("--cmm-noise", default=DEFAULT.cmm_noise, show_default=True, help="Noise of the wedge's profile, in um.")
-@click.option("--zero/--no-zero", default=True, show_default=True, help="Tell run.toml the encoder's zero.")
+@click.option(
+    "--bubbles", default=DEFAULT.bubbles, show_default=True, help="Most bubbles in a frame."
+)
+@click.option(
+    "--light",
+    default=DEFAULT.light,
+    show_default=True,
+    help="Exposure; 1 nearly fills the cameras.",
+)
+@click.option(
+    "--vibration",
+    default=DEFAULT.vibration,
+    show_default=True,
+    help="Shake of camera 2, rms in pixels.",
+)
+@click.option(
+    "--fixture-frames",
+    default=DEFAULT.fixture_frames,
+    show_default=True,
+    help="Frames of the wedge.",
+)
+@click.option(
+    "--cmm-noise",
+    default=DEFAULT.cmm_noise,
+    show_default=True,
+    help="Noise of the wedge's profile, in um.",
+)
+@click.option(
+    "--zero/--no-zero", default=True, show_default=True, help="Tell run.toml the encoder's zero."
+)
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
     out: Path,

@@ -58,7 +58,9 @@ def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
 def rocker_range(rig: RigSettings) -> tuple[float, float]:
     """Least and greatest rocker angle [rad]: crank and coupler folded, and in line."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
-    folded, in_line = (np.arccos((r3**2 + r4**2 - side**2) / (2 * r3 * r4)) for side in (r2 - r1, r2 + r1))
+    folded, in_line = (
+        np.arccos((r3**2 + r4**2 - side**2) / (2 * r3 * r4)) for side in (r2 - r1, r2 + r1)
+    )
     return float(folded), float(in_line)
 
 
@@ -103,7 +105,9 @@ def list_triggers(rig: RigSettings) -> Triggers:
     elif len(rig.film_table) == reading.size:
         film_min = np.array(rig.film_table, dtype=np.float64)
     else:
-        raise ModelError(f"film_table needs one film for each of {reading.size} triggers, got {len(rig.film_table)}.")
+        raise ModelError(
+            f"film_table needs one film for each of {reading.size} triggers, got {len(rig.film_table)}."
+        )
     return Triggers(
         reading=reading,
         zero=zero,
@@ -139,7 +143,9 @@ def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
     direction = np.pi / 2 + rng.normal(0, np.radians(3), count)
     phase = rng.uniform(0, 2 * np.pi, count)
     amplitude = np.full(count, rig.marks * np.sqrt(2 / count))
-    waves = np.stack([wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1)
+    waves = np.stack(
+        [wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1
+    )
     count = 6
     direction = rng.normal(0, 0.4, count)
     scratches = np.stack(
@@ -191,7 +197,9 @@ class Gap:
         from_line = (x - rig.centre[0]) * rig.pitch - rig.thin_line  # mm
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
         rise = rig.tilt / (rig.height * rig.pitch)
-        return np.asarray(self.film_min + 1e3 * from_line**2 / (2 * rig.relative_radius) + rise * from_edge)
+        return np.asarray(
+            self.film_min + 1e3 * from_line**2 / (2 * rig.relative_radius) + rise * from_edge
+        )
 
     def __call__(self, x: Array, y: Array) -> Array:
         return self.close(self.smooth(x, y), self.marks(x, y))
@@ -212,7 +220,9 @@ class Wedge:
         """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
         share = x / (self.rig.width - 1)
         low, high = self.rig.wedge
-        return np.asarray(low + (high - low) * share + self.rig.wedge_form * np.sin(3 * np.pi * share))
+        return np.asarray(
+            low + (high - low) * share + self.rig.wedge_form * np.sin(3 * np.pi * share)
+        )
 
     def __call__(self, x: Array, y: Array) -> Array:
         return np.maximum(self.profile(x), RESIDUAL_FILM)

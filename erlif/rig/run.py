@@ -23,7 +23,17 @@ from erlif.rig.camera import (
     vignetting,
 )
 from erlif.rig.dyes import BANDS, tabulate_signal
-from erlif.rig.film import Bubbles, Field, Gap, Marks, Triggers, Wedge, draw_bubbles, draw_marks, list_triggers
+from erlif.rig.film import (
+    Bubbles,
+    Field,
+    Gap,
+    Marks,
+    Triggers,
+    Wedge,
+    draw_bubbles,
+    draw_marks,
+    list_triggers,
+)
 from erlif.rig.scene import Grains, beam, draw_grains, mix_grains, speckle
 from erlif.rig.settings import RigSettings
 
@@ -52,7 +62,9 @@ LASER_ENERGY = 50.0
 
 def random_stream(seed: int, name: str, number: int = 0) -> np.random.Generator:
     """Random numbers of one purpose and frame, whatever was drawn before."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(STREAMS.index(name), number)))
+    return np.random.default_rng(
+        np.random.SeedSequence(seed, spawn_key=(STREAMS.index(name), number))
+    )
 
 
 # the optical set-up
@@ -79,7 +91,11 @@ class Setup:
 def build_setup(seed: int, rig: RigSettings) -> Setup:
     """Draw the cameras and the fixed speckle of one laboratory."""
     y, x = np.indices((rig.height, rig.width), dtype=np.float64)
-    farthest = np.abs(np.stack(displacement(x, y, rig))).max() + np.abs(rig.fixture_offset).max() + 6 * rig.vibration
+    farthest = (
+        np.abs(np.stack(displacement(x, y, rig))).max()
+        + np.abs(rig.fixture_offset).max()
+        + 6 * rig.vibration
+    )
     return Setup(
         rig=rig,
         cameras=(
@@ -157,7 +173,9 @@ def write_fixture(directory: Path, setup: Setup, seed: int, progress: Progress) 
     return drift
 
 
-def write_run(directory: Path, truth: Path, setup: Setup, seed: int, fixture_drift: Array, progress: Progress) -> None:
+def write_run(
+    directory: Path, truth: Path, setup: Setup, seed: int, fixture_drift: Array, progress: Progress
+) -> None:
     """Write the run and the truth about it."""
     rig = setup.rig
     triggers = list_triggers(rig)
@@ -214,9 +232,14 @@ def write_reference_pages(directory: Path, setup: Setup, rng: np.random.Generato
     """Write darks with the shutter closed, and flats under an even lamp, brighter level by level."""
     rig = setup.rig
     for number, camera in enumerate(setup.cameras, start=1):
-        write_pages(directory / f"camera{number}_dark.tif", (expose(0.0, camera, rng) for _ in range(rig.dark_pages)))
+        write_pages(
+            directory / f"camera{number}_dark.tif",
+            (expose(0.0, camera, rng) for _ in range(rig.dark_pages)),
+        )
         lamp = np.repeat(rig.flat_levels, rig.flat_pages) * FULL_SCALE * rig.gain
-        write_pages(directory / f"camera{number}_flat.tif", (expose(level, camera, rng) for level in lamp))
+        write_pages(
+            directory / f"camera{number}_flat.tif", (expose(level, camera, rng) for level in lamp)
+        )
 
 
 def write_profile(path: Path, wedge: Wedge, rng: np.random.Generator) -> None:
@@ -230,7 +253,9 @@ def write_profile(path: Path, wedge: Wedge, rng: np.random.Generator) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["x_mm", "thickness_um", "uncertainty_um"])
-        table.writerows([f"{a:.1f}", f"{b:.5f}", f"{uncertainty:.3f}"] for a, b in zip(x, read, strict=True))
+        table.writerows(
+            [f"{a:.1f}", f"{b:.5f}", f"{uncertainty:.3f}"] for a, b in zip(x, read, strict=True)
+        )
 
 
 def write_encoder_log(
@@ -238,8 +263,12 @@ def write_encoder_log(
 ) -> None:
     """Write one row per trigger; the thermometer wanders by 0.2 degree, the energy meter is good to half a per cent."""
     frames = energy.size
-    time = np.concatenate([triggers.time + cycle * 60 / rig.crank_speed for cycle in range(rig.cycles)])
-    temperature = 25 + 0.2 * np.sin(2 * np.pi * np.arange(frames) / frames + rng.uniform(0, 2 * np.pi))
+    time = np.concatenate(
+        [triggers.time + cycle * 60 / rig.crank_speed for cycle in range(rig.cycles)]
+    )
+    temperature = 25 + 0.2 * np.sin(
+        2 * np.pi * np.arange(frames) / frames + rng.uniform(0, 2 * np.pi)
+    )
     meter = LASER_ENERGY * energy * (1 + 0.005 * rng.standard_normal(frames))
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -247,7 +276,9 @@ def write_encoder_log(
         for k in range(frames):
             row = k % triggers.reading.size
             angle, load = f"{triggers.reading[row]:.4f}", f"{triggers.load[row]:.3f}"
-            table.writerow([k, f"{time[k]:.6f}", angle, load, f"{temperature[k]:.2f}", f"{meter[k]:.2f}"])
+            table.writerow(
+                [k, f"{time[k]:.6f}", angle, load, f"{temperature[k]:.2f}", f"{meter[k]:.2f}"]
+            )
 
 
 # settings files
@@ -356,20 +387,68 @@ def describe_truth(
         ("x", ("x",), columns * rig.pitch, "mm", "object position along sliding"),
         ("y", ("y",), rows * rig.pitch, "mm", "object position across sliding"),
         ("camera", ("camera",), np.array([1, 2]), "1", "camera number"),
-        ("film_min", ("trigger",), triggers.film_min, "um", "least film of the smooth gap in the region of interest"),
+        (
+            "film_min",
+            ("trigger",),
+            triggers.film_min,
+            "um",
+            "least film of the smooth gap in the region of interest",
+        ),
         ("encoder_angle", ("trigger",), triggers.reading, "degree", "encoder reading"),
-        ("rocker_angle", ("trigger",), triggers.zero + triggers.reading, "degree", "from the ground link"),
-        ("crank_angle", ("trigger",), triggers.crank_angle, "degree", "from the ground link, rocker side positive"),
+        (
+            "rocker_angle",
+            ("trigger",),
+            triggers.zero + triggers.reading,
+            "degree",
+            "from the ground link",
+        ),
+        (
+            "crank_angle",
+            ("trigger",),
+            triggers.crank_angle,
+            "degree",
+            "from the ground link, rocker side positive",
+        ),
         ("rocker_speed", ("trigger",), triggers.speed, "rad s-1", "positive with rising angle"),
         ("load", ("trigger",), triggers.load, "N", "load on the joint"),
-        ("frame_trigger", ("frame",), np.arange(frames) % per_cycle, "1", "trigger at which a frame was taken"),
+        (
+            "frame_trigger",
+            ("frame",),
+            np.arange(frames) % per_cycle,
+            "1",
+            "trigger at which a frame was taken",
+        ),
         ("pulse_energy", ("frame",), energy, "1", "laser pulse energy over its mean"),
         ("drift_x", ("frame",), drift[:, 0], "pixel", "extra shift of camera 2 along x"),
         ("drift_y", ("frame",), drift[:, 1], "pixel", "extra shift of camera 2 along y"),
-        ("fixture_drift_x", ("fixture_frame",), fixture_drift[:, 0], "pixel", "the same in the fixture's session"),
-        ("fixture_drift_y", ("fixture_frame",), fixture_drift[:, 1], "pixel", "the same in the fixture's session"),
-        ("displacement_x", ("y", "x"), dx, "pixel", "camera-2 pixel minus camera-1 pixel, at zero drift"),
-        ("displacement_y", ("y", "x"), dy, "pixel", "camera-2 pixel minus camera-1 pixel, at zero drift"),
+        (
+            "fixture_drift_x",
+            ("fixture_frame",),
+            fixture_drift[:, 0],
+            "pixel",
+            "the same in the fixture's session",
+        ),
+        (
+            "fixture_drift_y",
+            ("fixture_frame",),
+            fixture_drift[:, 1],
+            "pixel",
+            "the same in the fixture's session",
+        ),
+        (
+            "displacement_x",
+            ("y", "x"),
+            dx,
+            "pixel",
+            "camera-2 pixel minus camera-1 pixel, at zero drift",
+        ),
+        (
+            "displacement_y",
+            ("y", "x"),
+            dy,
+            "pixel",
+            "camera-2 pixel minus camera-1 pixel, at zero drift",
+        ),
         ("wedge", ("x",), wedge, "um", "film of the calibration fixture"),
     ]
     for name, dims, values, units, meaning in small:
@@ -392,7 +471,13 @@ def describe_truth(
             "mean signal above dark of the object point under each camera-1 pixel: lens and beam included, "
             "speckle, bubbles, pulse energy, pixel response and dust not",
         ),
-        ("bubble", ("frame", "y", "x"), "u1", "1", "1 where a bubble or its meniscus takes oil away"),
+        (
+            "bubble",
+            ("frame", "y", "x"),
+            "u1",
+            "1",
+            "1 where a bubble or its meniscus takes oil away",
+        ),
     ):
         chunks = (1,) * (len(dims) - 2) + (rig.height, rig.width)
         variable = file.create_variable(
@@ -405,7 +490,9 @@ def describe_truth(
     file.attrs["seed"] = np.int64(seed)
     for name, value in asdict(rig).items():
         if value is not None:
-            file.attrs[f"rig_{name}"] = np.int8(value) if isinstance(value, bool) else np.asarray(value)
+            file.attrs[f"rig_{name}"] = (
+                np.int8(value) if isinstance(value, bool) else np.asarray(value)
+            )
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
 
 
@@ -422,4 +509,6 @@ def write_true_film(file: h5netcdf.File, setup: Setup, triggers: Triggers, marks
         for number in (1, 2):
             electrons = lens[number - 1] * setup.light(number, film, x, y)
             mantissa, exponent = np.frexp(electrons)
-            file["expected_electrons"][number - 1, k] = np.ldexp(np.rint(mantissa * 2048) / 2048, exponent)  # 0.05 %
+            file["expected_electrons"][number - 1, k] = np.ldexp(
+                np.rint(mantissa * 2048) / 2048, exponent
+            )  # 0.05 %

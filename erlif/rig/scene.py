@@ -61,11 +61,15 @@ def speckle(x: Array, y: Array, grains: Grains, *, size: float, blur: float) -> 
     """
     seen = np.hypot(size, blur)
     scale = size**2 / seen**2 / (np.sqrt(np.pi) * size)
-    return np.asarray(1 + scale * _sum_grains(x, y, grains.x, grains.y, grains.brightness, grains.margin, seen))
+    return np.asarray(
+        1 + scale * _sum_grains(x, y, grains.x, grains.y, grains.brightness, grains.margin, seen)
+    )
 
 
 @njit(cache=True, nogil=True)
-def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Array, margin: int, seen: float) -> Array:
+def _sum_grains(
+    x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Array, margin: int, seen: float
+) -> Array:
     reach = 4.5 * seen  # beyond it a grain adds less than 1e-4 of its brightness
     steps = 4096  # of the squared distance in a table of the Gaussian, linear between: good to 1e-6
     per_square = steps / reach**2
@@ -85,6 +89,8 @@ def _sum_grains(x: Array, y: Array, grain_x: Array, grain_y: Array, bright: Arra
                     place = per_square * (off_x * off_x + off_y * off_y)
                     if place < steps:
                         k = int(place)
-                        light += bright[row, column] * (table[k] + (place - k) * (table[k + 1] - table[k]))
+                        light += bright[row, column] * (
+                            table[k] + (place - k) * (table[k + 1] - table[k])
+                        )
             total[j, i] = light
     return total

@@ -137,18 +137,43 @@ class RigSettings:
 
     def __post_init__(self) -> None:
         if min(self.width, self.height) < 32:
-            raise ModelError(f"The virtual cameras need at least 32 x 32 pixels, got {self.width} x {self.height}.")
-        if min(self.cycles, self.fixture_frames, self.dark_pages, self.flat_pages, len(self.flat_levels)) < 1:
-            raise ModelError("The virtual rig needs at least one cycle, fixture frame, dark page, flat page and level.")
+            raise ModelError(
+                f"The virtual cameras need at least 32 x 32 pixels, got {self.width} x {self.height}."
+            )
+        if (
+            min(
+                self.cycles,
+                self.fixture_frames,
+                self.dark_pages,
+                self.flat_pages,
+                len(self.flat_levels),
+            )
+            < 1
+        ):
+            raise ModelError(
+                "The virtual rig needs at least one cycle, fixture frame, dark page, flat page and level."
+            )
         if self.light <= 0 or self.gain <= 0 or self.film_floor <= 0 or self.film_reference <= 0:
-            raise ModelError("light, gain, film_reference and film_floor of the virtual rig must be above zero.")
+            raise ModelError(
+                "light, gain, film_reference and film_floor of the virtual rig must be above zero."
+            )
         if not 0 < self.spacing <= 10:
-            raise ModelError(f"The trigger spacing must lie above 0 and at most at 10 degrees, got {self.spacing:g}.")
-        if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(self.coupler, self.rocker):
-            raise ModelError("The crank of the virtual rig cannot turn (Grashof): make it the shortest of four links.")
+            raise ModelError(
+                f"The trigger spacing must lie above 0 and at most at 10 degrees, got {self.spacing:g}."
+            )
+        if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
+            self.coupler, self.rocker
+        ):
+            raise ModelError(
+                "The crank of the virtual rig cannot turn (Grashof): make it the shortest of four links."
+            )
         if not 0 < self.pin_radius < self.bushing_radius:
             raise ModelError("The pin radius must be smaller than the bushing radius.")
-        if max(abs(scale - 1) for scale in self.scale) > 0.2 or abs(self.rotation) > 10 or abs(self.distortion) > 10:
+        if (
+            max(abs(scale - 1) for scale in self.scale) > 0.2
+            or abs(self.rotation) > 10
+            or abs(self.distortion) > 10
+        ):
             raise ModelError(
                 "Camera 2 may differ by at most 0.2 in scale, 10 degrees in rotation and 10 px in distortion."
             )

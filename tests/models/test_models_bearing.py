@@ -51,22 +51,49 @@ WORKED = [  # equation of Strand (2005), value, expected, relative tolerance
     ("1", lambda: pin_diameter_in_shear(1e5, **CASE), 19.17166e-3, 1e-6),
     ("2", lambda: pin_diameter_in_bending(1e5, free_length=0.12, **CASE), 37.06722e-3, 1e-6),
     ("5", lambda: least_projected_area(1e5, yield_stress=600e6), 333.33e-6, 2e-5),
-    ("10", lambda: least_bushing_width(1e5, diameter=0.08, hardness=1.2e9, safety=2.0), 5.305165e-3, 1e-6),
-    ("12", lambda: least_seat_width(1e5, diameter=0.08, hardness=1.2e9, safety=2.0), 2.652582e-3, 1e-6),
+    (
+        "10",
+        lambda: least_bushing_width(1e5, diameter=0.08, hardness=1.2e9, safety=2.0),
+        5.305165e-3,
+        1e-6,
+    ),
+    (
+        "12",
+        lambda: least_seat_width(1e5, diameter=0.08, hardness=1.2e9, safety=2.0),
+        2.652582e-3,
+        1e-6,
+    ),
     ("13", lambda: hardness_from_strength(1.0), 2.941995, 1e-6),
     ("14", lambda: least_eyebar_diameter(1e5, bore=0.08, width=0.04, **CASE), 96.97623e-3, 1e-6),
-    ("16", lambda: least_weld_diameter(1e5, pin_diameter=0.08, throat=0.003, **CASE), 64.00501e-3, 1e-6),
+    (
+        "16",
+        lambda: least_weld_diameter(1e5, pin_diameter=0.08, throat=0.003, **CASE),
+        64.00501e-3,
+        1e-6,
+    ),
     ("18", lambda: least_open_prong_height(1e4, **LOCK), 24.83743e-3, 1e-6),
     ("19", lambda: end_force_of_closed_lock(1.0), 0.15625, 1e-9),
-    ("20 as printed", lambda: least_closed_prong_height(1e4, **LOCK, root_shear=0.5), 20.41293e-3, 1e-6),
-    ("21b", lambda: lateral_shift(1e5, length=0.18, diameter=0.08, youngs_modulus=206e9), 9.561e-9, 1e-4),
+    (
+        "20 as printed",
+        lambda: least_closed_prong_height(1e4, **LOCK, root_shear=0.5),
+        20.41293e-3,
+        1e-6,
+    ),
+    (
+        "21b",
+        lambda: lateral_shift(1e5, length=0.18, diameter=0.08, youngs_modulus=206e9),
+        9.561e-9,
+        1e-4,
+    ),
     ("24", lambda: press_fit_displacement(60e-6, **FIT, **STEEL), -24.34783e-6, 1e-6),
     ("25", lambda: press_fit_displacement(60e-6, **FIT, **BRONZE), -27.17294e-6, 1e-6),
     ("23 of the thesis rig", lambda: 1e3 * relative_play(0.06672, bore=0.06718), 6.894, 1e-3),
 ]
 
 
-@pytest.mark.parametrize(("equation", "call", "expected", "tolerance"), WORKED, ids=[row[0] for row in WORKED])
+@pytest.mark.parametrize(
+    ("equation", "call", "expected", "tolerance"), WORKED, ids=[row[0] for row in WORKED]
+)
 def test_worked_case(equation, call, expected, tolerance):
     npt.assert_allclose(call(), expected, rtol=tolerance)
 
@@ -140,19 +167,28 @@ def test_lock_force_and_weld_carry_the_same_torque():  # Strand (2005), eqs. 15 
     force = lock_force(1e5, diameter=0.08, lever=0.06)
     npt.assert_allclose(force * 0.06, 1e5 * 0.04)
     npt.assert_allclose(
-        lock_force(1e5, diameter=0.08, lever=0.06, friction_bushing=0.3, friction_seat=0.1), 0.2 * force
+        lock_force(1e5, diameter=0.08, lever=0.06, friction_bushing=0.3, friction_seat=0.1),
+        0.2 * force,
     )
     inner = least_weld_diameter(1e5, pin_diameter=0.08, throat=0.003, **CASE)
     modulus = np.pi * 0.003 / 2 * (inner + 2 * 0.003) ** 2
     npt.assert_allclose(np.sqrt(3) * 1e5 * 0.04 / modulus, 300e6)
-    npt.assert_allclose(largest_internal_weld_diameter(0.08, throat=0.003), 0.08 - 0.006 * (1 + np.sqrt(2)))
+    npt.assert_allclose(
+        largest_internal_weld_diameter(0.08, throat=0.003), 0.08 - 0.006 * (1 + np.sqrt(2))
+    )
 
 
 def test_lateral_force_stretches_the_pin_by_its_shift():  # Strand (2005), eq. 22
     pin = {"length": 0.18, "diameter": 0.08, "youngs_modulus": 206e9}
     strain = lateral_shift(1e5, **pin) / 0.18
     npt.assert_allclose(lateral_force(1e5, **pin), 206e9 * np.pi * 0.08**2 / 4 * strain)
-    printed = 206e9 * np.pi * 0.08**2 / 4 * (1 - np.sqrt(1 - 64 / 9 * (1e5 * 0.18**2 / (206e9 * np.pi * 0.08**4)) ** 2))
+    printed = (
+        206e9
+        * np.pi
+        * 0.08**2
+        / 4
+        * (1 - np.sqrt(1 - 64 / 9 * (1e5 * 0.18**2 / (206e9 * np.pi * 0.08**4)) ** 2))
+    )
     npt.assert_allclose(lateral_force(1e5, **pin), printed, rtol=1e-6)
 
 
@@ -184,7 +220,9 @@ def lame(rings, interference):
 
 
 @given(st.floats(0.5, 0.95), st.floats(1.1, 5.0), st.floats(50e9, 220e9), st.floats(0.2, 0.4))
-def test_press_fit_is_lames(bore_ratio, housing_ratio, youngs, poisson):  # Strand (2005), eqs. 24 and 25
+def test_press_fit_is_lames(
+    bore_ratio, housing_ratio, youngs, poisson
+):  # Strand (2005), eqs. 24 and 25
     found = press_fit_displacement(
         60e-6,
         bore=0.08 * bore_ratio,
@@ -250,12 +288,16 @@ def test_hole_and_thin_pin_change_what_governs():
 
 
 def test_pv_and_heat_are_reported_when_the_motion_is_known():
-    moving = replace(JOINT, half_swing=0.2132, period=0.526, friction=0.15, lock_lever=0.06, pv_limit=0.5e6)
+    moving = replace(
+        JOINT, half_swing=0.2132, period=0.526, friction=0.15, lock_lever=0.06, pv_limit=0.5e6
+    )
     report = design_report(moving)
     speed = 2 * 0.08 * 0.2132 / 0.526
     npt.assert_allclose(report.governing.utilisation, 12.5e6 * speed / 0.5e6)
     assert report.governing.name == "pv"
-    assert any("friction heat 973 W" in figure for figure in report.figures)  # 0.15 x 100 kN x 64.85 mm/s
+    assert any(
+        "friction heat 973 W" in figure for figure in report.figures
+    )  # 0.15 x 100 kN x 64.85 mm/s
     assert any("lock force at worst 66.7 kN" in figure for figure in report.figures)
 
 

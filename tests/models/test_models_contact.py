@@ -43,7 +43,9 @@ LOBE = relative_radii(-0.03359, radius_1_across=0.2, radius_2=0.03336, radius_2_
 
 TABLE = [
     line.split(",")
-    for line in (Path(__file__).parents[1] / "reference" / "persson_table_strand_2005.csv").read_text().splitlines()[5:]
+    for line in (Path(__file__).parents[1] / "reference" / "persson_table_strand_2005.csv")
+    .read_text()
+    .splitlines()[5:]
 ]
 FINITE = TABLE[:-1]
 
@@ -66,14 +68,20 @@ def test_the_table_has_105_finite_rows_and_a_last_one():
     assert len(FINITE) == 105
     assert TABLE[-1] == ["inf", "180.0", "-2/pi", "-2/pi"]
     npt.assert_allclose(persson_group(np.pi - 1e-6), -2 / np.pi, rtol=1e-9)
-    npt.assert_allclose(persson_peak_group(np.pi - 1e-6), 2 / np.pi, rtol=1e-9)  # the print has the wrong sign
+    npt.assert_allclose(
+        persson_peak_group(np.pi - 1e-6), 2 / np.pi, rtol=1e-9
+    )  # the print has the wrong sign
 
 
 @given(st.floats(1e-3, np.pi - 1e-3))
 def test_persson_pressure_carries_the_load(half_angle):
     case = {"half_angle": half_angle, "load_per_length": 3.0, "pin_diameter": 0.5}
     carried = quad(  # sin(t) in place of the angle takes the square root out of the ends
-        lambda t: persson_pressure(half_angle * np.sin(t), **case) * np.cos(half_angle * np.sin(t)) * np.cos(t),
+        lambda t: (
+            persson_pressure(half_angle * np.sin(t), **case)
+            * np.cos(half_angle * np.sin(t))
+            * np.cos(t)
+        ),
         -np.pi / 2,
         np.pi / 2,
         epsabs=0,
@@ -81,12 +89,18 @@ def test_persson_pressure_carries_the_load(half_angle):
         limit=400,
     )[0]
     npt.assert_allclose(carried * half_angle * 0.25, 3.0, rtol=1e-8)
-    npt.assert_allclose(persson_pressure(0.0, **case), persson_peak_group(half_angle) * 2 * 3.0 / 0.5, rtol=1e-9)
-    npt.assert_allclose(persson_pressure(0.4 * half_angle, **case), persson_pressure(-0.4 * half_angle, **case))
+    npt.assert_allclose(
+        persson_pressure(0.0, **case), persson_peak_group(half_angle) * 2 * 3.0 / 0.5, rtol=1e-9
+    )
+    npt.assert_allclose(
+        persson_pressure(0.4 * half_angle, **case), persson_pressure(-0.4 * half_angle, **case)
+    )
 
 
 def test_persson_pressure_ends_at_the_contact():
-    pressure = persson_pressure(np.array([0.99, 1.0, 1.5]), half_angle=1.0, load_per_length=1.0, pin_diameter=1.0)
+    pressure = persson_pressure(
+        np.array([0.99, 1.0, 1.5]), half_angle=1.0, load_per_length=1.0, pin_diameter=1.0
+    )
     assert pressure[0] > 0
     npt.assert_array_equal(pressure[1:], 0)
 
@@ -96,13 +110,16 @@ def test_narrow_contact_is_hertzian():
     diameter, play, youngs, load = 0.1, 1e-3, 200e9, 1e3
     radius = conformal_radius(diameter / 2, bushing_radius=(diameter + play) / 2)
     half_width, pressure = hertz_line(load, radius=radius, contact_modulus=youngs / 2)
-    half_angle, peak = persson_contact(load, play=play, pin_diameter=diameter, youngs_modulus=youngs)
+    half_angle, peak = persson_contact(
+        load, play=play, pin_diameter=diameter, youngs_modulus=youngs
+    )
     npt.assert_allclose(peak, pressure, rtol=0.01)  # d/D differs by 1 %
     npt.assert_allclose(half_angle * diameter / 2, half_width, rtol=0.01)
 
 
 @pytest.mark.parametrize(
-    ("alpha", "percent", "digit"), [(5, -0.30, 0.005), (10, -1.2, 0.05), (20, -4.8, 0.05), (40, -19, 0.5)]
+    ("alpha", "percent", "digit"),
+    [(5, -0.30, 0.005), (10, -1.2, 0.05), (20, -4.8, 0.05), (40, -19, 0.5)],
 )
 def test_hertz_is_low_in_a_conformal_joint(alpha, percent, digit):
     # Hertz in the groups of eq. 9: d p / 2q = sqrt(2 E Delta / (2q) / pi)
@@ -130,7 +147,9 @@ def test_landmarks_of_persson():
 
 
 def test_thesis_joint_under_100_klbf():
-    half_angle, pressure = persson_contact(1e5 * LBF / 0.237, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9)
+    half_angle, pressure = persson_contact(
+        1e5 * LBF / 0.237, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9
+    )
     npt.assert_allclose(np.degrees(half_angle), 17.974, atol=5e-4)
     npt.assert_allclose(pressure / 1e6, 115.612, atol=5e-4)
 
@@ -154,7 +173,9 @@ def test_persson_angle_falls_with_play_over_load(one, other):
 
 def test_persson_keeps_coordinates():
     load = xr.DataArray([1e5, 1e6], dims="stage", coords={"stage": [1, 2]})
-    half_angle, pressure = persson_contact(load, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9)
+    half_angle, pressure = persson_contact(
+        load, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9
+    )
     assert isinstance(half_angle, xr.DataArray)
     assert list(pressure.stage) == [1, 2]
     assert float(half_angle[0]) < float(half_angle[1])
@@ -170,7 +191,9 @@ def test_coordinates_of_several_arguments_cross():
     for name in ("half_angle", "eccentricity", "pressure", "torque_ratio"):
         npt.assert_allclose(getattr(crossed, name)[2, 0], getattr(alone, name))
     back = winkler_load(crossed.half_angle, shaft_radius=shaft, **case)
-    npt.assert_allclose(back.transpose("stage", "fit"), np.broadcast_to(load.values[:, None], (3, 2)), rtol=1e-6)
+    npt.assert_allclose(
+        back.transpose("stage", "fit"), np.broadcast_to(load.values[:, None], (3, 2)), rtol=1e-6
+    )
     radius = xr.DataArray([1.0, 4.0], dims="lobe")
     ellipse = hertz_ellipse(load, radius=radius, radius_across=0.5, contact_modulus=STEEL)
     one = hertz_ellipse(1e5, radius=4.0, radius_across=0.5, contact_modulus=STEEL)
@@ -197,7 +220,9 @@ def test_acrylic_joint_at_50_lbf():  # the optical test of Farzaneh (2002), sect
     ("load", "pressure", "a", "b", "approach"),
     [(222.41e3, 1023.84, 29.523, 3.5132, 0.116734), (22.241e3, 475.225, 13.703, 1.6307, 0.0251497)],
 )
-def test_lobed_bushing_as_the_thesis_works_it(load, pressure, a, b, approach):  # Farzaneh (2002), eqs. B.7 to B.11
+def test_lobed_bushing_as_the_thesis_works_it(
+    load, pressure, a, b, approach
+):  # Farzaneh (2002), eqs. B.7 to B.11
     found = thesis_ellipse(load, radius=LOBE[0], radius_across=LOBE[1], contact_modulus=STEEL)
     npt.assert_allclose(found.pressure / 1e6, pressure, rtol=1e-5)
     npt.assert_allclose([found.a * 1e3, found.b * 1e3], [a, b], rtol=5e-5)
@@ -224,14 +249,21 @@ def test_b10_as_printed_misses_the_printed_pressure():  # with only the lost exp
 def test_elliptical_contact_solves_hertz(ratio, radius):
     """The classical form with complete elliptic integrals, and the load under the semi-ellipsoid of pressure."""
     load, modulus = 100.0, 1e11
-    found = hertz_ellipse(load, radius=radius, radius_across=radius / ratio, contact_modulus=modulus)
+    found = hertz_ellipse(
+        load, radius=radius, radius_across=radius / ratio, contact_modulus=modulus
+    )
     npt.assert_allclose(2 / 3 * np.pi * found.a * found.b * found.pressure, load, rtol=1e-9)
     if ratio > 1.001:  # K - E cancels in a circle
         m = 1 - (found.b / found.a) ** 2
         K, E = ellipk(m), ellipe(m)
         npt.assert_allclose(((found.a / found.b) ** 2 * E - K) / (K - E), ratio, rtol=1e-6)
         # curvature across, from the pressure: 1/(2 R'') = p0 b [(a/b)^2 E - K] / (E* e^2 a^2) (Johnson 1985, 4.26)
-        across = found.pressure * found.b / (modulus * m * found.a**2) * ((found.a / found.b) ** 2 * E - K)
+        across = (
+            found.pressure
+            * found.b
+            / (modulus * m * found.a**2)
+            * ((found.a / found.b) ** 2 * E - K)
+        )
         npt.assert_allclose(across, ratio / (2 * radius), rtol=1e-6)
         npt.assert_allclose(found.approach, found.pressure * found.b * K / modulus, rtol=1e-6)
 
@@ -244,33 +276,54 @@ def test_circular_contact_is_the_textbook_one():
 
 
 def test_relative_radii_turn_with_the_bodies():  # Farzaneh (2002), eqs. B.3 and B.4
-    straight = {"radius_1": 0.1, "radius_1_across": np.inf, "radius_2": 0.1, "radius_2_across": np.inf}
-    npt.assert_allclose(relative_radii(**straight, angle=np.pi / 2), (0.1, 0.1))  # crossed cylinders: a sphere
+    straight = {
+        "radius_1": 0.1,
+        "radius_1_across": np.inf,
+        "radius_2": 0.1,
+        "radius_2_across": np.inf,
+    }
+    npt.assert_allclose(
+        relative_radii(**straight, angle=np.pi / 2), (0.1, 0.1)
+    )  # crossed cylinders: a sphere
     with pytest.raises(ModelError, match="gap all round"):
         relative_radii(**straight)
     npt.assert_allclose(LOBE, (RADIUS, 0.2))
-    turned = [relative_radii(0.1, radius_1_across=0.3, radius_2=0.2, radius_2_across=0.5, angle=t) for t in (0.3, -0.3)]
+    turned = [
+        relative_radii(0.1, radius_1_across=0.3, radius_2=0.2, radius_2_across=0.5, angle=t)
+        for t in (0.3, -0.3)
+    ]
     assert turned[0] == turned[1]
     # the sum of the curvatures does not depend on the angle
     npt.assert_allclose(sum(1 / r for r in turned[0]), 1 / 0.1 + 1 / 0.3 + 1 / 0.2 + 1 / 0.5)
 
 
 def test_scaling_of_the_acrylic_joint():  # Farzaneh (2002), section 5.2: modulus 1/75 of steel
-    npt.assert_allclose(scale_load(100e3, youngs_modulus=75.0, model_youngs_modulus=1.0), 1333, atol=0.5)
+    npt.assert_allclose(
+        scale_load(100e3, youngs_modulus=75.0, model_youngs_modulus=1.0), 1333, atol=0.5
+    )
     npt.assert_allclose(scale_load(50.0, youngs_modulus=1.0, model_youngs_modulus=75.0), 3750)
     npt.assert_allclose(scale_stress(7.5e6, youngs_modulus=75.0, model_youngs_modulus=1.0), 1e5)
 
 
 @given(st.floats(0.01, 100), st.floats(0.01, 100))
-def test_scaled_loads_strain_alike(stiffer, larger):  # Farzaneh (2002), eq. 3.13, with Persson and Hertz as witnesses
-    load = scale_load(1e5, youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer, length_ratio=larger)
+def test_scaled_loads_strain_alike(
+    stiffer, larger
+):  # Farzaneh (2002), eq. 3.13, with Persson and Hertz as witnesses
+    load = scale_load(
+        1e5, youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer, length_ratio=larger
+    )
     full = persson_contact(1e5 / 0.2, play=4e-4, pin_diameter=0.07, youngs_modulus=2e11)
     model = persson_contact(
-        load / (0.2 * larger), play=4e-4 * larger, pin_diameter=0.07 * larger, youngs_modulus=2e11 * stiffer
+        load / (0.2 * larger),
+        play=4e-4 * larger,
+        pin_diameter=0.07 * larger,
+        youngs_modulus=2e11 * stiffer,
     )
     npt.assert_allclose(model[0], full[0], rtol=1e-9)
     npt.assert_allclose(
-        model[1], scale_stress(full[1], youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer), rtol=1e-9
+        model[1],
+        scale_stress(full[1], youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer),
+        rtol=1e-9,
     )
 
 
@@ -287,16 +340,26 @@ WINKLER = [  # Colbert et al. (2009), B1 to B10: Rs/c, F* t*, mu*
 @pytest.mark.parametrize(("fit", "group", "ratio"), WINKLER)
 def test_winkler_chart(fit, group, ratio):
     shaft = fit / (1 + fit)
-    found = winkler_contact(group, shaft_radius=shaft, bushing_radius=1.0, thickness=1.0, modulus=1.0)
+    found = winkler_contact(
+        group, shaft_radius=shaft, bushing_radius=1.0, thickness=1.0, modulus=1.0
+    )
     npt.assert_allclose(found.torque_ratio, ratio, rtol=1e-6)
 
     def pressure(theta):  # eq. B1 from the eccentricity that was found
-        return shaft - np.sqrt(1 - found.eccentricity**2 * np.sin(theta) ** 2) + found.eccentricity * np.cos(theta)
+        return (
+            shaft
+            - np.sqrt(1 - found.eccentricity**2 * np.sin(theta) ** 2)
+            + found.eccentricity * np.cos(theta)
+        )
 
     npt.assert_allclose(pressure(found.half_angle), 0, atol=1e-12)
     npt.assert_allclose(pressure(0.0), found.pressure, rtol=1e-9)
-    carried = quad(lambda t: pressure(t) * np.cos(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10)[0]
-    rubbed = quad(lambda t: pressure(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10)[0]
+    carried = quad(
+        lambda t: pressure(t) * np.cos(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10
+    )[0]
+    rubbed = quad(lambda t: pressure(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10)[
+        0
+    ]
     npt.assert_allclose(carried, group, rtol=1e-7)
     npt.assert_allclose(rubbed / carried, ratio, rtol=1e-6)
 
@@ -310,7 +373,12 @@ def test_winkler_model_ends_at_a_wrap_of_90_degrees():
 
 @given(st.floats(1.0, 1000.0), st.floats(0.01, 1.5))
 def test_winkler_inverts_and_scales(fit, half_angle):
-    case = {"shaft_radius": 0.01, "bushing_radius": 0.01 * (1 + 1 / fit), "thickness": 0.003, "modulus": 1e9}
+    case = {
+        "shaft_radius": 0.01,
+        "bushing_radius": 0.01 * (1 + 1 / fit),
+        "thickness": 0.003,
+        "modulus": 1e9,
+    }
     load = winkler_load(half_angle, **case)
     found = winkler_contact(load, **case)
     npt.assert_allclose(found.half_angle, half_angle, rtol=1e-5)
@@ -342,7 +410,9 @@ def test_impact_loses_the_energy_of_its_restitution(restitution):
     from scipy.integrate import solve_ivp
 
     def motion(_, state):
-        force = impact_force(state[0], rate=state[1], impact_speed=1.0, stiffness=1.0, restitution=restitution)
+        force = impact_force(
+            state[0], rate=state[1], impact_speed=1.0, stiffness=1.0, restitution=restitution
+        )
         return [state[1], -float(force)]
 
     def apart(_, state):
@@ -351,7 +421,9 @@ def test_impact_loses_the_energy_of_its_restitution(restitution):
     apart.terminal, apart.direction = True, -1
     end = solve_ivp(motion, (0, 10), [0.0, 1.0], events=apart, rtol=1e-9, atol=1e-12).y[1, -1]
     npt.assert_allclose(-end, restitution, atol=(1 - restitution**2) ** 2)
-    assert impact_force(-1.0, rate=1.0, impact_speed=1.0, stiffness=1.0, restitution=restitution) == 0
+    assert (
+        impact_force(-1.0, rate=1.0, impact_speed=1.0, stiffness=1.0, restitution=restitution) == 0
+    )
 
 
 @pytest.mark.parametrize(
@@ -359,21 +431,43 @@ def test_impact_loses_the_energy_of_its_restitution(restitution):
     [
         (lambda: persson_half_angle(-0.7), "group"),
         (lambda: persson_group(np.pi), "half_angle"),
-        (lambda: persson_load(2.0, play=1e-4, youngs_modulus=2e11), "half_angle must be below 84.8"),
-        (lambda: persson_contact(-1.0, play=1e-4, pin_diameter=0.1, youngs_modulus=2e11), "load_per_length"),
-        (lambda: hertz_line(1.0, radius=-1.0, contact_modulus=1e11), "radius"),
-        (lambda: hertz_ellipse(1.0, radius=1.0, radius_across=2.0, contact_modulus=1e11), "larger reduced radius"),
-        (lambda: thesis_ellipse(1.0, radius=1.0, radius_across=0.2, contact_modulus=-1e11), "contact_modulus"),
         (
-            lambda: winkler_contact(1.0, shaft_radius=0.011, bushing_radius=0.01, thickness=1e-3, modulus=1e9),
+            lambda: persson_load(2.0, play=1e-4, youngs_modulus=2e11),
+            "half_angle must be below 84.8",
+        ),
+        (
+            lambda: persson_contact(-1.0, play=1e-4, pin_diameter=0.1, youngs_modulus=2e11),
+            "load_per_length",
+        ),
+        (lambda: hertz_line(1.0, radius=-1.0, contact_modulus=1e11), "radius"),
+        (
+            lambda: hertz_ellipse(1.0, radius=1.0, radius_across=2.0, contact_modulus=1e11),
+            "larger reduced radius",
+        ),
+        (
+            lambda: thesis_ellipse(1.0, radius=1.0, radius_across=0.2, contact_modulus=-1e11),
+            "contact_modulus",
+        ),
+        (
+            lambda: winkler_contact(
+                1.0, shaft_radius=0.011, bushing_radius=0.01, thickness=1e-3, modulus=1e9
+            ),
             "bushing_radius must exceed shaft_radius",
         ),
         (
-            lambda: winkler_load(1.6, shaft_radius=0.009, bushing_radius=0.01, thickness=1e-3, modulus=1e9),
+            lambda: winkler_load(
+                1.6, shaft_radius=0.009, bushing_radius=0.01, thickness=1e-3, modulus=1e9
+            ),
             "half_angle must lie in 0 to 1.5708",
         ),
-        (lambda: relative_radii(0.0, radius_1_across=1.0, radius_2=1.0, radius_2_across=1.0), "must not be zero"),
-        (lambda: impact_force(1.0, rate=1.0, impact_speed=1.0, stiffness=1.0, restitution=1.2), "restitution"),
+        (
+            lambda: relative_radii(0.0, radius_1_across=1.0, radius_2=1.0, radius_2_across=1.0),
+            "must not be zero",
+        ),
+        (
+            lambda: impact_force(1.0, rate=1.0, impact_speed=1.0, stiffness=1.0, restitution=1.2),
+            "restitution",
+        ),
     ],
 )
 def test_bad_values_are_named(call, named):

@@ -31,7 +31,12 @@ ACRYLIC = contact_modulus(2.7e9, poisson_1=0.37, youngs_2=2.7e9, poisson_2=0.37)
 
 
 def thesis_case(load, **changes):
-    case = {"viscosity": 0.12, "pressure_viscosity": 2e-8, "radius": RADIUS, "contact_modulus": STEEL}
+    case = {
+        "viscosity": 0.12,
+        "pressure_viscosity": 2e-8,
+        "radius": RADIUS,
+        "contact_modulus": STEEL,
+    }
     return {**case, "load_per_length": load / LENGTH, **changes}
 
 
@@ -42,7 +47,9 @@ def test_eq_2_8_as_the_thesis_writes_it(load, micrometre):  # Farzaneh (2002), e
 
 @pytest.mark.parametrize(("load", "micrometre"), [(222.5e3, 0.6863), (444.8e3, 0.6272)])
 def test_eq_2_8_in_the_standard_form(load, micrometre):  # Dowson and Higginson (1966)
-    npt.assert_allclose(dowson_higginson_film(0.042, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4)
+    npt.assert_allclose(
+        dowson_higginson_film(0.042, **thesis_case(load)) * 1e6, micrometre, rtol=1e-4
+    )
 
 
 @pytest.mark.parametrize(
@@ -54,14 +61,22 @@ def test_eq_2_8_in_the_standard_form(load, micrometre):  # Dowson and Higginson 
         (dowson_higginson_film, 0.042, 444.8e3, 1.5158e-8),
     ],
 )
-def test_the_printed_film_of_the_thesis_needs_these_alphas(form, speed, load, alpha):  # 0.54 um, section 2.2.2
-    npt.assert_allclose(form(speed, **thesis_case(load, pressure_viscosity=alpha)), 0.54e-6, rtol=1e-4)
+def test_the_printed_film_of_the_thesis_needs_these_alphas(
+    form, speed, load, alpha
+):  # 0.54 um, section 2.2.2
+    npt.assert_allclose(
+        form(speed, **thesis_case(load, pressure_viscosity=alpha)), 0.54e-6, rtol=1e-4
+    )
 
 
 def test_thesis_form_is_two_percent_above_the_standard_one():
-    ratio = thesis_film(0.084, **thesis_case(444.8e3)) / dowson_higginson_film(0.042, **thesis_case(444.8e3))
+    ratio = thesis_film(0.084, **thesis_case(444.8e3)) / dowson_higginson_film(
+        0.042, **thesis_case(444.8e3)
+    )
     npt.assert_allclose(ratio, 1.0210, atol=5e-5)
-    npt.assert_allclose(ratio, 2 ** (-0.54 + 0.7 - 0.13), rtol=1e-12)  # G halves, V doubles, W doubles
+    npt.assert_allclose(
+        ratio, 2 ** (-0.54 + 0.7 - 0.13), rtol=1e-12
+    )  # G halves, V doubles, W doubles
 
 
 MAP = [  # modulus, lbf, gE, gV, four films [um], regime; computed for physics of this joint, half of .0842 m/s
@@ -82,9 +97,13 @@ def test_regime_map_of_the_joint(modulus, load, gE, gV, films, regime):
         found.isoviscous_elastic,
         found.piezoviscous_elastic,
     )
-    npt.assert_allclose(np.array(asymptotes) * 1e6, films, rtol=8e-3)  # half of the last printed digit
+    npt.assert_allclose(
+        np.array(asymptotes) * 1e6, films, rtol=8e-3
+    )  # half of the last printed digit
     npt.assert_allclose(found.gE, gE, rtol=5e-3)
-    npt.assert_allclose(found.gV, gV, rtol=0.03 if gV == 0.0017 else 5e-3)  # two digits printed there
+    npt.assert_allclose(
+        found.gV, gV, rtol=0.03 if gV == 0.0017 else 5e-3
+    )  # two digits printed there
     assert found.regime == regime
     assert found.film == max(asymptotes)
 
@@ -97,9 +116,17 @@ def test_dowson_higginson_is_67_times_too_small_for_the_optical_joint():
 
 @pytest.mark.parametrize(
     ("load", "words"),
-    [(8e3, None), (11.7e3, None), (12.1e3, "never crosses"), (47.4e3, "never crosses"), (48.0e3, "never reaches")],
+    [
+        (8e3, None),
+        (11.7e3, None),
+        (12.1e3, "never crosses"),
+        (47.4e3, "never crosses"),
+        (48.0e3, "never reaches"),
+    ],
 )
-def test_notes_say_when_the_stroke_does_not_sweep_the_contact(load, words):  # limits at 11.9 and 47.7 klbf
+def test_notes_say_when_the_stroke_does_not_sweep_the_contact(
+    load, words
+):  # limits at 11.9 and 47.7 klbf
     notes = line_contact_film(0.0421, **thesis_case(load * LBF), stroke=7.11e-3).notes
     swept = [note for note in notes if "stroke of" in note]
     assert swept == [] if words is None else words in swept[0]
@@ -110,24 +137,37 @@ def test_notes_say_when_the_motion_reverses():
     found = line_contact_film(speed, **thesis_case(444.8e3))
     assert any("reverses" in note for note in found.notes)
     assert found.film[2] == 0
-    assert not any("reverses" in note for note in line_contact_film(0.04, **thesis_case(444.8e3)).notes)
+    assert not any(
+        "reverses" in note for note in line_contact_film(0.04, **thesis_case(444.8e3)).notes
+    )
     assert any("No stroke given" in note for note in found.notes)
 
 
 def test_missing_load_gives_no_regime():
     load = np.array([np.nan, 50 * LBF / LENGTH])
-    found = line_contact_film(0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC))
+    found = line_contact_film(
+        0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC)
+    )
     assert np.isnan(found.film[0])
     assert list(found.regime) == ["", "isoviscous-rigid"]
 
 
 def test_regimes_broadcast_and_keep_coordinates():
-    load = xr.DataArray([50 * LBF / LENGTH, 1333 * LBF / LENGTH], dims="load", coords={"load": [50, 1333]})
-    found = line_contact_film(0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC))
+    load = xr.DataArray(
+        [50 * LBF / LENGTH, 1333 * LBF / LENGTH], dims="load", coords={"load": [50, 1333]}
+    )
+    found = line_contact_film(
+        0.0421, **thesis_case(1.0, load_per_length=load, contact_modulus=ACRYLIC)
+    )
     assert isinstance(found.film, xr.DataArray)
-    assert list(found.regime.sel(load=[1333, 50]).values) == ["isoviscous-elastic", "isoviscous-rigid"]
+    assert list(found.regime.sel(load=[1333, 50]).values) == [
+        "isoviscous-elastic",
+        "isoviscous-rigid",
+    ]
     speed = np.full((3, 1), 0.0421)
-    found = line_contact_film(speed, **thesis_case(1.0, load_per_length=load.values, contact_modulus=ACRYLIC))
+    found = line_contact_film(
+        speed, **thesis_case(1.0, load_per_length=load.values, contact_modulus=ACRYLIC)
+    )
     assert found.regime.shape == (3, 2)
 
 
@@ -166,7 +206,8 @@ def test_films_grow_with_speed_and_thin_under_load(factor, speed):
 
 def test_direction_of_motion_does_not_matter():
     npt.assert_allclose(
-        dowson_higginson_film(-0.042, **thesis_case(1e5)), dowson_higginson_film(0.042, **thesis_case(1e5))
+        dowson_higginson_film(-0.042, **thesis_case(1e5)),
+        dowson_higginson_film(0.042, **thesis_case(1e5)),
     )
 
 
@@ -196,15 +237,23 @@ def test_the_constant_of_martin():
 
 
 def test_handbook_constants_that_use_the_sum_of_speeds():  # 2.45 and 1.05
-    npt.assert_allclose(isoviscous_rigid_film(0.5, load_per_length=1.0, viscosity=1.0, radius=1.0), 2.45, rtol=2e-3)
     npt.assert_allclose(
-        piezoviscous_rigid_film(0.5, viscosity=1.0, pressure_viscosity=1.0, radius=1.0), 1.05, rtol=2e-3
+        isoviscous_rigid_film(0.5, load_per_length=1.0, viscosity=1.0, radius=1.0), 2.45, rtol=2e-3
+    )
+    npt.assert_allclose(
+        piezoviscous_rigid_film(0.5, viscosity=1.0, pressure_viscosity=1.0, radius=1.0),
+        1.05,
+        rtol=2e-3,
     )
 
 
 def test_isoviscous_elastic_film_knows_no_pressure_viscosity():
     film = isoviscous_elastic_film(
-        0.0421, load_per_length=1333 * LBF / LENGTH, viscosity=0.12, radius=RADIUS, contact_modulus=ACRYLIC
+        0.0421,
+        load_per_length=1333 * LBF / LENGTH,
+        viscosity=0.12,
+        radius=RADIUS,
+        contact_modulus=ACRYLIC,
     )
     npt.assert_allclose(film, 7.05e-6, rtol=1e-3)
 
@@ -232,8 +281,12 @@ def test_hamrock_dowson_tends_to_its_line_contact_form():
 
 def test_film_parameter_of_the_thesis():  # Farzaneh (2002), eq. 2.7: 0.54 um, prints 1.52e-6
     roughness = 0.2512e-6
-    npt.assert_allclose(film_parameter(0.54e-6, roughness_a=roughness, roughness_b=roughness), 1.52, atol=5e-4)
-    npt.assert_allclose(film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 1.527, atol=5e-4)
+    npt.assert_allclose(
+        film_parameter(0.54e-6, roughness_a=roughness, roughness_b=roughness), 1.52, atol=5e-4
+    )
+    npt.assert_allclose(
+        film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 1.527, atol=5e-4
+    )
     assert lubrication_regimes(1.52) == ("partial",)
 
 
@@ -289,7 +342,9 @@ def test_reduced_radius_and_modulus_of_the_joint():  # Farzaneh (2002), eqs. 2.8
 @pytest.mark.parametrize(("load", "seconds"), [(100e3, 0.68), (28e3, 0.36), (8e3, 0.19)])
 def test_oil_is_squeezed_from_the_unswept_contact_within_a_second(load, seconds):  # to 0.64 um
     half_width, _ = hertz_line(load * LBF / LENGTH, radius=RADIUS, contact_modulus=STEEL)
-    found = squeeze_time(0.64e-6, half_width=half_width, load_per_length=load * LBF / LENGTH, viscosity=0.12)
+    found = squeeze_time(
+        0.64e-6, half_width=half_width, load_per_length=load * LBF / LENGTH, viscosity=0.12
+    )
     npt.assert_allclose(found, seconds, atol=5e-3)
 
 

@@ -87,7 +87,9 @@ def test_worn_ptfe_bushing():  # Colbert et al. (2009), section 5.2: 0.105 flat,
         (1.25, 86.393, 22.9724),
     ],
 )
-def test_contours_of_fig_b1_for_a_thin_clearance(ratio, degrees, load):  # Colbert et al. (2009), Fig. B1
+def test_contours_of_fig_b1_for_a_thin_clearance(
+    ratio, degrees, load
+):  # Colbert et al. (2009), Fig. B1
     half_angle = np.radians(degrees)
     npt.assert_allclose(thin_winkler_torque_ratio(half_angle), ratio, rtol=1e-5)
     npt.assert_allclose(thin_winkler_load(half_angle), load, rtol=3e-4)  # five digits of the angle
@@ -96,13 +98,17 @@ def test_contours_of_fig_b1_for_a_thin_clearance(ratio, degrees, load):  # Colbe
 def test_winkler_chart_collapses_for_a_thin_clearance():
     fit = 1e5
     load = thin_winkler_load(0.7) / fit
-    found = winkler_contact(load, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1.0)
+    found = winkler_contact(
+        load, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1.0
+    )
     npt.assert_allclose(found.half_angle, 0.7, rtol=1e-3)
     npt.assert_allclose(found.torque_ratio, thin_winkler_torque_ratio(0.7), rtol=1e-4)
 
 
 def test_torque_of_the_thesis_machine():  # Farzaneh (2002), appendix A.3 and A.4.2
-    npt.assert_allclose(friction_torque(0.15, load=1e5 * LBF, radius=1.25 * 0.0254), 2118.5, rtol=5e-5)
+    npt.assert_allclose(
+        friction_torque(0.15, load=1e5 * LBF, radius=1.25 * 0.0254), 2118.5, rtol=5e-5
+    )
     npt.assert_allclose(friction_torque(0.15, load=1e5 * LBF, radius=33.36e-3), 2225.9, rtol=5e-5)
     power = 2118.5 * 24 * 2 * np.pi / 60
     npt.assert_allclose(power / 745.7, 7.14, atol=5e-3)
@@ -112,11 +118,15 @@ def test_torque_of_the_thesis_machine():  # Farzaneh (2002), appendix A.3 and A.
 def test_sampled_pressure_gives_the_torque_ratio(half_angle):
     angle = np.linspace(-half_angle, half_angle, 4001)
     npt.assert_allclose(
-        torque_ratio(angle, pressure=np.cos(angle)), truncated_cosine_torque_ratio(half_angle), rtol=1e-5
+        torque_ratio(angle, pressure=np.cos(angle)),
+        truncated_cosine_torque_ratio(half_angle),
+        rtol=1e-5,
     )
     persson = persson_pressure(angle, half_angle=half_angle, load_per_length=1.0, pin_diameter=1.0)
     assert 1 < torque_ratio(angle, pressure=persson) < uniform_torque_ratio(half_angle)
-    npt.assert_allclose(torque_ratio(angle, pressure=7 * persson), torque_ratio(angle, pressure=persson))
+    npt.assert_allclose(
+        torque_ratio(angle, pressure=7 * persson), torque_ratio(angle, pressure=persson)
+    )
 
 
 @given(st.floats(0.02, 0.5), st.floats(-0.1, 0.1), st.floats(1.0, 1e5))
@@ -147,7 +157,9 @@ def endurance_log(rng, *, end, galls_at=None, friction=0.15, galled=0.27, noise=
     """A log as of Farzaneh (2002), chapter 4: stages of ten minutes from 8 klbf up by 4, half a minute unloaded between."""
     time = np.arange(0.0, end, step)
     stage, within = np.divmod(time, 630.0)
-    load = np.where(within < 600, (8e3 + 4e3 * stage) * LBF, 0.0) * (1 + rng.normal(0, 0.01, time.size))
+    load = np.where(within < 600, (8e3 + 4e3 * stage) * LBF, 0.0) * (
+        1 + rng.normal(0, 0.01, time.size)
+    )
     coefficient = np.full(time.size, friction)
     temperature = 298.15 + 5e-3 * time
     if galls_at is not None:
@@ -164,7 +176,9 @@ def test_stages_of_the_thesis_are_found():  # Farzaneh (2002), section 4: 8 + 4 
     log = endurance_log(np.random.default_rng(1), end=6 * 630.0)
     found = analyse_endurance(**log, **OPTIONS)
     assert [stage.number for stage in found.stages] == [1, 2, 3, 4, 5, 6]
-    npt.assert_allclose([stage.load / LBF for stage in found.stages], [8e3, 12e3, 16e3, 20e3, 24e3, 28e3], rtol=2e-3)
+    npt.assert_allclose(
+        [stage.load / LBF for stage in found.stages], [8e3, 12e3, 16e3, 20e3, 24e3, 28e3], rtol=2e-3
+    )
     npt.assert_allclose([stage.friction for stage in found.stages], 0.15, atol=2e-3)
     npt.assert_allclose([stage.friction_spread for stage in found.stages], 0.01, rtol=0.25)
     npt.assert_allclose([stage.start for stage in found.stages], 630.0 * np.arange(6), atol=2.1)
@@ -181,7 +195,9 @@ def test_stages_of_the_thesis_are_found():  # Farzaneh (2002), section 4: 8 + 4 
         (4 * 630 + 300.0, 4 * 630 + 330.0, 5, 0.28),  # run 3: in the fifth
     ],
 )
-def test_galling_is_found_where_it_began(galls_at, end, stage, galled):  # Farzaneh (2002), section 4.1
+def test_galling_is_found_where_it_began(
+    galls_at, end, stage, galled
+):  # Farzaneh (2002), section 4.1
     log = endurance_log(np.random.default_rng(2), end=end, galls_at=galls_at, galled=galled)
     found = analyse_endurance(**log, **OPTIONS).galling
     assert found is not None
@@ -199,7 +215,9 @@ def test_interval_of_the_onset_holds_the_truth_as_often_as_it_says():
     inside = []
     for _ in range(200):
         galls_at = float(rng.integers(200, 400)) * 2.0
-        log = endurance_log(rng, end=1200.0, galls_at=galls_at, friction=0.10, galled=0.13, noise=0.02)
+        log = endurance_log(
+            rng, end=1200.0, galls_at=galls_at, friction=0.10, galled=0.13, noise=0.02
+        )
         found = analyse_endurance(**log, **OPTIONS).galling
         inside.append(found is not None and found.earliest <= galls_at <= found.latest)
     assert 0.90 <= np.mean(inside) <= 1.0  # 0.95 with a binomial scatter of 0.015
@@ -209,7 +227,10 @@ def test_steady_friction_seldom_raises_the_alarm():
     rng = np.random.default_rng(4)
     alarms = [
         analyse_endurance(
-            **endurance_log(rng, end=630.0, noise=0.05), **OPTIONS, least_rise=0.0, significance=0.05
+            **endurance_log(rng, end=630.0, noise=0.05),
+            **OPTIONS,
+            least_rise=0.0,
+            significance=0.05,
         ).galling
         for _ in range(200)
     ]

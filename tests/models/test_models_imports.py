@@ -22,7 +22,19 @@ FUNCTIONS = [
 
 
 def test_models_import_numpy_and_scipy_only():
-    heavy = ("xarray", "numba", "matplotlib", "cv2", "skimage", "pydantic", "pint", "zarr", "h5py", "pandas", "click")
+    heavy = (
+        "xarray",
+        "numba",
+        "matplotlib",
+        "cv2",
+        "skimage",
+        "pydantic",
+        "pint",
+        "zarr",
+        "h5py",
+        "pandas",
+        "click",
+    )
     code = (
         "import sys\n"
         + "".join(f"import {name}\n" for name in ["erlif.models", *MODULES])

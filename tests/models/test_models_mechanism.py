@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)  # Farzaneh (2002), appendix A.2
+RIG = CrankRocker(
+    crank=0.055, coupler=0.44, rocker=0.26, ground=0.51
+)  # Farzaneh (2002), appendix A.2
 CRANK_SPEED = 114 * 2 * np.pi / 60
 MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)  # Mukras et al. (2008), Table 1 doubled
 TURN = np.linspace(0, 2 * np.pi, 721)
@@ -31,7 +33,9 @@ def crank_rockers(draw):
 def pins(linkage, crank_angle):
     """Crank pin and rocker pin from the angles alone, as complex numbers."""
     psi = linkage.rocker_angle(crank_angle)
-    return linkage.crank * np.exp(1j * crank_angle), linkage.ground - linkage.rocker * np.exp(-1j * psi)
+    return linkage.crank * np.exp(1j * crank_angle), linkage.ground - linkage.rocker * np.exp(
+        -1j * psi
+    )
 
 
 @given(crank_rockers(), angles)
@@ -50,8 +54,16 @@ def test_rates_are_the_derivatives(linkage, crank_angle):
 
     scale = speed * linkage.crank / min(linkage.rocker, linkage.coupler)
     bound = 1e-4 * scale * (1 + 1 / np.sin(linkage.transmission_angle(crank_angle)) ** 4)
-    npt.assert_allclose(linkage.rocker_speed(crank_angle, crank_speed=speed), slope(linkage.rocker_angle), atol=bound)
-    npt.assert_allclose(linkage.coupler_speed(crank_angle, crank_speed=speed), slope(linkage.coupler_angle), atol=bound)
+    npt.assert_allclose(
+        linkage.rocker_speed(crank_angle, crank_speed=speed),
+        slope(linkage.rocker_angle),
+        atol=bound,
+    )
+    npt.assert_allclose(
+        linkage.coupler_speed(crank_angle, crank_speed=speed),
+        slope(linkage.coupler_angle),
+        atol=bound,
+    )
     npt.assert_allclose(
         linkage.rocker_acceleration(crank_angle, crank_speed=speed),
         slope(lambda t: linkage.rocker_speed(t, crank_speed=speed)),
@@ -60,9 +72,9 @@ def test_rates_are_the_derivatives(linkage, crank_angle):
 
 
 def test_crank_acceleration_adds_its_own_share():
-    extra = RIG.rocker_acceleration(TURN, crank_speed=2.0, crank_acceleration=5.0) - RIG.rocker_acceleration(
-        TURN, crank_speed=2.0
-    )
+    extra = RIG.rocker_acceleration(
+        TURN, crank_speed=2.0, crank_acceleration=5.0
+    ) - RIG.rocker_acceleration(TURN, crank_speed=2.0)
     npt.assert_allclose(extra, RIG.rocker_speed(TURN, crank_speed=5.0), atol=1e-12)
 
 
@@ -86,8 +98,12 @@ def test_limits_bound_the_motion_and_are_reached_at_the_dead_points(linkage):
         assert low <= angle.min() + 1e-9
         assert angle.max() - 1e-9 <= high
     at_low, at_high = linkage.dead_points()
-    npt.assert_allclose(linkage.rocker_angle(np.array([at_low, at_high])), linkage.limits(), atol=1e-7)
-    npt.assert_allclose(linkage.rocker_speed(np.array([at_low, at_high]), crank_speed=1.0), 0, atol=1e-6)
+    npt.assert_allclose(
+        linkage.rocker_angle(np.array([at_low, at_high])), linkage.limits(), atol=1e-7
+    )
+    npt.assert_allclose(
+        linkage.rocker_speed(np.array([at_low, at_high]), crank_speed=1.0), 0, atol=1e-6
+    )
 
 
 def test_the_rig_swings_as_eq_a1_says():  # Farzaneh (2002), eq. A.1
@@ -109,7 +125,9 @@ def test_speeds_of_the_rig():  # exact; the crank-over-rocker rule of appendix A
     npt.assert_allclose(RIG.speed_limits(crank_speed=CRANK_SPEED), [-2.540492, 2.552104], rtol=1e-5)
     npt.assert_allclose(CRANK_SPEED * 5.5 / 26, 2.5254, atol=5e-5)
     speed = RIG.rocker_speed(TURN, crank_speed=CRANK_SPEED)
-    npt.assert_allclose([speed.min(), speed.max()], RIG.speed_limits(crank_speed=CRANK_SPEED), rtol=1e-5)
+    npt.assert_allclose(
+        [speed.min(), speed.max()], RIG.speed_limits(crank_speed=CRANK_SPEED), rtol=1e-5
+    )
 
 
 def test_transmission_and_coupler_swing_of_the_rig():
@@ -126,21 +144,32 @@ def test_the_crank_for_26_degrees():  # the swing printed in Farzaneh (2002), ap
 @given(crank_rockers())
 def test_synthesis_inverts_the_limits(linkage):
     swing = float(np.ptp(linkage.limits()))
-    found = crank_for_swing(swing, coupler=linkage.coupler, rocker=linkage.rocker, ground=linkage.ground)
+    found = crank_for_swing(
+        swing, coupler=linkage.coupler, rocker=linkage.rocker, ground=linkage.ground
+    )
     npt.assert_allclose(found, linkage.crank, rtol=1e-7)
 
 
 def test_reversing_the_crank_reverses_every_speed_and_no_acceleration():
-    npt.assert_allclose(RIG.rocker_speed(TURN, crank_speed=-2.0), -RIG.rocker_speed(TURN, crank_speed=2.0))
-    npt.assert_allclose(RIG.rocker_acceleration(TURN, crank_speed=-2.0), RIG.rocker_acceleration(TURN, crank_speed=2.0))
+    npt.assert_allclose(
+        RIG.rocker_speed(TURN, crank_speed=-2.0), -RIG.rocker_speed(TURN, crank_speed=2.0)
+    )
+    npt.assert_allclose(
+        RIG.rocker_acceleration(TURN, crank_speed=-2.0),
+        RIG.rocker_acceleration(TURN, crank_speed=2.0),
+    )
 
 
 def test_angle_beyond_reach_is_refused_with_the_reach():
     low, high = RIG.limits()
-    with pytest.raises(ModelError, match=r"rocker_angle must lie in the reach .*71\.8355 degrees\), got .*72\.0"):
+    with pytest.raises(
+        ModelError, match=r"rocker_angle must lie in the reach .*71\.8355 degrees\), got .*72\.0"
+    ):
         RIG.crank_angle(np.radians([60.0, 72.0]), rising=True)
     npt.assert_allclose(RIG.crank_angle(high + 5e-10, rising=True), RIG.dead_points()[1], atol=1e-6)
-    npt.assert_allclose(RIG.crank_angle(low - 1e-3, rising=False, tolerance=2e-3), RIG.dead_points()[0], atol=1e-6)
+    npt.assert_allclose(
+        RIG.crank_angle(low - 1e-3, rising=False, tolerance=2e-3), RIG.dead_points()[0], atol=1e-6
+    )
 
 
 def test_missing_angles_stay_missing():
@@ -191,10 +220,18 @@ def test_slider_crank_closes_and_its_rates_are_derivatives(crank, ratio, clearan
 
     bound = 1e-4 * speed * (1 + 1 / np.cos(phi) ** 4)
     npt.assert_allclose(
-        linkage.slider_speed(crank_angle, crank_speed=speed), slope(linkage.slider_position), atol=bound
+        linkage.slider_speed(crank_angle, crank_speed=speed),
+        slope(linkage.slider_position),
+        atol=bound,
     )
-    npt.assert_allclose(linkage.coupler_speed(crank_angle, crank_speed=speed), slope(linkage.coupler_angle), atol=bound)
-    npt.assert_allclose(linkage.joint_speed(crank_angle, crank_speed=speed), slope(linkage.joint_angle), atol=bound)
+    npt.assert_allclose(
+        linkage.coupler_speed(crank_angle, crank_speed=speed),
+        slope(linkage.coupler_angle),
+        atol=bound,
+    )
+    npt.assert_allclose(
+        linkage.joint_speed(crank_angle, crank_speed=speed), slope(linkage.joint_angle), atol=bound
+    )
     for rate, second in (
         (linkage.slider_speed, linkage.slider_acceleration),
         (linkage.coupler_speed, linkage.coupler_acceleration),
@@ -204,7 +241,9 @@ def test_slider_crank_closes_and_its_rates_are_derivatives(crank, ratio, clearan
             slope(lambda t, rate=rate: rate(t, crank_speed=speed)),
             atol=3 * speed * bound,
         )
-        extra = second(crank_angle, crank_speed=speed, crank_acceleration=2.0) - second(crank_angle, crank_speed=speed)
+        extra = second(crank_angle, crank_speed=speed, crank_acceleration=2.0) - second(
+            crank_angle, crank_speed=speed
+        )
         npt.assert_allclose(extra, rate(crank_angle, crank_speed=2.0), atol=1e-9)
 
 
@@ -214,7 +253,9 @@ def test_slider_crank_of_mukras():  # Mukras et al. (2008), Table 1 as half leng
     npt.assert_allclose(MUKRAS.slider_position(np.array([np.pi, 0.0])), [low, high])
     npt.assert_allclose(MUKRAS.coupler_angle(np.array(MUKRAS.dead_points())), MUKRAS.limits())
     # sliding distance at the joint: each turn of the crank turns the pin once in its bushing
-    npt.assert_allclose(9.535 * (MUKRAS.joint_angle(2 * np.pi) - MUKRAS.joint_angle(0.0)), 59.910, atol=5e-4)
+    npt.assert_allclose(
+        9.535 * (MUKRAS.joint_angle(2 * np.pi) - MUKRAS.joint_angle(0.0)), 59.910, atol=5e-4
+    )
 
 
 @given(angles)
@@ -229,11 +270,14 @@ def test_slider_crank_encoders_give_the_crank_back(crank_angle):
 
 def test_clearance_lengthens_the_rod():  # Mukras et al. (2008), eq. 18, root phi1 + alpha = phi2 + pi
     worn = SliderCrank(0.0762, 0.2032, clearance=1e-4)
-    npt.assert_allclose(worn.slider_position(TURN), SliderCrank(0.0762, 0.2033).slider_position(TURN))
+    npt.assert_allclose(
+        worn.slider_position(TURN), SliderCrank(0.0762, 0.2033).slider_position(TURN)
+    )
 
 
 @pytest.mark.parametrize(
-    ("links", "named"), [((0.2, 0.1), "coupler must be longer"), ((0.1, 0.2, -1e-5), "clearance"), ((0, 1), "crank")]
+    ("links", "named"),
+    [((0.2, 0.1), "coupler must be longer"), ((0.1, 0.2, -1e-5), "clearance"), ((0, 1), "crank")],
 )
 def test_slider_crank_refuses_bad_links(links, named):
     with pytest.raises(ModelError, match=named):

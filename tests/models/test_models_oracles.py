@@ -7,7 +7,9 @@ import pytest
 from erlif.models.contact import hertz_ellipse
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
-RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)  # Farzaneh (2002), appendix A.2
+RIG = CrankRocker(
+    crank=0.055, coupler=0.44, rocker=0.26, ground=0.51
+)  # Farzaneh (2002), appendix A.2
 SPEED = 114 * 2 * np.pi / 60
 
 
@@ -57,9 +59,15 @@ def test_speed_and_acceleration_against_mechanism():
     # the package counts the rocker from the x axis: pi minus the interior angle
     npt.assert_allclose(RIG.rocker_angle(crank_angle), np.pi - rocker.pos.thetas, atol=1e-8)
     npt.assert_allclose(RIG.coupler_angle(crank_angle), coupler.pos.thetas, atol=1e-8)
-    npt.assert_allclose(RIG.rocker_speed(crank_angle, crank_speed=SPEED), -rocker.vel.omegas, atol=1e-7)
-    npt.assert_allclose(RIG.coupler_speed(crank_angle, crank_speed=SPEED), coupler.vel.omegas, atol=1e-7)
-    npt.assert_allclose(RIG.rocker_acceleration(crank_angle, crank_speed=SPEED), -rocker.acc.alphas, atol=1e-6)
+    npt.assert_allclose(
+        RIG.rocker_speed(crank_angle, crank_speed=SPEED), -rocker.vel.omegas, atol=1e-7
+    )
+    npt.assert_allclose(
+        RIG.coupler_speed(crank_angle, crank_speed=SPEED), coupler.vel.omegas, atol=1e-7
+    )
+    npt.assert_allclose(
+        RIG.rocker_acceleration(crank_angle, crank_speed=SPEED), -rocker.acc.alphas, atol=1e-6
+    )
 
 
 def test_slider_crank_against_mechanism():
@@ -81,9 +89,15 @@ def test_slider_crank_against_mechanism():
     )
     solved.iterate()
     npt.assert_allclose(linkage.slider_position(crank_angle), slide.pos.rs, atol=1e-8)
-    npt.assert_allclose(linkage.slider_speed(crank_angle, crank_speed=3.0), slide.vel.r_dots, atol=1e-7)
-    npt.assert_allclose(linkage.slider_acceleration(crank_angle, crank_speed=3.0), slide.acc.r_ddots, atol=1e-6)
-    npt.assert_allclose(linkage.coupler_acceleration(crank_angle, crank_speed=3.0), coupler.acc.alphas, atol=1e-6)
+    npt.assert_allclose(
+        linkage.slider_speed(crank_angle, crank_speed=3.0), slide.vel.r_dots, atol=1e-7
+    )
+    npt.assert_allclose(
+        linkage.slider_acceleration(crank_angle, crank_speed=3.0), slide.acc.r_ddots, atol=1e-6
+    )
+    npt.assert_allclose(
+        linkage.coupler_acceleration(crank_angle, crank_speed=3.0), coupler.acc.alphas, atol=1e-6
+    )
 
 
 @pytest.mark.parametrize("ratio", [1.0, 4.0])
@@ -93,7 +107,9 @@ def test_hertz_against_tamaas(ratio):
     points, load, radius = 256, 1e-3, 4.0
     x = (np.arange(points) - points / 2) / points
     gap = (x[:, None] ** 2 / radius + x[None, :] ** 2 * ratio / radius) / 2
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [points, points])
+    model = tamaas.ModelFactory.createModel(
+        tamaas.model_type.basic_2d, [1.0, 1.0], [points, points]
+    )
     model.E, model.nu = 1.0, 0.0
     tamaas.PolonskyKeerRey(model, -gap, 1e-10).solve(load)  # mean pressure on the unit square
     found = hertz_ellipse(load, radius=radius, radius_across=radius / ratio, contact_modulus=1.0)

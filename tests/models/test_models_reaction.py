@@ -17,14 +17,29 @@ from erlif.models.reaction import (
 )
 
 MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)
-BODIES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487, "spring_stiffness": 525.4}
+BODIES = {
+    "rod_mass": 0.8175,
+    "rod_inertia": 5500e-6,
+    "slider_mass": 5.5487,
+    "spring_stiffness": 525.4,
+}
 TURN = np.linspace(0, 2 * np.pi, 721)
 
 
-@given(st.floats(0.2, 20.0), st.floats(0, 100.0), st.floats(0, 0.4), st.floats(0, 2e-3), st.floats(0, 2 * np.pi))
-def test_the_crank_supplies_what_bodies_spring_and_friction_take(speed, preload, friction, clearance, angle):
+@given(
+    st.floats(0.2, 20.0),
+    st.floats(0, 100.0),
+    st.floats(0, 0.4),
+    st.floats(0, 2e-3),
+    st.floats(0, 2 * np.pi),
+)
+def test_the_crank_supplies_what_bodies_spring_and_friction_take(
+    speed, preload, friction, clearance, angle
+):
     linkage = SliderCrank(0.0762, 0.2032, clearance)
-    bodies = SliderCrankBodies(**BODIES, spring_preload=preload, friction=friction, pin_radius=9.525e-3)
+    bodies = SliderCrankBodies(
+        **BODIES, spring_preload=preload, friction=friction, pin_radius=9.525e-3
+    )
 
     def energy(t):
         phi = linkage.coupler_angle(t)
@@ -39,7 +54,9 @@ def test_the_crank_supplies_what_bodies_spring_and_friction_take(speed, preload,
     step = 1e-5
     stored = speed * (energy(angle + step) - energy(angle - step)) / (2 * step)
     reaction = joint_reaction(linkage, crank_angle=angle, crank_speed=speed, bodies=bodies)
-    lost = friction * reaction.normal * 9.525e-3 * abs(linkage.joint_speed(angle, crank_speed=speed))
+    lost = (
+        friction * reaction.normal * 9.525e-3 * abs(linkage.joint_speed(angle, crank_speed=speed))
+    )
     scale = speed * (abs(reaction.crank_torque) + reaction.force * 0.0762) + 1e-9
     npt.assert_allclose(speed * reaction.crank_torque, stored + lost, atol=1e-6 * scale)
 
@@ -56,7 +73,10 @@ def lagrange(angle, *, speed, preload):
     jacobian[:6, 2] = [l1 * s1, -l1 * c1, 2 * l1 * s1, -2 * l1 * c1, 2 * l1 * s1, -2 * l1 * c1]
     jacobian[2:6, 5] = [l2 * s2, -l2 * c2, 2 * l2 * s2, -2 * l2 * c2]
     rate2 = np.linalg.solve(jacobian, [0, 0, 0, 0, 0, 0, 0, 0, speed])[5]
-    gamma = -np.array([l1 * c1, l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 0, 0, 0]) * speed**2
+    gamma = (
+        -np.array([l1 * c1, l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 2 * l1 * c1, 2 * l1 * s1, 0, 0, 0])
+        * speed**2
+    )
     gamma[2:6] -= np.array([l2 * c2, l2 * s2, 2 * l2 * c2, 2 * l2 * s2]) * rate2**2
     applied = np.zeros(9)
     applied[6] = preload + 525.4 * (2 * l1 + 2 * l2 - 2 * l1 * c1 - 2 * l2 * c2)
@@ -66,11 +86,15 @@ def lagrange(angle, *, speed, preload):
 
 
 @given(st.floats(0, 2 * np.pi), st.floats(0.1, 30.0), st.floats(0, 100.0))
-def test_joint_force_is_that_of_the_lagrange_multipliers(angle, speed, preload):  # Mukras et al. (2008), eq. 10
+def test_joint_force_is_that_of_the_lagrange_multipliers(
+    angle, speed, preload
+):  # Mukras et al. (2008), eq. 10
     bodies = SliderCrankBodies(**BODIES, spring_preload=preload)
     found = joint_reaction(MUKRAS, crank_angle=angle, crank_speed=speed, bodies=bodies)
     expected = lagrange(angle, speed=speed, preload=preload)
-    npt.assert_allclose([found.force_x, found.force_y, found.crank_torque], expected, atol=1e-9 * (100 + speed**2))
+    npt.assert_allclose(
+        [found.force_x, found.force_y, found.crank_torque], expected, atol=1e-9 * (100 + speed**2)
+    )
 
 
 def test_force_along_the_line_accelerates_rod_and_slider():
@@ -80,9 +104,13 @@ def test_force_along_the_line_accelerates_rod_and_slider():
 
     def momentum(t):
         slider = MUKRAS.slider_position(t)
-        return bodies.slider_mass * slider + bodies.rod_mass * (slider - 0.1016 * np.cos(MUKRAS.coupler_angle(t)))
+        return bodies.slider_mass * slider + bodies.rod_mass * (
+            slider - 0.1016 * np.cos(MUKRAS.coupler_angle(t))
+        )
 
-    second = (momentum(TURN + step) - 2 * momentum(TURN) + momentum(TURN - step)) / step**2 * speed**2
+    second = (
+        (momentum(TURN + step) - 2 * momentum(TURN) + momentum(TURN - step)) / step**2 * speed**2
+    )
     spring = 68.354 + 525.4 * (0.2794 - MUKRAS.slider_position(TURN))
     reaction = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=speed, bodies=bodies)
     npt.assert_allclose(reaction.force_x + spring, second, atol=1e-3)
@@ -109,7 +137,9 @@ def test_the_slow_linkage_carries_the_spring_alone():
 def test_perfect_joint_is_the_limit_of_the_worn_one():
     bodies = SliderCrankBodies(**BODIES, spring_preload=68.354)
     perfect = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=np.pi, bodies=bodies)
-    worn = joint_reaction(SliderCrank(0.0762, 0.2032, 1e-9), crank_angle=TURN, crank_speed=np.pi, bodies=bodies)
+    worn = joint_reaction(
+        SliderCrank(0.0762, 0.2032, 1e-9), crank_angle=TURN, crank_speed=np.pi, bodies=bodies
+    )
     npt.assert_allclose(worn.force, perfect.force, rtol=1e-6)
 
 
@@ -118,7 +148,9 @@ def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     force = coupler_force(rig, crank_angle=TURN, rocker_torque=2118.5)
     npt.assert_allclose(2118.5 / 0.26, 8.15e3, atol=5)
     # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is the worse one
-    npt.assert_allclose(force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6)
+    npt.assert_allclose(
+        force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6
+    )
     npt.assert_allclose(force.max(), force[360])
     # virtual work: coupler force times the pull-in of the crank pin is torque times rocker speed
     torque = force * 0.055 * np.sin(rig.coupler_angle(TURN) - TURN)
@@ -129,18 +161,24 @@ def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     ("exponent", "load", "hours"),
     [(10 / 3, 4.1e3, 52119), (10 / 3, 8.2e3, 5171), (3, 4.1e3, 28960), (3, 8.2e3, 3620)],
 )
-def test_bearing_life_of_the_thesis(exponent, load, hours):  # Farzaneh (2002), appendix A.4.1: 23.9 kN, 114 rpm
+def test_bearing_life_of_the_thesis(
+    exponent, load, hours
+):  # Farzaneh (2002), appendix A.4.1: 23.9 kN, 114 rpm
     speed = 114 * 2 * np.pi / 60
     life = rolling_bearing_life(load, rating=23.9e3, speed=speed, exponent=exponent)
     npt.assert_allclose(life / 3600, hours, rtol=5e-5)
-    npt.assert_allclose(life / 3600, 16667 / 114 * (23.9e3 / load) ** exponent, rtol=5e-5)  # as the source writes it
+    npt.assert_allclose(
+        life / 3600, 16667 / 114 * (23.9e3 / load) ** exponent, rtol=5e-5
+    )  # as the source writes it
 
 
 def test_threaded_rod_of_the_thesis():  # Farzaneh (2002), appendix A.4.1: printed 16 MPa, factor 3.1
     stress = rod_stress(8.2e3, diameter=0.0127)
     npt.assert_allclose(stress / 1e6, 64.7, atol=0.05)
     npt.assert_allclose(50e6 / stress, 0.77, atol=5e-3)
-    npt.assert_allclose(rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05)  # the print, d for r
+    npt.assert_allclose(
+        rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05
+    )  # the print, d for r
 
 
 def test_negative_mass_is_refused():

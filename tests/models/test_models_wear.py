@@ -63,7 +63,9 @@ def test_the_same_preload_predicts_the_second_test():  # Mukras et al. (2008), T
     found = mukras_wear(coupled=False, cycles=21_400)
     npt.assert_allclose(grams(found), 0.15622, atol=5e-6)
     npt.assert_allclose(found.depth[-1] * 1e3, 0.4397, atol=5e-5)
-    npt.assert_allclose([grams(found) / 0.1589 - 1, found.depth[-1] * 1e3 / 0.4524 - 1], [-0.017, -0.028], atol=5e-4)
+    npt.assert_allclose(
+        [grams(found) / 0.1589 - 1, found.depth[-1] * 1e3 / 0.4524 - 1], [-0.017, -0.028], atol=5e-4
+    )
 
 
 def test_without_preload_the_printed_inputs_give_a_third_of_the_mass():
@@ -73,18 +75,25 @@ def test_without_preload_the_printed_inputs_give_a_third_of_the_mass():
 
 def test_half_lengths_taken_as_full_ones_need_another_preload():
     full = SliderCrank(0.0381, 0.1016)
-    npt.assert_allclose(grams(mukras_wear(preload=87.0, linkage=full, coupled=False)), 0.2336, rtol=2e-3)
+    npt.assert_allclose(
+        grams(mukras_wear(preload=87.0, linkage=full, coupled=False)), 0.2336, rtol=2e-3
+    )
 
 
 def test_wear_relaxes_the_spring():
     """The force falls by the stiffness times the clearance, to first order: an estimate by hand of the coupling."""
-    coupled, alone = mukras_wear(cycles=95_000, extrapolation=100), mukras_wear(cycles=95_000, coupled=False)
+    coupled, alone = (
+        mukras_wear(cycles=95_000, extrapolation=100),
+        mukras_wear(cycles=95_000, coupled=False),
+    )
     loss = 1 - coupled.volume[-1] / alone.volume[-1]
     mean_force = alone.volume[-1] / (5.05e-13 * 9.535e-3 * 2 * np.pi * 95_000)
     npt.assert_allclose(loss, 525.4 * alone.depth[-1] / 2 / mean_force, rtol=0.1)
     assert np.all(np.diff(coupled.greatest_force) < 0)
     assert np.ptp(alone.greatest_force) == 0
-    npt.assert_allclose(coupled.greatest_force[0] - coupled.greatest_force[-1], 525.4 * coupled.depth[-1], rtol=0.02)
+    npt.assert_allclose(
+        coupled.greatest_force[0] - coupled.greatest_force[-1], 525.4 * coupled.depth[-1], rtol=0.02
+    )
 
 
 def test_extrapolation_converges_to_first_order():
@@ -106,12 +115,20 @@ def test_too_long_a_step_is_refused():
         mukras_wear(cycles=10**7, extrapolation=10**6)
 
 
-@given(st.floats(1.0, 1e5), st.floats(1e-3, 0.1), st.floats(1e-3, 0.2), st.floats(1e-3, 1e4), st.floats(1e-16, 1e-12))
+@given(
+    st.floats(1.0, 1e5),
+    st.floats(1e-3, 0.1),
+    st.floats(1e-3, 0.2),
+    st.floats(1e-3, 1e4),
+    st.floats(1e-16, 1e-12),
+)
 def test_steady_bushing_conserves_load_and_volume(load, radius, width, distance, specific):
     found = steady_bushing_wear(
         load, shaft_radius=radius, width=width, sliding_distance=distance, specific_wear=specific
     )
-    carried = quad(lambda t: found.pressure * np.cos(t) * np.cos(t) * radius * width, -np.pi / 2, np.pi / 2)[0]
+    carried = quad(
+        lambda t: found.pressure * np.cos(t) * np.cos(t) * radius * width, -np.pi / 2, np.pi / 2
+    )[0]
     removed = quad(lambda t: found.depth * np.cos(t) * radius * width, -np.pi / 2, np.pi / 2)[0]
     npt.assert_allclose(carried, load, rtol=1e-9)
     npt.assert_allclose(removed, found.volume, rtol=1e-9)
@@ -128,10 +145,18 @@ def test_archard_by_load_and_by_pressure_agree():
 def test_abrasive_and_fatigue_wear_are_archards_law():  # Farzaneh (2002), eqs. 2.1 to 2.3
     case = {"sliding_distance": 10.0, "hardness": 1e9}
     npt.assert_allclose(
-        abrasive_wear(5.0, asperity_slope=np.pi / 4, **case), adhesive_wear(5.0, coefficient=2 / np.pi, **case)
+        abrasive_wear(5.0, asperity_slope=np.pi / 4, **case),
+        adhesive_wear(5.0, coefficient=2 / np.pi, **case),
     )
     npt.assert_allclose(
-        fatigue_wear(5.0, asperity_distribution=2.0, particle_size=3.0, failure_strain=0.5, coefficient=0.1, **case),
+        fatigue_wear(
+            5.0,
+            asperity_distribution=2.0,
+            particle_size=3.0,
+            failure_strain=0.5,
+            coefficient=0.1,
+            **case,
+        ),
         adhesive_wear(5.0, coefficient=0.1 * 2 * 3 / 0.25, **case),
     )
 
@@ -160,13 +185,18 @@ def test_surface_temperature_solves_conduction_through_the_ring():  # Strand (20
     # Fourier: Q = -lambda 2 pi r w dT/dr
     fall = quad(lambda r: 500.0 / (60.0 * 2 * np.pi * r * 0.1), 0.04, 0.05)[0]
     npt.assert_allclose(rise, fall, rtol=1e-9)
-    npt.assert_allclose(surface_temperature(300.0, **case, arc=np.pi) - 300.0, 2 * rise)  # as printed
+    npt.assert_allclose(
+        surface_temperature(300.0, **case, arc=np.pi) - 300.0, 2 * rise
+    )  # as printed
 
 
 @pytest.mark.parametrize(
     ("call", "named"),
     [
-        (lambda: adhesive_wear(1.0, sliding_distance=1.0, hardness=0.0, coefficient=1.0), "hardness"),
+        (
+            lambda: adhesive_wear(1.0, sliding_distance=1.0, hardness=0.0, coefficient=1.0),
+            "hardness",
+        ),
         (lambda: adhesive_wear(-1.0, sliding_distance=1.0, hardness=1.0, coefficient=1.0), "load"),
         (lambda: wear_depth(1.0, sliding_distance=-1.0, specific_wear=1.0), "sliding_distance"),
         (lambda: mukras_wear(width=0.0), "bushing_width"),
