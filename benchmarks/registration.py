@@ -4,7 +4,7 @@
     python benchmarks/registration.py --cases all --peers erlif,openpiv
     python benchmarks/registration.py --size 640x480
 
-Every method sees the same frames of an analytic scene (tests/registration_scene.py), so its displacement is known at
+Every method sees the same frames of an analytic scene (tests/scenes/registration.py), so its displacement is known at
 every pixel. Peers get textures without illumination, as they would from a careful user. The first call, which compiles
 or plans, is not timed; the best of the repetitions is. Peers that are not installed are left out:
 ``pip install erlif[benchmark]`` brings them.
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
-from registration_scene import Scene, Views, expose, smooth_map
+from scenes.registration import Scene, Views, expose, smooth_map
 
 from erlif.registration import RegistrationSettings, register
 

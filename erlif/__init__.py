@@ -5,33 +5,33 @@
 >>> film = erlif.process("data_samples/straight_bushing", calibration=calibration)  # doctest: +SKIP
 >>> erlif.plots.thickness_map(film, trigger=12)  # doctest: +SKIP
 
-The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `alignment`, `ratio`, `calibration`, `thickness`,
-`kinematics`, `trend`. Each is a module of plain functions. `models` is theory, `rig` the virtual rig, `plots` the figures.
+The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`, `calibration`, `thickness`,
+`kinematics`, `trend`. Each holds plain functions. `models` is theory, `rig` the virtual rig, `plots` the figures.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from erlif.core.version import __version__
 
 _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
-    "audit": "erlif.inspection",
+    "budget": "erlif.pipeline",
     "calibrate": "erlif.pipeline",
-    "open_calibration": "erlif.pipeline",
-    "open_film": "erlif.core.store",
+    "check": "erlif.pipeline",
+    "open_calibration": "erlif.calibration",
+    "open_film": "erlif.files",
     "process": "erlif.pipeline",
-    "save_calibration": "erlif.pipeline",
+    "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
-    "summarise": "erlif.summary",
-    "uncertainty_budget": "erlif.budget",
+    "summarise": "erlif.report",
 }
 _MODULES = (
-    "alignment",
     "calibration",
     "correction",
+    "files",
     "ingest",
     "kinematics",
     "models",
@@ -41,6 +41,7 @@ _MODULES = (
     "registration",
     "report",
     "rig",
+    "settings",
     "thickness",
     "trend",
 )
@@ -50,11 +51,12 @@ __all__ = [
     "ErlifError",
     "Flag",
     "__version__",
-    "alignment",
-    "audit",
+    "budget",
     "calibrate",
     "calibration",
+    "check",
     "correction",
+    "files",
     "ingest",
     "kinematics",
     "models",
@@ -68,18 +70,18 @@ __all__ = [
     "report",
     "rig",
     "save_calibration",
+    "settings",
     "simulate",
     "summarise",
     "thickness",
     "trend",
-    "uncertainty_budget",
 ]
 
 if TYPE_CHECKING:
     from erlif import (
-        alignment,
         calibration,
         correction,
+        files,
         ingest,
         kinematics,
         models,
@@ -89,18 +91,17 @@ if TYPE_CHECKING:
         registration,
         report,
         rig,
+        settings,
         thickness,
         trend,
     )
-    from erlif.budget import uncertainty_budget
-    from erlif.calibration import Calibration
+    from erlif.calibration import Calibration, open_calibration, save_calibration
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
-    from erlif.core.store import open_film
-    from erlif.inspection import audit
-    from erlif.pipeline import calibrate, open_calibration, process, save_calibration
+    from erlif.files import open_film
+    from erlif.pipeline import budget, calibrate, check, process
+    from erlif.report import summarise
     from erlif.rig import simulate
-    from erlif.summary import summarise
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,6 @@
 """``python -m erlif`` is the command ``erlif``."""
 
-from erlif.cli import main
+from erlif.commands.main import main
 
 if __name__ == "__main__":
     main()

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from erlif.config import EncoderSettings, RunSettings, SliderCrankSettings
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError, ModelError
 from erlif.core.products import EncoderLog, require
 from erlif.models.mechanism import CrankRocker, SliderCrank
-
-Array = npt.NDArray[np.float64]
+from erlif.settings import EncoderSettings, RunSettings, SliderCrankSettings
 
 _BACKWARD_COST = (
     3.0  # per radian beyond half a turn: a slow crank is not a fast one that turns the other way
@@ -73,7 +71,7 @@ def locate_frames(log: EncoderLog, settings: RunSettings) -> xr.Dataset:
         speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=omega))
         angle_rate = speed
     stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
-    variables: dict[str, tuple[str, npt.NDArray[Any], dict[str, str]]] = {
+    variables: dict[str, tuple[str, AnyArray, dict[str, str]]] = {
         "trigger": ("frame", trigger, {"units": "1", "long_name": "encoder trigger of the cycle"}),
         "cycle": ("frame", cycle, {"units": "1", "long_name": "turn of the crank"}),
         "encoder_angle": (

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import erlif
-from erlif.cli import main
+from erlif.commands.main import main
 from erlif.rig import RigSettings, simulate
 
 SMALL = RigSettings(

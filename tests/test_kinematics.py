@@ -10,9 +10,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from erlif.config import RunSettings, SliderCrankSettings, read_run_settings
 from erlif.core.errors import EncoderError, ModelError
 from erlif.kinematics import entrained_stroke, locate_frames
+from erlif.settings import RunSettings, SliderCrankSettings, read_run_settings
 
 CRANK, COUPLER, ROCKER, GROUND = 5.5, 44.0, 26.0, 51.0  # cm, Farzaneh (2002)
 OMEGA = 114 * 2 * math.pi / 60

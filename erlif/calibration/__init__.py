@@ -10,6 +10,12 @@ from erlif.calibration.comparison import Comparison, compare_calibrations
 from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
 from erlif.calibration.fit import fit_calibration
 from erlif.calibration.profile import Profile, read_profile
+from erlif.calibration.storage import (
+    calibration_of,
+    open_calibration,
+    record_calibration,
+    save_calibration,
+)
 
 __all__ = [
     "DIRECTION",
@@ -17,9 +23,13 @@ __all__ = [
     "Comparison",
     "InverseTable",
     "Profile",
+    "calibration_of",
     "check_bands",
     "compare_calibrations",
     "fit_calibration",
+    "open_calibration",
     "read_profile",
+    "record_calibration",
+    "save_calibration",
     "share_bands",
 ]

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
 from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
+from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-
-Array = npt.NDArray[np.float64]
 
 FALSE_ALARM = 0.01
 """Probability of chance below which a difference is taken for one."""

@@ -16,11 +16,10 @@ from scipy.optimize import brentq
 
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
+from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 from erlif.registration import CameraMap
-
-Array = npt.NDArray[np.float64]
 
 DIRECTION = "camera2/camera1"
 """The ratio that rises with thickness; the other way round is refused."""

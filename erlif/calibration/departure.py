@@ -18,12 +18,10 @@ import xarray as xr
 from scipy.interpolate import BSpline
 from scipy.stats import chi2
 
-from erlif.calibration.pairing import Points
+from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.regression import Fit
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+from erlif.core.arrays import Array
 
 VERY_STRONG = 10.0
 """Difference of the criterion from which on the spline is used."""

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from erlif.calibration.curve import DIRECTION, Calibration
@@ -17,16 +16,15 @@ from erlif.calibration.departure import (
     find_correlation,
     fit_departure,
 )
-from erlif.calibration.pairing import Points, pair_profile_with_image, thin_out
+from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
+from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
+from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages, require
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 _USEFUL = 0.25  # a single pixel must tell thickness to this share of itself, or the calibration does not answer there
 _CORRELATED = 3.3  # standard deviations: neighbours err alike by chance once in a thousand

@@ -3,38 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
 from erlif.calibration.profile import LEAST_POINTS, Profile, gradient_of_thickness
+from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
 from erlif.core.products import RatioImages
 
-Array = npt.NDArray[np.float64]
-
 _LEAST_PIXELS = 20  # in the cell of one CMM point
-
-
-@dataclass(frozen=True)
-class Points:
-    """CMM points with the ratio of the pixels about each."""
-
-    thickness: Array  # [um]
-    thickness_std: Array  # [um]
-    log_ratio: Array
-    log_ratio_std: Array
-    pixel_var: Array  # variance of a pixel that is new in every frame, in the mean image
-    fixed_var: Array  # variance of a pixel that all frames share
-    position: Array  # (point, axis), on the profile [mm]
-    gradient: Array  # (point, axis), of the thickness [um/mm]
-    ratio_gradient: Array  # (point, axis), of log_ratio [1/mm]
-    mean_across: Array  # where the pixels about a point of a line lie across it [mm]
-    across_slope: Array  # of log_ratio across a line; NaN for a surface [1/mm]
-    across_slope_std: Array
 
 
 def pair_profile_with_image(
@@ -139,7 +121,7 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
 
 def _robust_cell_mean(
     cell: npt.NDArray[np.intp], values: Array, cells: int
-) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+) -> tuple[Array, Array, Mask]:
     """Mean and variance of the values of each cell, without those beyond four standard deviations of it, and which are within."""
     keep = np.ones(cell.size, bool)
     mean, variance = np.zeros(cells), np.zeros(cells)
@@ -170,9 +152,7 @@ def _slope_across(
     return middle, slope, std
 
 
-def _gradient_along(
-    position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]
-) -> Array:
+def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> Array:
     """Slope of the cell means at each CMM point of a line, (point, 1), through its neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
     neighbours = min(3, int(used.sum()))
@@ -185,9 +165,7 @@ def _gradient_along(
     return gradient
 
 
-def _form_about(
-    position: Array, centre: Array, mean: Array, used: npt.NDArray[np.bool_]
-) -> tuple[Array, Array]:
+def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> tuple[Array, Array]:
     """Gradient (point, 2) and second derivatives (point, 2, 2) of the cell means at each CMM point of a surface, from a parabola through its
     neighbours: the cells are wide, and the film is not plane in them. [1/mm, 1/mm2]"""
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))

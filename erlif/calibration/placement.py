@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from erlif.calibration.pairing import Points, pair_profile_with_image
+from erlif.calibration.pairing import pair_profile_with_image
+from erlif.calibration.points import Points
 from erlif.calibration.pose import FoundPose, Freedom, Pose, find_freedom, find_turn
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import Fit, fit_robustly
 from erlif.core.products import RatioImages
-
-Array = npt.NDArray[np.float64]
 
 _STEPS = 10
 

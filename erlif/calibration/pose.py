@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import BSpline
 
-if TYPE_CHECKING:
-    from erlif.calibration.pairing import Points
+from erlif.core.arrays import Array, Mask
 
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+if TYPE_CHECKING:
+    from erlif.calibration.points import Points
+
 
 NAMES = ("along", "across", "scale", "turn")
 """Changes of a pose, in the order of their arrays: along and across the profile [mm], scale [1], turn [rad]."""

@@ -9,12 +9,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
-
-Array = npt.NDArray[np.float64]
 
 LEAST_POINTS = 8
 """Points below which a profile says too little."""

@@ -6,16 +6,13 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from odrpack import odr_fit
 
-from erlif.calibration.pairing import Points
+from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.profile import LEAST_POINTS
+from erlif.core.arrays import Array, Mask
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 OUTLIER = 4.5
 """Points this many standard deviations off the curve are dust, bubbles or a slip of the CMM."""

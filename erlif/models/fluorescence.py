@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from erlif.core.arrays import Array
 
 
 def mean_transmission(depth: npt.ArrayLike) -> Any:

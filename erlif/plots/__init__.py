@@ -27,17 +27,14 @@ from erlif.plots.maps import (
     thickness_figure,
     thickness_map,
 )
-from erlif.plots.products import average_across_sliding, calibration_of, rigid_gap, settings_of
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
 from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
 
 __all__ = [
-    "average_across_sliding",
     "band_images",
     "band_images_figure",
     "calibration_figure",
-    "calibration_of",
     "cycle_figure",
     "displacement_map",
     "drift_of_frames",
@@ -55,9 +52,7 @@ __all__ = [
     "ratio_residuals",
     "registration_figure",
     "restore_frames",
-    "rigid_gap",
     "save_figure",
-    "settings_of",
     "sliding_profile",
     "speed_against_angle",
     "speed_figure",

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, Profile
+from erlif.core.arrays import Array
 from erlif.plots.style import (
     COVERAGE,
     MUTED,
@@ -25,8 +25,6 @@ from erlif.plots.style import (
     save_figure,
     styled,
 )
-
-Array = npt.NDArray[np.float64]
 
 _SHADE = "#EDEDED"
 

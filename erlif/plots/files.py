@@ -12,25 +12,24 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from erlif.calibration import Calibration, read_profile
-from erlif.config import read_fixture_settings, read_run_settings
+from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
-from erlif.core.store import open_film, refuse_existing
-from erlif.pipeline import open_calibration
+from erlif.files import (
+    check_trigger,
+    describe_trigger,
+    fastest_trigger,
+    open_film,
+    refuse_existing,
+    settings_of,
+)
 from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image, restore_frames
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
-from erlif.plots.products import (
-    calibration_of,
-    check_trigger,
-    describe_trigger,
-    fastest_trigger,
-    settings_of,
-)
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure
+from erlif.settings import read_fixture_settings, read_run_settings
 
 logger = logging.getLogger(__name__)
 

@@ -10,13 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from erlif.alignment import align_frames
 from erlif.core.errors import FrameError
-from erlif.core.store import open_film
 from erlif.correction import correct_frames, measure_references
+from erlif.files import check_trigger, describe_trigger, open_film, settings_of
 from erlif.ingest import open_run, read_frames
 from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
-from erlif.plots.products import check_trigger, describe_trigger, settings_of
 from erlif.plots.style import (
     ONE_COLUMN,
     TWO_COLUMNS,
@@ -28,7 +26,7 @@ from erlif.plots.style import (
     styled,
 )
 from erlif.ratio import compute_ratio
-from erlif.registration import CameraMap
+from erlif.registration import CameraMap, align_frames
 
 
 def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Dataset:

@@ -12,10 +12,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from erlif.config import RunSettings
+from erlif.core.arrays import Array
+from erlif.files import settings_of
 from erlif.kinematics import build_mechanism
 from erlif.models.mechanism import SliderCrank
-from erlif.plots.products import settings_of
 from erlif.plots.style import (
     COVERAGE,
     LEAST,
@@ -29,8 +29,7 @@ from erlif.plots.style import (
     new_figure,
     styled,
 )
-
-Array = npt.NDArray[np.float64]
+from erlif.settings import RunSettings
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)
 

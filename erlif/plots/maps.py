@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -17,15 +16,9 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from erlif.core.arrays import Array, FlagImage
 from erlif.core.flags import Flag
-from erlif.plots.products import (
-    average_across_sliding,
-    check_trigger,
-    describe_trigger,
-    region_of,
-    rigid_gap,
-    settings_of,
-)
+from erlif.files import check_trigger, describe_trigger, region_of, settings_of
 from erlif.plots.style import (
     COVERAGE,
     FLAG_COLOURS,
@@ -40,8 +33,8 @@ from erlif.plots.style import (
     new_figure,
     styled,
 )
+from erlif.trend import average_across_sliding, rigid_gap
 
-Array = npt.NDArray[np.float64]
 Limits = tuple[float, float]
 
 _SHEET_COLUMNS = 10
@@ -151,7 +144,7 @@ def thickness_map(
     return image
 
 
-def first_reason(flags: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def first_reason(flags: FlagImage) -> FlagImage:
     """Number the reason that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, and so on."""
     shown = np.zeros(flags.shape, np.uint8)
     for n, flag in reversed(list(enumerate(FLAG_COLOURS, 1))):
@@ -164,7 +157,7 @@ def flag_title(flag: Flag) -> str:
     return str(flag.name).lower().replace("_", " ")
 
 
-def _draw_flags(ax: Axes, flags: npt.NDArray[np.uint8], film: xr.Dataset) -> list[Artist]:
+def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
     shown = first_reason(flags)
     palette = ListedColormap(["none", *FLAG_COLOURS.values()])
     ax.imshow(

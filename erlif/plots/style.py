@@ -17,7 +17,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from erlif.core.flags import Flag
-from erlif.core.store import replacing
+from erlif.files import replacing
 
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
 """Widths of a journal's columns. [inch]"""

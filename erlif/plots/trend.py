@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -11,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from erlif.core.arrays import Array
 from erlif.plots.style import (
     LEAST,
     MEAN,
@@ -25,8 +25,6 @@ from erlif.plots.style import (
     styled,
 )
 from erlif.trend import SLOWEST
-
-Array = npt.NDArray[np.float64]
 
 _LABEL = "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
 

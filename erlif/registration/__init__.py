@@ -1,10 +1,12 @@
 """Camera 2 onto the pixels of camera 1."""
 
+from erlif.registration.alignment import align_frames
 from erlif.registration.background import divide_by_light
-from erlif.registration.camera_map import CameraMap
+from erlif.registration.camera_map import CameraMap, describe_map, move_map
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
-from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
+from erlif.registration.settings import RegistrationSettings, orient
+from erlif.registration.steepness import is_steep
 from erlif.registration.warp import (
     interpolation_variance_factor,
     sample_spline,
@@ -13,14 +15,17 @@ from erlif.registration.warp import (
 )
 
 __all__ = [
-    "ORIENTATIONS",
     "CameraMap",
     "Drift",
     "RegistrationSettings",
+    "align_frames",
     "check_map",
+    "describe_map",
     "divide_by_light",
     "estimate_drift",
     "interpolation_variance_factor",
+    "is_steep",
+    "move_map",
     "orient",
     "register",
     "register_frames",

@@ -5,14 +5,13 @@ against the other. A plain local mean leaves the curvature of such light behind,
 quadratic leaves neither (local polynomial regression: Fan and Gijbels, Local Polynomial Modelling, 1996).
 """
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import correlate1d
 
-Array = NDArray[Any]
+from erlif.core.arrays import AnyArray
 
 CELL: Final = 8
 """Side of the cells whose sums are fitted. [px]"""
@@ -22,7 +21,7 @@ _TERMS: Final = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # powers of x 
 _RIDGE: Final = 1e-6  # keeps the fit solvable where hardly a pixel counts
 
 
-def local_light(image: Array, weight: Array) -> Array:
+def local_light(image: AnyArray, weight: AnyArray) -> AnyArray:
     """Fit a quadratic about every place and return it there.
 
     Parameters
@@ -45,7 +44,7 @@ def local_light(image: Array, weight: Array) -> Array:
     d = np.arange(-reach, reach + 1) / sigma
     taps = [np.exp(-0.5 * d**2) * d**n for n in range(5)]
 
-    def moment(cells: Array, along_x: int, along_y: int) -> Array:
+    def moment(cells: AnyArray, along_x: int, along_y: int) -> AnyArray:
         rows = correlate1d(cells, taps[along_x], axis=1, mode="constant")
         return np.asarray(correlate1d(rows, taps[along_y], axis=0, mode="constant"))
 
@@ -62,13 +61,13 @@ def local_light(image: Array, weight: Array) -> Array:
     return np.asarray(along_y @ fitted @ along_x.T, np.float32)
 
 
-def _from_cells(cells: int, pixels: int) -> Array:
+def _from_cells(cells: int, pixels: int) -> AnyArray:
     """Cubic spline from the centres of the cells to the pixels of one axis, beyond the last centres too; (pixel, cell)."""
     centres = CELL * (np.arange(cells) + 0.5) - 0.5
     return np.asarray(CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
 
 
-def divide_by_light(image: Array, weight: Array) -> tuple[Array, Array]:
+def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Divide an image by its smooth light.
 
     Parameters
@@ -87,7 +86,7 @@ def divide_by_light(image: Array, weight: Array) -> tuple[Array, Array]:
     return texture, lit.astype(np.float32)
 
 
-def _cell_sums(image: Array) -> Array:
+def _cell_sums(image: AnyArray) -> AnyArray:
     rows, cols = -(-image.shape[0] // CELL), -(-image.shape[1] // CELL)
     padded = np.zeros((rows * CELL, cols * CELL))
     padded[: image.shape[0], : image.shape[1]] = image

@@ -1,16 +1,16 @@
 """The map from camera 1 to camera 2: a product that is estimated once and used for a whole run."""
 
-from dataclasses import asdict, dataclass, field
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import RegistrationError
 from erlif.registration.settings import RegistrationSettings
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -21,15 +21,15 @@ class CameraMap:
     are those of the image after `orient`.
     """
 
-    displacement_x: Array
+    displacement_x: AnyArray
     """(y, x), float32; NaN more than a few pixels beyond the frame of camera 2. [px]"""
-    displacement_y: Array
+    displacement_y: AnyArray
     """(y, x), float32, as displacement_x. [px]"""
-    displacement_std: Array
+    displacement_std: AnyArray
     """(y, x), float32: standard deviation of one component, the rms of the two. [px]"""
-    overlap: Array
+    overlap: AnyArray
     """(y, x), bool: camera 2 sees the point, at zero drift."""
-    poor: Array
+    poor: AnyArray
     """(y, x), bool: the cameras are not laid over each other well enough here."""
     quality: float
     """Correlation coefficient of the two textures after alignment. [1]"""
@@ -89,7 +89,7 @@ class CameraMap:
         )
 
     @classmethod
-    def from_dataset(cls, dataset: xr.Dataset) -> "CameraMap":
+    def from_dataset(cls, dataset: xr.Dataset) -> CameraMap:
         """Read back what `to_dataset` made.
 
         Raises
@@ -121,3 +121,27 @@ class CameraMap:
                 f"A stored camera map needs {missing.args[0]!r}, which this dataset lacks; "
                 "register the cameras again and store the map with to_dataset."
             ) from missing
+
+
+def describe_map(camera_map: CameraMap) -> xr.Dataset:
+    """A camera map as a group of a file."""
+    compress = {"zlib": True, "complevel": 1, "shuffle": True}
+    dataset = camera_map.to_dataset()
+    for name in dataset:
+        dataset[name].encoding.update(compress)
+    return dataset
+
+
+def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
+    """The same map with a translation taken up, so that the mean drift of its frames is zero. [px]"""
+    said = (
+        f"; the mean drift taken up is ({by[0]:.3f}, {by[1]:.3f}) px"
+        if "stored" in camera_map.model
+        else ""
+    )
+    return replace(
+        camera_map,
+        displacement_x=(camera_map.displacement_x + by[0]).astype(np.float32),
+        displacement_y=(camera_map.displacement_y + by[1]).astype(np.float32),
+        model=camera_map.model + said,
+    )

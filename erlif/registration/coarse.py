@@ -11,16 +11,14 @@ from typing import Any, Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import fft
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 from erlif.registration.surface import Box, Surface, affine_surface
 from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
-
-Array = NDArray[Any]
 
 COARSE_SIZE: Final = 256
 """The coarse images are binned by powers of two until their longer side is at most this. [px]"""
@@ -38,8 +36,8 @@ SIGNIFICANT: Final = 7.0
 class Start:
     """An affine map found from the coarse images: d(x) = matrix @ x + offset, x in pixels from the frame's origin."""
 
-    matrix: Array
-    offset: Array
+    matrix: AnyArray
+    offset: AnyArray
     agreement: float
     """Part of the blocks that agree with it."""
     blocks: int
@@ -54,9 +52,9 @@ class Peak:
     """A peak of the cross-correlation for one rotation and scale, in binned pixels about the frame's centre."""
 
     significance: float
-    linear: Array
+    linear: AnyArray
     """(2, 2): camera 2 = linear @ (camera 1 - centre) + centre + shift."""
-    shift: Array
+    shift: AnyArray
 
 
 def coarse_binning(shape: tuple[int, int]) -> int:
@@ -67,7 +65,7 @@ def coarse_binning(shape: tuple[int, int]) -> int:
     return factor
 
 
-def _textures(image: Array, weight: Array | None, factor: int) -> tuple[Array, Array]:
+def _textures(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[AnyArray, AnyArray]:
     small, sound = binned(image, weight, factor)
     return normalise(small, sound, reach=3.0)
 
@@ -90,7 +88,9 @@ class _Correlator:
         self.enough = shared > 0.25 * h * w
         self.scale = np.where(self.enough, 1 / np.sqrt(np.maximum(shared, 1)), 0).astype(np.float32)
 
-    def peak(self, texture: Array, blur: float, *, everywhere: bool = False) -> tuple[float, Array]:
+    def peak(
+        self, texture: AnyArray, blur: float, *, everywhere: bool = False
+    ) -> tuple[float, AnyArray]:
         """Significance and offset (x, y) of the best alignment; ``blur`` [px] gathers a peak that a slight
         rotation smears."""
         h, w = self.shape
@@ -123,8 +123,8 @@ class _Correlator:
 
 
 def _turned(
-    coefficients: Array, bad: Array, linear: Array, shift: Array, shape: tuple[int, int]
-) -> tuple[Array, Array]:
+    coefficients: AnyArray, bad: AnyArray, linear: AnyArray, shift: AnyArray, shape: tuple[int, int]
+) -> tuple[AnyArray, AnyArray]:
     """Camera 2 at ``linear @ (x - centre) + centre + shift`` for every coarse pixel x; 0 with weight 0 outside."""
     h, w = shape
     centre = np.array([(w - 1) / 2, (h - 1) / 2])
@@ -141,7 +141,7 @@ def _turned(
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def _integral(values: Array, other: Array, out: Array) -> None:
+def _integral(values: AnyArray, other: AnyArray, out: AnyArray) -> None:
     """Sums of values * other over every rectangle from the origin; one row and column more than the image."""
     h, w = values.shape
     for x in range(w + 1):
@@ -156,15 +156,15 @@ def _integral(values: Array, other: Array, out: Array) -> None:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
 def _match_blocks(
-    a: Array,
-    b: Array,
-    energy_a: Array,
-    energy_b: Array,
-    area: Array,
+    a: AnyArray,
+    b: AnyArray,
+    energy_a: AnyArray,
+    energy_b: AnyArray,
+    area: AnyArray,
     block: int,
     stride: int,
     reach: int,
-    out: Array,
+    out: AnyArray,
 ) -> None:
     """Normalised correlation of each block of ``a`` with ``b`` at every integer offset within ``reach``; -2 where
     less than a third of the block is seen. Energies and area are integral images."""
@@ -198,7 +198,9 @@ def _match_blocks(
                     out[r, c, j, i] = total / np.sqrt(saa * sbb)
 
 
-def _block_vectors(a: Array, b: Array, wb: Array, reach: int) -> tuple[Array, Array, Array]:
+def _block_vectors(
+    a: AnyArray, b: AnyArray, wb: AnyArray, reach: int
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Centres (n, 2), vectors (n, 2) and peak heights over chance (n,) of all blocks that overlap enough. [px]"""
     h, w = a.shape
     rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
@@ -237,7 +239,9 @@ def _block_vectors(a: Array, b: Array, wb: Array, reach: int) -> tuple[Array, Ar
     return centres[usable], vectors[usable], strength
 
 
-def _agree(centres: Array, vectors: Array, strength: Array) -> tuple[Array, Array, float]:
+def _agree(
+    centres: AnyArray, vectors: AnyArray, strength: AnyArray
+) -> tuple[AnyArray, AnyArray, float]:
     """The affine field that most blocks agree with: matrix (2, 2), offset (2,), part of the blocks within a pixel.
 
     Triples of blocks are drawn, the strong ones more often, with a generator of fixed seed; then least squares over the
@@ -271,7 +275,7 @@ def _agree(centres: Array, vectors: Array, strength: Array) -> tuple[Array, Arra
     return field[:2].T, field[2], float(best.mean())
 
 
-def _linear(rotation: float, scale: float) -> Array:
+def _linear(rotation: float, scale: float) -> AnyArray:
     c, s = np.cos(rotation), np.sin(rotation)
     return scale * np.array([[c, -s], [s, c]])
 
@@ -286,21 +290,21 @@ def _bank() -> Iterator[tuple[float, float]]:
 class _Coarse:
     """The two coarse textures, ready to be compared under any affine map."""
 
-    a: Array
-    wa: Array
-    b: Array
-    wb: Array
-    coefficients: Array
-    bad: Array
+    a: AnyArray
+    wa: AnyArray
+    b: AnyArray
+    wb: AnyArray
+    coefficients: AnyArray
+    bad: AnyArray
     factor: int
 
-    def turned(self, linear: Array, shift: Array) -> tuple[Array, Array]:
+    def turned(self, linear: AnyArray, shift: AnyArray) -> tuple[AnyArray, AnyArray]:
         return _turned(
             self.coefficients, self.bad, linear, shift, (self.a.shape[0], self.a.shape[1])
         )
 
 
-def _second(b: Array, wb: Array) -> dict[str, Any]:
+def _second(b: AnyArray, wb: AnyArray) -> dict[str, Any]:
     """The part of `_Coarse` that belongs to camera 2."""
     b = np.clip(b, -4, 4)
     return {
@@ -312,7 +316,7 @@ def _second(b: Array, wb: Array) -> dict[str, Any]:
 
 
 def _prepare(
-    reference: Array, moving: Array, wr: Array | None, wm: Array | None, factor: int
+    reference: AnyArray, moving: AnyArray, wr: AnyArray | None, wm: AnyArray | None, factor: int
 ) -> _Coarse:
     a, wa = _textures(reference, wr, factor)
     return _Coarse(
@@ -381,10 +385,10 @@ def _search_bank(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None
 
 
 def find_start(
-    reference: Array,
-    moving: Array,
-    weight_reference: Array | None,
-    weight_moving: Array | None,
+    reference: AnyArray,
+    moving: AnyArray,
+    weight_reference: AnyArray | None,
+    weight_moving: AnyArray | None,
     settings: RegistrationSettings,
 ) -> Start:
     """Find camera 2's offset, rotation and scale against camera 1.
@@ -431,9 +435,9 @@ def find_start(
 
 
 def _explain(
-    reference: Array,
-    moving: Array,
-    weight_moving: Array | None,
+    reference: AnyArray,
+    moving: AnyArray,
+    weight_moving: AnyArray | None,
     settings: RegistrationSettings,
     coarse: _Coarse,
 ) -> None:

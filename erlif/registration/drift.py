@@ -1,12 +1,12 @@
 """The translation of one frame against the fixed map: fast, for every frame of a run."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
@@ -28,8 +28,6 @@ from erlif.registration.matching import (
 from erlif.registration.pairs import Pair, Pairs, laid_over, make_pair, open_frames, textures
 from erlif.registration.settings import RegistrationSettings
 from erlif.registration.surface import cell_weights
-
-Array = NDArray[Any]
 
 STEP: Final = 16
 FARTHEST: Final = 8
@@ -56,11 +54,11 @@ class Drift:
 
 def estimate_drift(
     camera_map: CameraMap,
-    reference: Array,
-    moving: Array,
+    reference: AnyArray,
+    moving: AnyArray,
     *,
-    weight_reference: Array | None = None,
-    weight_moving: Array | None = None,
+    weight_reference: AnyArray | None = None,
+    weight_moving: AnyArray | None = None,
     threads: int = 1,
 ) -> Drift:
     """Measure by how much camera 2 has moved in this frame against a map made before.
@@ -105,7 +103,7 @@ def check_map(
     *,
     tolerance: float = 0.1,
     settings: RegistrationSettings | None = None,
-) -> Array:
+) -> AnyArray:
     """Check on a few frames of a run that a map made before still fits it.
 
     Parameters
@@ -161,7 +159,7 @@ def check_map(
 
 
 def follow_drift(
-    displacement_x: Array, displacement_y: Array, pair: Pair, *, threads: int = 1
+    displacement_x: AnyArray, displacement_y: AnyArray, pair: Pair, *, threads: int = 1
 ) -> Drift:
     """The same as `estimate_drift` for a checked pair and a dense displacement (NaN where it is not known). [px]
 
@@ -199,7 +197,7 @@ def follow_drift(
     return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
 
 
-def _beyond_chance(products: Array) -> bool:
+def _beyond_chance(products: AnyArray) -> bool:
     """Whether the textures have something in common: in the mean, or, where the rim of a bubble outshines the rest, in the median."""
     error = np.sqrt(1 / products.size)
     median = float(np.median(products))
@@ -210,7 +208,7 @@ def _beyond_chance(products: Array) -> bool:
     )
 
 
-def _whole_pixels(a: Array, b: Array) -> Array:
+def _whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
     """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation; NaN in ``b`` counts 0."""
     size = (
         fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
@@ -223,7 +221,7 @@ def _whole_pixels(a: Array, b: Array) -> Array:
     return np.array([near[i], near[j]], float)
 
 
-def _thinned(field: Array, binning: int) -> Array:
+def _thinned(field: AnyArray, binning: int) -> AnyArray:
     """The displacement at the centres of the binned pixels, in binned pixels."""
     if binning == 1:
         return field
@@ -233,7 +231,7 @@ def _thinned(field: Array, binning: int) -> Array:
     return np.asarray(sum(parts) * np.float32(0.25 / binning), np.float32)
 
 
-def _spread(sums: Array) -> tuple[float, float]:
+def _spread(sums: AnyArray) -> tuple[float, float]:
     """Standard deviations of the shift from the scatter of the cell scores."""
     gxx, gxy, gyy = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY))
     matrix = np.array([[gxx, gxy], [gxy, gyy]])

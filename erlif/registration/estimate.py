@@ -6,13 +6,13 @@ frame, each frame read at its own drift.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
@@ -58,8 +58,6 @@ from erlif.registration.whitening import (
     whiten,
 )
 
-Array = NDArray[Any]
-
 CUBIC: Final = Model((1, 1), 3)
 BEYOND: Final = 8.0
 """How far beyond the frame of camera 2 the displacement is still given, for frames that drift. [px]"""
@@ -74,11 +72,11 @@ POOR_RESIDUAL: Final = 0.3
 
 
 def register(
-    reference: Array,
-    moving: Array,
+    reference: AnyArray,
+    moving: AnyArray,
     *,
-    weight_reference: Array | None = None,
-    weight_moving: Array | None = None,
+    weight_reference: AnyArray | None = None,
+    weight_moving: AnyArray | None = None,
     settings: RegistrationSettings | None = None,
 ) -> CameraMap:
     """Find the displacement that lays camera 2 over camera 1, from one pair of frames.
@@ -106,7 +104,7 @@ def register(
 
 def register_frames(
     pairs: Pairs, *, settings: RegistrationSettings | None = None
-) -> tuple[CameraMap, Array]:
+) -> tuple[CameraMap, AnyArray]:
     """Find the fixed map of a run and the drift of each of its frames.
 
     Parameters
@@ -222,7 +220,7 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
     return surface
 
 
-def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) -> Cells:
+def make_cells(sums: AnyArray, step: int, surface: Surface, *, binning: int = 1) -> Cells:
     """Attach to cell sums where they were taken. ``step`` is in binned pixels; the result is in full ones."""
     rows, cols = sums.shape[:2]
     centre = (binning - 1) / 2
@@ -241,7 +239,7 @@ def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) ->
     return Cells(scaled, x, y, here_x, here_y, weight)
 
 
-def expected_rms(sums: Array) -> Array:
+def expected_rms(sums: AnyArray) -> AnyArray:
     """Rms difference of the textures to be expected in each cell: the median over its surroundings."""
     merged = merge_cells(sums, 2)
     n = merged[..., WEIGHT]
@@ -256,7 +254,7 @@ def expected_rms(sums: Array) -> Array:
 class Seen:
     """Everything summed over the chosen frames at one displacement."""
 
-    sums: Array
+    sums: AnyArray
     """(row, column, 11)"""
     spectra: Spectra
     surface: Surface
@@ -300,7 +298,7 @@ class Views:
         b, wb = whiten(plain.b, plain.weight_b, grid, threads=self.settings.threads)
         return Textures(a, wa, b, wb)
 
-    def _each(self, dx: Array, dy: Array) -> Iterator[tuple[int, Textures]]:
+    def _each(self, dx: AnyArray, dy: AnyArray) -> Iterator[tuple[int, Textures]]:
         if self._single is not None:
             yield 0, self._single
             return
@@ -315,11 +313,11 @@ class Views:
         self._drift_known = True
 
     def sums(
-        self, dx: Array, dy: Array, scale: Array | None
-    ) -> tuple[Array, Spectra | None, Array]:
+        self, dx: AnyArray, dy: AnyArray, scale: AnyArray | None
+    ) -> tuple[AnyArray, Spectra | None, AnyArray]:
         """Sums over the frames at a dense displacement, spectra if not filtered yet, and the mean drift (dx, dy) by
         which the displacement must be moved for the sums to hold."""
-        total: Array | None = None
+        total: AnyArray | None = None
         spectra: Spectra | None = None
         threads = self.settings.threads
         for number, view in self._each(dx, dy):
@@ -345,7 +343,7 @@ class Views:
         self.drift -= mean
         return total, spectra, mean
 
-    def look(self, surface: Surface, *, scale: Array | None = None) -> Seen:
+    def look(self, surface: Surface, *, scale: AnyArray | None = None) -> Seen:
         """Go through the frames once with camera 2 laid over camera 1 by the surface and each frame's drift."""
         dx, dy = surface.on_pixels(self.shape)
         total, spectra, mean = self.sums(dx, dy, scale)
@@ -353,7 +351,7 @@ class Views:
             spectra = Spectra(np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)), 0)
         return Seen(total, spectra, surface.moved(float(mean[0]), float(mean[1])))
 
-    def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
+    def cells(self, sums: AnyArray, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made."""
         return make_cells(
             without_noise(merge_cells(sums, self.merge), slope),
@@ -362,7 +360,7 @@ class Views:
         )
 
 
-def check_correlation(sums: Array) -> float:
+def check_correlation(sums: AnyArray) -> float:
     """Correlation coefficient of the textures, refused if it could be chance.
 
     Raises
@@ -410,9 +408,9 @@ def choose_surface(cells: Cells) -> tuple[Model, bool]:
 class Solution:
     """A dense displacement with its standard deviation, on every pixel of camera 1. [px]"""
 
-    dx: Array
-    dy: Array
-    std: Array
+    dx: AnyArray
+    dy: AnyArray
+    std: AnyArray
     model: str
 
 
@@ -432,7 +430,7 @@ def describe_surface(
     return Solution(dx, dy, std, str(model))
 
 
-def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> Solution:
+def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -> Solution:
     """One displacement for each window, in passes that start from the surface."""
     settings = views.settings
     sigma = local.window_sigma(settings.window, settings.step)
@@ -496,7 +494,7 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _find_overlap(
-    dx: Array, dy: Array, std: Array, height: int, width: int, overlap: Array
+    dx: AnyArray, dy: AnyArray, std: AnyArray, height: int, width: int, overlap: AnyArray
 ) -> None:
     """Mark the pixels whose point camera 2 sees; NaN into the fields far beyond its frame."""
     for y in range(dx.shape[0]):

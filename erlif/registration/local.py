@@ -6,15 +6,13 @@ that do not fit their neighbours are replaced (J. Westerweel, F. Scarano, Exp. F
 """
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY
-
-Array = NDArray[Any]
 
 LARGEST_STEP: Final = 1.5
 """Longest correction of one pass. [px]"""
@@ -28,14 +26,14 @@ def window_sigma(window: int, step: int) -> float:
     return window / (2 * float(np.sqrt(np.pi))) / step
 
 
-def window_sums(cells: Array, sigma: float) -> Array:
+def window_sums(cells: AnyArray, sigma: float) -> AnyArray:
     """Gaussian-weighted sums about each cell; nothing beyond the edges."""
     return np.asarray(
         ndimage.gaussian_filter(cells, (sigma, sigma, 0), mode="constant", truncate=3.5)
     )
 
 
-def solve_windows(sums: Array, sigma: float) -> tuple[Array, Array, Array]:
+def solve_windows(sums: AnyArray, sigma: float) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Displacement (2, row, column) [px], inverse normal matrix (row, column, 2, 2), and where there is any."""
     total = window_sums(sums[..., : BY + 1], sigma)
     gxx, gxy, gyy, bx, by = (total[..., k] for k in (GXX, GXY, GYY, BX, BY))
@@ -50,7 +48,7 @@ def solve_windows(sums: Array, sigma: float) -> tuple[Array, Array, Array]:
     return vector, inverse, trace > 20 * ridge
 
 
-def replace_outliers(field: Array, sound: Array) -> Array:
+def replace_outliers(field: AnyArray, sound: AnyArray) -> AnyArray:
     """Replace vectors that fail the normalised median test by the median of their neighbours.
 
     Neighbours two nodes away are compared: adjacent windows share most of their pixels.
@@ -69,7 +67,7 @@ def replace_outliers(field: Array, sound: Array) -> Array:
     return np.where(bad, middle, field)
 
 
-def smooth(field: Array) -> Array:
+def smooth(field: AnyArray) -> AnyArray:
     """1-2-1 along both axes, edges repeated."""
     p = np.pad(field, ((0, 0), (1, 1), (1, 1)), mode="edge")
     p = p[:, :-2] + 2 * p[:, 1:-1] + p[:, 2:]
@@ -77,11 +75,11 @@ def smooth(field: Array) -> Array:
 
 
 def to_pixels(
-    nodes: Array, positions_y: Array, positions_x: Array, shape: tuple[int, int]
-) -> Array:
+    nodes: AnyArray, positions_y: AnyArray, positions_x: AnyArray, shape: tuple[int, int]
+) -> AnyArray:
     """Catmull-Rom interpolation from equidistant nodes (row, column) to all pixels; constant beyond them; float32."""
 
-    def matrix(positions: Array, size: int) -> Array:
+    def matrix(positions: AnyArray, size: int) -> AnyArray:
         n = len(positions)
         t = (np.arange(size) - positions[0]) / (positions[1] - positions[0])
         t = np.clip(t, 0, n - 1)
@@ -130,7 +128,7 @@ def response(sigma: float, passes: int) -> Response:
     return Response(float((held**2).mean() / (window**2).mean()), float(kept))
 
 
-def window_std(sums: Array, sigma: float, passes: int) -> Array:
+def window_std(sums: AnyArray, sigma: float, passes: int) -> AnyArray:
     """Standard deviation of one component (rms of the two) at each node, from the scatter of the cell scores.
 
     Parameters
@@ -164,7 +162,7 @@ def window_std(sums: Array, sigma: float, passes: int) -> Array:
     return np.where(sound, np.sqrt(np.maximum(variance, floor)), np.inf)
 
 
-def still_off(sums: Array, step: int, *, tolerance: float) -> Array:
+def still_off(sums: AnyArray, step: int, *, tolerance: float) -> AnyArray:
     """Cells whose surroundings of some 64 px still ask clearly for another displacement.
 
     Parameters

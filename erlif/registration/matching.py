@@ -6,17 +6,15 @@ windows, surfaces, the whole frame, and sums over frames. B. D. Lucas, T. Kanade
 gradient of the mean image, which makes the noise of the two cameras cancel in its first-order bias.
 """
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.bands import in_bands
 from erlif.registration.warp import FAST
-
-Array = NDArray[Any]
 
 GXX: Final = 0
 GXY: Final = 1
@@ -36,7 +34,14 @@ the textures themselves for the correlation coefficient, and the scalar product 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _cell_sums(
-    a: Array, weight: Array, b: Array, step: int, limit: Array, sums: Array, start: int, stop: int
+    a: AnyArray,
+    weight: AnyArray,
+    b: AnyArray,
+    step: int,
+    limit: AnyArray,
+    sums: AnyArray,
+    start: int,
+    stop: int,
 ) -> None:
     h, w = a.shape
     cols = sums.shape[1]
@@ -101,8 +106,14 @@ def _cell_sums(
 
 
 def cell_sums(
-    a: Array, weight: Array, b: Array, step: int, *, scale: Array | None = None, threads: int = 1
-) -> Array:
+    a: AnyArray,
+    weight: AnyArray,
+    b: AnyArray,
+    step: int,
+    *,
+    scale: AnyArray | None = None,
+    threads: int = 1,
+) -> AnyArray:
     """Sums of the Gauss-Newton equations over square cells.
 
     Parameters
@@ -141,23 +152,23 @@ def cell_sums(
     return sums[:rows]
 
 
-def cell_centres(size: int, step: int) -> Array:
+def cell_centres(size: int, step: int) -> AnyArray:
     """Coordinates of the cell centres along an axis of ``size`` pixels. [px]"""
     return np.arange(max(size // step, 1)) * step + (step - 1) / 2
 
 
-def merge_cells(sums: Array, factor: int) -> Array:
+def merge_cells(sums: AnyArray, factor: int) -> AnyArray:
     """Add up blocks of ``factor`` by ``factor`` cells; incomplete blocks at the far edges are kept."""
     rows, cols, n = sums.shape
     padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor, n))
     padded[:rows, :cols] = sums
-    merged: Array = padded.reshape(
+    merged: AnyArray = padded.reshape(
         padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, n
     ).sum((1, 3))
     return merged
 
 
-def without_noise(sums: Array, slope: float = 1.0) -> Array:
+def without_noise(sums: AnyArray, slope: float = 1.0) -> AnyArray:
     """Sums whose gradient products hold the texture common to both cameras alone.
 
     The gradient of the mean image holds half the noise of each camera, which makes its products too large, the steps
@@ -173,13 +184,13 @@ def without_noise(sums: Array, slope: float = 1.0) -> Array:
     return cleaned
 
 
-def correlation(sums: Array) -> float:
+def correlation(sums: AnyArray) -> float:
     """Correlation coefficient of the two textures over everything that was summed. [1]"""
     ab, aa, bb = (float(sums[..., k].sum()) for k in (AB, AA, BB))
     return ab / float(np.sqrt(aa * bb)) if aa > 0 and bb > 0 else 0.0
 
 
-def solve_shift(sums: Array) -> tuple[float, float]:
+def solve_shift(sums: AnyArray) -> tuple[float, float]:
     """Displacement ``(dx, dy)`` [px] that one translation of everything summed still needs."""
     gxx, gxy, gyy, bx, by = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY, BX, BY))
     det = gxx * gyy - gxy * gxy
@@ -188,7 +199,7 @@ def solve_shift(sums: Array) -> tuple[float, float]:
     return (gyy * bx - gxy * by) / det, (gxx * by - gxy * bx) / det
 
 
-def move_sums(sums: Array, delta_x: Array | float, delta_y: Array | float) -> Array:
+def move_sums(sums: AnyArray, delta_x: AnyArray | float, delta_y: AnyArray | float) -> AnyArray:
     """Sums as they would be after a further displacement (delta_x, delta_y) of every cell, to first order. [px]"""
     moved = sums.copy()
     gxx, gxy, gyy, bx, by = (sums[..., k] for k in (GXX, GXY, GYY, BX, BY))

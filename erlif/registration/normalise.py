@@ -1,16 +1,15 @@
 """Images without illumination: local mean and local rms taken out, so that two bands can be compared."""
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.bands import in_bands
 from erlif.registration.warp import FAST
 
-Array = NDArray[Any]
 NO_WEIGHT = np.zeros((0, 0), np.float32)
 CELL: Final = 4
 """Side of the cells from which the local mean and rms are averaged. [px]"""
@@ -19,7 +18,9 @@ REACH: Final = 12.0
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def bin_image(image: Array, weight: Array, factor: int, out: Array, out_weight: Array) -> None:
+def bin_image(
+    image: AnyArray, weight: AnyArray, factor: int, out: AnyArray, out_weight: AnyArray
+) -> None:
     """Weighted mean over blocks of ``factor`` by ``factor`` pixels, and the sound part of each block.
 
     ``weight`` may be of size 0 for all ones. A block with less than half its weight gets weight 0.
@@ -47,7 +48,7 @@ def bin_image(image: Array, weight: Array, factor: int, out: Array, out_weight: 
             out_weight[y, x] = np.float32(1) if ok else np.float32(0)
 
 
-def binned(image: Array, weight: Array | None, factor: int) -> tuple[Array, Array]:
+def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[AnyArray, AnyArray]:
     """Weighted means over blocks of ``factor`` pixels with their 0/1 weight; float32."""
     h, w = image.shape
     out = np.empty((h // factor, w // factor), np.float32)
@@ -58,7 +59,7 @@ def binned(image: Array, weight: Array | None, factor: int) -> tuple[Array, Arra
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _cell_statistics(
-    image: Array, weight: Array, size: int, sums: Array, start: int, stop: int
+    image: AnyArray, weight: AnyArray, size: int, sums: AnyArray, start: int, stop: int
 ) -> None:
     """Per cell of ``size`` pixels: weight, mean and variance, for the cell rows ``start`` to ``stop``."""
     h, w = image.shape
@@ -97,14 +98,14 @@ def _cell_statistics(
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _flatten(
-    image: Array,
-    weight: Array,
+    image: AnyArray,
+    weight: AnyArray,
     size: int,
-    mean: Array,
-    scale: Array,
+    mean: AnyArray,
+    scale: AnyArray,
     floor: float,
-    out: Array,
-    out_weight: Array,
+    out: AnyArray,
+    out_weight: AnyArray,
     start: int,
     stop: int,
 ) -> None:
@@ -148,8 +149,8 @@ def _flatten(
 
 
 def normalise(
-    image: Array, weight: Array | None = None, *, reach: float = REACH, threads: int = 1
-) -> tuple[Array, Array]:
+    image: AnyArray, weight: AnyArray | None = None, *, reach: float = REACH, threads: int = 1
+) -> tuple[AnyArray, AnyArray]:
     """Divide out the local mean and the local rms, which leaves the texture alone.
 
     The local statistics are Gaussian averages of those of small cells: an average over cells of the size of the
@@ -198,7 +199,7 @@ def normalise(
     return out, out_weight
 
 
-def _average(cells: Array, weight: Array, sigma: float) -> Array:
+def _average(cells: AnyArray, weight: AnyArray, sigma: float) -> AnyArray:
     """Weighted Gaussian average of the cells, edges mirrored; the plain mean where no weight is near."""
     if float(weight.min()) == float(weight.max()):  # nothing is missing
         return np.asarray(

@@ -2,19 +2,17 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
 from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
 from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
 
-Array = NDArray[Any]
-PairOfArrays = tuple[Array, Array, Array | None, Array | None]
+PairOfArrays = tuple[AnyArray, AnyArray, AnyArray | None, AnyArray | None]
 Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
 """(reference, moving, weight_reference, weight_moving) of each frame, read when needed."""
 
@@ -23,17 +21,17 @@ Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
 class Pair:
     """One frame of each camera; ``moving`` is oriented like ``reference``."""
 
-    reference: Array
-    moving: Array
-    weight_reference: Array | None = None
-    weight_moving: Array | None = None
+    reference: AnyArray
+    moving: AnyArray
+    weight_reference: AnyArray | None = None
+    weight_moving: AnyArray | None = None
 
 
 def make_pair(
-    reference: Array,
-    moving: Array,
-    weight_reference: Array | None,
-    weight_moving: Array | None,
+    reference: AnyArray,
+    moving: AnyArray,
+    weight_reference: AnyArray | None,
+    weight_moving: AnyArray | None,
     settings: RegistrationSettings,
 ) -> Pair:
     """Check a pair of frames and apply the orientation of the settings to camera 2.
@@ -45,7 +43,7 @@ def make_pair(
         the two cameras differ too much in size to show the same field.
     """
     images = []
-    weights: list[Array | None] = []
+    weights: list[AnyArray | None] = []
     for camera, image, weight in ((1, reference, weight_reference), (2, moving, weight_moving)):
         image = np.asarray(image)
         if image.ndim != 2 or min(image.shape) < 64 or image.dtype.kind not in "uif":
@@ -74,12 +72,12 @@ def make_pair(
 class Textures:
     """A pair of frames ready to be matched: what is left after illumination, and camera 2 as a spline."""
 
-    a: Array
-    weight: Array
-    b: Array
-    weight_b: Array
+    a: AnyArray
+    weight: AnyArray
+    b: AnyArray
+    weight_b: AnyArray
 
-    def spline(self, threads: int) -> tuple[Array, Array]:
+    def spline(self, threads: int) -> tuple[AnyArray, AnyArray]:
         """Spline coefficients of camera 2 and its marked pixels."""
         bad = NOTHING_BAD if (self.weight_b > 0).all() else self.weight_b == 0
         return spline_coefficients(self.b, threads=threads), bad
@@ -102,8 +100,12 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
 
 
 def laid_over(
-    spline: tuple[Array, Array], dx: Array, dy: Array, drift: tuple[float, float], threads: int
-) -> Array:
+    spline: tuple[AnyArray, AnyArray],
+    dx: AnyArray,
+    dy: AnyArray,
+    drift: tuple[float, float],
+    threads: int,
+) -> AnyArray:
     """Texture of camera 2 at the pixels of camera 1; NaN where there is none."""
     out = np.empty(dx.shape, np.float32)
     coefficients, bad = spline

@@ -8,15 +8,13 @@ of a block, and they cost four fits each.
 """
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, merge_cells, move_sums
 from erlif.registration.surface import Box, Cells, Surface, degree_basis, equations, solve_surface
-
-Array = NDArray[Any]
 
 LADDER: Final = (1, 2, 3, 4, 6, 8)
 FINE_LADDER: Final = (12, 16, 20, 24, 32)
@@ -39,7 +37,7 @@ class Model:
     degree: int | None = None
 
     @property
-    def basis(self) -> Array | None:
+    def basis(self) -> AnyArray | None:
         """Restriction of the spline coefficients, if any."""
         return None if self.degree is None else degree_basis(self.degree)
 
@@ -84,7 +82,7 @@ def moved_to(cells: Cells, surface: Surface) -> Cells:
     return Cells(sums, cells.x, cells.y, dx, dy, cells.weight)
 
 
-def disagreement(cells: Cells, factor: int) -> Array:
+def disagreement(cells: Cells, factor: int) -> AnyArray:
     """s' M^-1 s of every tile of ``factor`` by ``factor`` cells, s its scores and M its normal matrix."""
     weighted = merge_cells(cells.sums[..., : BY + 1] * cells.weight[..., None], factor)
     gxx, gxy, gyy, bx, by = (weighted[..., k] for k in (GXX, GXY, GYY, BX, BY))

@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 
-Array = NDArray[Any]
 Orientation = Literal[
     "normal",
     "mirrored_x",
@@ -21,7 +20,7 @@ Orientation = Literal[
     "antitransposed",
 ]
 
-_TURNS: Final[dict[str, Callable[[Array], Array]]] = {
+_TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
     "normal": lambda image: image,
     "mirrored_x": lambda image: image[:, ::-1],
     "mirrored_y": lambda image: image[::-1, :],
@@ -101,7 +100,7 @@ class RegistrationSettings:
             )
 
 
-def orient(image: Array, orientation: str) -> Array:
+def orient(image: AnyArray, orientation: str) -> AnyArray:
     """Turn the image of camera 2 so that it can be laid over that of camera 1.
 
     Parameters

@@ -5,22 +5,20 @@ vector. How many is decided by data that the fit has not seen.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.matching import EE, WEIGHT
 
-Array = NDArray[Any]
 Box = tuple[float, float, float, float]
 
 
 def spline_weights(
-    positions: Array, start: float, stop: float, elements: int
-) -> tuple[Array, Array]:
+    positions: AnyArray, start: float, stop: float, elements: int
+) -> tuple[AnyArray, AnyArray]:
     """Cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
@@ -51,7 +49,7 @@ def spline_weights(
     return first, weights
 
 
-def design(positions: Array, start: float, stop: float, elements: int) -> Array:
+def design(positions: AnyArray, start: float, stop: float, elements: int) -> AnyArray:
     """The same weights as a full matrix (position, coefficient)."""
     first, weights = spline_weights(positions, start, stop, elements)
     matrix = np.zeros((len(first), elements + 3))
@@ -62,12 +60,12 @@ def design(positions: Array, start: float, stop: float, elements: int) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
 def _evaluate(
-    coefficients: Array,
-    first_x: Array,
-    weight_x: Array,
-    first_y: Array,
-    weight_y: Array,
-    out: Array,
+    coefficients: AnyArray,
+    first_x: AnyArray,
+    weight_x: AnyArray,
+    first_y: AnyArray,
+    weight_y: AnyArray,
+    out: AnyArray,
 ) -> None:
     """Tensor spline at the grid of positions; ``weight_x`` is (4, x), ``weight_y`` (y, 4)."""
     line = np.empty(coefficients.shape[1])
@@ -84,7 +82,7 @@ def _evaluate(
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def bilinear(values: Array, row: Array, column: Array) -> Array:
+def bilinear(values: AnyArray, row: AnyArray, column: AnyArray) -> AnyArray:
     """Bilinear interpolation of a small float32 table at fractional rows and columns, constant beyond it."""
     rows, cols = values.shape
     out = np.empty((row.size, column.size), np.float32)
@@ -108,7 +106,7 @@ class Surface:
 
     box: Box
     """x0, x1, y0, y1. [px]"""
-    coefficients: Array
+    coefficients: AnyArray
     """(component, y, x); component 0 is x. [px]"""
 
     @property
@@ -116,7 +114,7 @@ class Surface:
         """Elements along x and along y."""
         return self.coefficients.shape[2] - 3, self.coefficients.shape[1] - 3
 
-    def evaluate(self, x: Array, y: Array) -> tuple[Array, Array]:
+    def evaluate(self, x: AnyArray, y: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Displacement (dx, dy) at the grid of coordinates x and y; each (len(y), len(x)). [px]"""
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
@@ -124,7 +122,7 @@ class Surface:
         down = design(y, y0, y1, ny)
         return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
 
-    def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[Array, Array]:
+    def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[AnyArray, AnyArray]:
         """Displacement on every pixel of a frame of that shape, in pixels of that binning; float32."""
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
@@ -151,7 +149,7 @@ class Surface:
         return Surface(self.box, self.coefficients + shift)
 
 
-def affine_surface(box: Box, matrix: Array, offset: Array) -> Surface:
+def affine_surface(box: Box, matrix: AnyArray, offset: AnyArray) -> Surface:
     """The affine displacement ``matrix @ (x, y) + offset`` as a surface of one element."""
     x0, x1, y0, y1 = box
     gx = x0 + (x1 - x0) * np.arange(
@@ -164,7 +162,7 @@ def affine_surface(box: Box, matrix: Array, offset: Array) -> Surface:
     )
 
 
-def degree_basis(degree: int) -> Array:
+def degree_basis(degree: int) -> AnyArray:
     """Coefficients of a one-element surface (16,) that make the polynomials of at most this total degree; (16, p)."""
     t = np.linspace(0, 1, 4)
     power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
@@ -180,16 +178,16 @@ def degree_basis(degree: int) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
 def _assemble(
-    sums: Array,
-    weight: Array,
-    first_x: Array,
-    weight_x: Array,
-    first_y: Array,
-    weight_y: Array,
-    here_x: Array,
-    here_y: Array,
-    matrix: Array,
-    right: Array,
+    sums: AnyArray,
+    weight: AnyArray,
+    first_x: AnyArray,
+    weight_x: AnyArray,
+    first_y: AnyArray,
+    weight_y: AnyArray,
+    here_x: AnyArray,
+    here_y: AnyArray,
+    matrix: AnyArray,
+    right: AnyArray,
 ) -> None:
     """Add each cell to the normal equations, first along its row and then, row by row, along y.
 
@@ -242,11 +240,11 @@ class Equations:
 
     box: Box
     elements: tuple[int, int]
-    matrix: Array
+    matrix: AnyArray
     """(2p, 2p), x coefficients first."""
-    right: Array
+    right: AnyArray
     """(2p,)"""
-    start: Array
+    start: AnyArray
     """(2p,), the plane to which coefficients without data fall back."""
 
 
@@ -254,15 +252,15 @@ class Equations:
 class Cells:
     """Cell sums with where they were taken and how much they count."""
 
-    sums: Array
+    sums: AnyArray
     """(row, column, 11)"""
-    x: Array
+    x: AnyArray
     """Cell centres. [px]"""
-    y: Array
-    here_x: Array
+    y: AnyArray
+    here_x: AnyArray
     """Displacement at which the sums were taken, (row, column). [px]"""
-    here_y: Array
-    weight: Array
+    here_y: AnyArray
+    weight: AnyArray
     """Reciprocal of the residual variance, (row, column)."""
 
     @property
@@ -280,7 +278,7 @@ class Cells:
         )
 
 
-def cell_weights(sums: Array) -> Array:
+def cell_weights(sums: AnyArray) -> AnyArray:
     """Reciprocal residual variance of each cell, the larger of its own and that of its surroundings; 0 if empty."""
     n, ee = sums[..., WEIGHT], sums[..., EE]
     near_n, near_e = _box3(n), _box3(ee)
@@ -288,11 +286,11 @@ def cell_weights(sums: Array) -> Array:
         own = np.where(n > 0, ee / n, 0)
         near = np.where(near_n > 0, near_e / near_n, 0)
         variance = np.maximum(own, near)
-        weight: Array = np.where((n > 0.25 * n.max()) & (variance > 0), 1 / variance, 0)
+        weight: AnyArray = np.where((n > 0.25 * n.max()) & (variance > 0), 1 / variance, 0)
     return weight
 
 
-def _box3(cells: Array) -> Array:
+def _box3(cells: AnyArray) -> AnyArray:
     p = np.pad(cells, 1)
     p = p[:-2] + p[1:-1] + p[2:]
     return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
@@ -334,7 +332,7 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
     return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
 
 
-def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
+def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> AnyArray:
     """Spline coefficients (2p,) of the plane nearest to the displacement at which the sums were taken."""
     x, y = np.meshgrid(
         (cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2])
@@ -347,7 +345,7 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
-def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
+def solve_surface(system: Equations, *, basis: AnyArray | None = None) -> Surface:
     """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`)."""
     matrix = system.matrix
     nx, ny = system.elements
@@ -361,13 +359,13 @@ def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
     return Surface(system.box, solution.reshape(2, ny + 3, nx + 3))
 
 
-def _solve(matrix: Array, right: Array) -> Array:
+def _solve(matrix: AnyArray, right: AnyArray) -> AnyArray:
     """Solve a symmetric system with a ridge far below every coefficient that data support."""
     n = len(matrix)
     ridge = 1e-9 * np.trace(matrix) / n
     if not ridge > 0:
         return np.zeros(n)
-    solution: Array = cho_solve(
+    solution: AnyArray = cho_solve(
         cho_factor(matrix + ridge * np.eye(n), overwrite_a=True, check_finite=False), right
     )
     return solution

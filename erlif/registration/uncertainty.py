@@ -6,32 +6,28 @@ scores are too small where the fit could follow them; dividing them by one less 
 MacKinnon, H. White, J. Econom. 29 (1985) 305).
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY
 from erlif.registration.selection import Model
 from erlif.registration.surface import Box, Cells, equations, spline_weights
 
-Array = NDArray[Any]
-
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _block_scores(
-    sums: Array,
-    weight: Array,
-    first_x: Array,
-    weight_x: Array,
-    first_y: Array,
-    weight_y: Array,
-    block: Array,
+    sums: AnyArray,
+    weight: AnyArray,
+    first_x: AnyArray,
+    weight_x: AnyArray,
+    first_y: AnyArray,
+    weight_y: AnyArray,
+    block: AnyArray,
     nx: int,
-    inverse: Array,
-    scores: Array,
-    leverage: Array,
+    inverse: AnyArray,
+    scores: AnyArray,
+    leverage: AnyArray,
 ) -> None:
     """Add each cell to the scores (block, 2p) of its block and to its leverage, the trace of M_b M^-1."""
     p = scores.shape[1] // 2
@@ -63,7 +59,7 @@ def _block_scores(
             )
 
 
-def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
+def surface_covariance(cells: Cells, model: Model, box: Box) -> AnyArray:
     """Covariance of the spline coefficients of a fitted surface.
 
     Parameters
@@ -120,13 +116,13 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _variance_at(
-    first_x: Array,
-    weight_x: Array,
-    first_y: Array,
-    weight_y: Array,
-    covariance: Array,
+    first_x: AnyArray,
+    weight_x: AnyArray,
+    first_y: AnyArray,
+    weight_y: AnyArray,
+    covariance: AnyArray,
     nx: int,
-    out: Array,
+    out: AnyArray,
 ) -> None:
     p = covariance.shape[0] // 2
     index = np.empty(16, np.int64)
@@ -147,7 +143,7 @@ def _variance_at(
             out[r, c] = 0.5 * total
 
 
-def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -> Array:
+def surface_std(covariance: AnyArray, model: Model, box: Box, x: AnyArray, y: AnyArray) -> AnyArray:
     """Standard deviation of one component of the displacement (rms of the two) at the grid of x and y. [px]"""
     nx, ny = model.elements
     first_x, weight_x = spline_weights(x, box[0], box[1], nx)

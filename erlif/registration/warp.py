@@ -5,16 +5,15 @@ M. Unser, A. Aldroubi, M. Eden, IEEE Trans. Signal Process. 41 (1993) 821 and 83
 """
 
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
 
-Array = NDArray[Any]
 FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
 """Floating-point freedoms that keep NaN a NaN."""
 
@@ -24,7 +23,7 @@ _LANES: Final = 16
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def filter_columns(image: Array, out: Array, start: int, stop: int) -> None:
+def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> None:
     """B-spline coefficients along y for the columns ``start`` to ``stop``, mirrored about the outer pixels."""
     n = image.shape[0]
     z = _POLE
@@ -52,7 +51,7 @@ def filter_columns(image: Array, out: Array, start: int, stop: int) -> None:
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def filter_rows(columns: Array, out: Array, start: int, stop: int) -> None:
+def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None:
     """B-spline coefficients along x for the rows ``start`` to ``stop``; sixteen rows at a time, for the vector unit."""
     n = columns.shape[1]
     z = _POLE
@@ -97,7 +96,7 @@ def filter_rows(columns: Array, out: Array, start: int, stop: int) -> None:
             out[row, m + n + 1] = lanes[max(n - 3, 0), r]
 
 
-def spline_coefficients(image: Array, *, threads: int = 1) -> Array:
+def spline_coefficients(image: AnyArray, *, threads: int = 1) -> AnyArray:
     """Cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
@@ -125,13 +124,13 @@ def spline_coefficients(image: Array, *, threads: int = 1) -> Array:
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def sample_spline(
-    coefficients: Array,
-    displacement_x: Array,
-    displacement_y: Array,
+    coefficients: AnyArray,
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
     drift_x: float,
     drift_y: float,
-    bad: Array,
-    out: Array,
+    bad: AnyArray,
+    out: AnyArray,
     start: int,
     stop: int,
 ) -> None:
@@ -206,7 +205,7 @@ def sample_spline(
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def fill_gaps(image: Array, bad: Array, out: Array) -> None:
+def fill_gaps(image: AnyArray, bad: AnyArray, out: AnyArray) -> None:
     """Copy ``image`` and replace marked pixels by the mean of their nearest sound neighbours (up to 9 px away).
 
     The B-spline filter reaches beyond its taps, so an unsound value must not enter it, nor a hole with a sharp edge.
@@ -233,7 +232,7 @@ def fill_gaps(image: Array, bad: Array, out: Array) -> None:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def spread(bad: Array, out: Array) -> None:
+def spread(bad: AnyArray, out: AnyArray) -> None:
     """Mark every pixel that has a marked one among itself and its eight neighbours."""
     h, w = bad.shape
     for y in range(h):
@@ -248,13 +247,13 @@ NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
 
 
 def warp(
-    image: Array,
-    displacement_x: Array,
-    displacement_y: Array,
+    image: AnyArray,
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
     drift: tuple[float, float] = (0.0, 0.0),
     *,
     threads: int = 1,
-) -> Array:
+) -> AnyArray:
     """Sample camera 2 at the pixels of camera 1.
 
     Parameters
@@ -308,7 +307,7 @@ def warp(
 
 
 @cache
-def _noise_table(size: int = 1024) -> Array:
+def _noise_table(size: int = 1024) -> AnyArray:
     """s(f), the sum of the squared values of the cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
     n = 64
     f = np.linspace(0.0, 1.0, size + 1)
@@ -323,14 +322,14 @@ def _noise_table(size: int = 1024) -> Array:
     response = np.zeros((2 * n + 4, f.size))
     for i in range(4):
         response[i : i + 2 * n + 1] += inverse[:, None] * taps[i]
-    table: Array = np.sum(response**2, axis=0)
+    table: AnyArray = np.sum(response**2, axis=0)
     table.setflags(write=False)
     return table
 
 
 def interpolation_variance_factor(
-    displacement_x: Array, displacement_y: Array, drift: tuple[float, float] = (0.0, 0.0)
-) -> Array:
+    displacement_x: AnyArray, displacement_y: AnyArray, drift: tuple[float, float] = (0.0, 0.0)
+) -> AnyArray:
     """Variance of a warped pixel over that of the camera's own, for noise that is independent from pixel to pixel.
 
     The cardinal cubic spline eta weighs the pixels, so the factor is s(fx) s(fy) with s(f) = sum over k of
@@ -357,7 +356,9 @@ def interpolation_variance_factor(
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _look_up(fx: Array, fy: Array, sx: float, sy: float, table: Array, out: Array) -> None:
+def _look_up(
+    fx: AnyArray, fy: AnyArray, sx: float, sy: float, table: AnyArray, out: AnyArray
+) -> None:
     n = table.size - 1
     for y in range(out.shape[0]):
         for x in range(out.shape[1]):

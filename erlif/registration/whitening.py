@@ -6,13 +6,12 @@ Filtering both textures by its square root makes the Gauss-Newton sums do that.
 """
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-Array = NDArray[Any]
+from erlif.core.arrays import AnyArray
 
 SIDE: Final = 64
 """Side of the blocks whose spectra are averaged. [px]"""
@@ -25,9 +24,9 @@ REACH: Final = 4
 class Spectra:
     """Sums of block spectra: of camera 1, camera 2, and between them; frequencies as in ``rfft2``."""
 
-    first: Array
-    second: Array
-    cross: Array
+    first: AnyArray
+    second: AnyArray
+    cross: AnyArray
     blocks: int
 
     def __add__(self, other: "Spectra") -> "Spectra":
@@ -39,7 +38,7 @@ class Spectra:
         )
 
 
-def measure_spectra(a: Array, weight: Array, b: Array) -> Spectra:
+def measure_spectra(a: AnyArray, weight: AnyArray, b: AnyArray) -> Spectra:
     """Spectra of the aligned textures in Hann windows (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
 
     Parameters
@@ -80,7 +79,7 @@ def measure_spectra(a: Array, weight: Array, b: Array) -> Spectra:
     )
 
 
-def _tapered(blocks: Array, sound: Array, taper: Array) -> Array:
+def _tapered(blocks: AnyArray, sound: AnyArray, taper: AnyArray) -> AnyArray:
     """Blocks (n, y, x) without their mean and without what is not sound, faded out towards their edges."""
     blocks[~sound] = 0
     mean = blocks.sum((1, 2), keepdims=True) / sound.sum((1, 2), keepdims=True).astype(np.float32)
@@ -91,13 +90,13 @@ def _tapered(blocks: Array, sound: Array, taper: Array) -> Array:
 class Filter:
     """A radial filter: its amplitude on equidistant spatial frequencies."""
 
-    amplitude: Array
+    amplitude: AnyArray
     spacing: float
     """Distance of the frequencies. [cycles/px]"""
-    coherence: Array
+    coherence: AnyArray
     """Squared coherence at the same frequencies. [1]"""
 
-    def on_grid(self, shape: tuple[int, int]) -> Array:
+    def on_grid(self, shape: tuple[int, int]) -> AnyArray:
         """Amplitude at the frequencies of ``rfft2`` of an image of that shape; float32."""
         ky = np.abs(fft.fftfreq(shape[0]))[:, None].astype(np.float32)
         kx = fft.rfftfreq(shape[1])[None, :].astype(np.float32)
@@ -108,7 +107,7 @@ class Filter:
         low = k.astype(np.int32)
         k -= low
         base = values[low]
-        result: Array = base + k * (values[low + 1] - base)
+        result: AnyArray = base + k * (values[low + 1] - base)
         return result
 
 
@@ -126,7 +125,7 @@ def make_filter(spectra: Spectra) -> Filter | None:
     n = side // 2 + side // 4
     count = np.bincount(radius.ravel(), minlength=n + 1)[:n]
 
-    def ring(values: Array) -> Array:
+    def ring(values: AnyArray) -> AnyArray:
         total = np.bincount(radius.ravel(), weights=values.ravel(), minlength=n + 1)[:n]
         return np.asarray(total / np.maximum(count, 1))
 
@@ -185,8 +184,8 @@ def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
 
 
 def whiten(
-    texture: Array, weight: Array, amplitude: Array, *, threads: int = 1
-) -> tuple[Array, Array]:
+    texture: AnyArray, weight: AnyArray, amplitude: AnyArray, *, threads: int = 1
+) -> tuple[AnyArray, AnyArray]:
     """Filter a texture; its weight becomes 0 near the frame's edge and around holes, where the filter saw no light.
 
     Parameters

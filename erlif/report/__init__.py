@@ -2,5 +2,6 @@
 
 from erlif.report.maps import decode_map, embed_map
 from erlif.report.page import write_report
+from erlif.report.summary import describe_calibration, summarise
 
-__all__ = ["decode_map", "embed_map", "write_report"]
+__all__ = ["decode_map", "describe_calibration", "embed_map", "summarise", "write_report"]

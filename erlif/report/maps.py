@@ -8,10 +8,9 @@ import zlib
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-Array = npt.NDArray[np.float64]
+from erlif.core.arrays import Array, FlagImage
 
 _BLOCK = 4  # pixels on a side that share one pair of standard deviations
 _LEAST_STD = 1e-4  # um, the standard deviation of code 1
@@ -41,7 +40,7 @@ class DecodedMap:
     """What a page holds of one trigger: thickness [um], NaN where flagged; flags; standard deviations of blocks [um]."""
 
     thickness: Array
-    flags: npt.NDArray[np.uint8]
+    flags: FlagImage
     std: Array
     std_shared: Array
 
@@ -78,7 +77,7 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
     return base64.b64encode(packed).decode("ascii")
 
 
-def _encode_std(std: Array) -> npt.NDArray[np.uint8]:
+def _encode_std(std: Array) -> FlagImage:
     median = _block_median(std)
     with np.errstate(divide="ignore", invalid="ignore"):
         code = 1 + np.rint(_PER_OCTAVE * np.log2(median / _LEAST_STD))

@@ -13,19 +13,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-import erlif
+from erlif.calibration.storage import calibration_of
+from erlif.core.arrays import Array
 from erlif.core.flags import Flag
-from erlif.core.store import open_film, refuse_existing, replacing
+from erlif.core.version import __version__
+from erlif.files import open_film, refuse_existing, replacing
+from erlif.files.contents import describe_trigger, region_of, settings_of
 from erlif.plots.files import DRAWN, FigureSource, find_source, reason_missing
 from erlif.plots.maps import common_limits, flag_swatch, flag_title
-from erlif.plots.products import calibration_of, describe_trigger, region_of, settings_of
 from erlif.plots.style import FLAG_COLOURS, ONE_COLUMN, colour_map, figure_bytes
 from erlif.report.maps import MapCoding, choose_coding, describe_coding, embed_map
-
-Array = npt.NDArray[np.float64]
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",
@@ -183,7 +182,7 @@ def _page(source: FigureSource) -> str:
 <body>
 <header>
 <h1>{escape(name)}</h1>
-<p class="quiet">Oil-film thickness from two-camera fluorescence, erlif {escape(str(film.attrs.get("erlif_version", erlif.__version__)))}</p>
+<p class="quiet">Oil-film thickness from two-camera fluorescence, erlif {escape(str(film.attrs.get("erlif_version", __version__)))}</p>
 <nav aria-label="Contents"><ul>{contents}</ul></nav>
 </header>
 <main>

@@ -5,12 +5,9 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from erlif.core.arrays import Array, Counts
 from erlif.rig.settings import RigSettings
-
-Array = NDArray[np.float64]
-Counts = NDArray[np.uint16]
 
 FULL_SCALE = 4095
 """Largest count of a 12-bit camera. [DN]"""

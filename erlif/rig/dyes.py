@@ -10,10 +10,9 @@ reflection from the pin), and neither dye bleaches or saturates.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-Array = NDArray[np.float64]
+from erlif.core.arrays import Array
 
 LASER = 532.0
 """[nm]"""

@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.rig.settings import RigSettings
 
-Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]
 """Thickness [um] at object points (x, y) [pixel of camera 1]."""
 

@@ -12,6 +12,7 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import (
     FULL_SCALE,
     Camera,
@@ -37,8 +38,6 @@ from erlif.rig.film import (
 from erlif.rig.scene import Grains, beam, draw_grains, mix_grains, speckle
 from erlif.rig.settings import RigSettings
 
-Array = NDArray[np.float64]
-Counts = NDArray[np.uint16]
 Progress = Callable[[str, int, int], None]
 """Told what was written, how many of it, and of how many."""
 

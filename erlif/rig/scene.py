@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from erlif.core.arrays import Array
 from erlif.rig.settings import RigSettings
-
-Array = NDArray[np.float64]
 
 
 def beam(x: Array, y: Array, rig: RigSettings) -> Array:

@@ -1,0 +1,26 @@
+"""Array types, one meaning each. Shapes stand in the docstrings; these name what an element is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+"""Double precision: physics, fits, statistics."""
+
+Image = npt.NDArray[np.float32]
+"""Single precision, (y, x): light, ratio, thickness and their variances."""
+
+Counts = npt.NDArray[np.uint16]
+"""Raw counts of a camera. [DN]"""
+
+FlagImage = npt.NDArray[np.uint8]
+"""Bits of `erlif.core.flags.Flag`."""
+
+Mask = npt.NDArray[np.bool_]
+"""Chosen elements."""
+
+AnyArray = npt.NDArray[Any]
+"""An array in the precision of its input."""

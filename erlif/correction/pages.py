@@ -1,0 +1,40 @@
+"""Pages of one light level, reduced to mean and temporal variance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from erlif.core.arrays import Array
+
+
+class PageStack:
+    """Mean and temporal variance of each pixel over pages that come one at a time.
+
+    Pages may be scaled to one brightness as they are added; what this does to the variance is kept along.
+    """
+
+    def __init__(self, first: Array) -> None:
+        self.count = 0
+        self.first = first
+        self.total, self.squares = np.zeros(first.shape), np.zeros(first.shape)
+        self.scales: list[float] = []
+
+    def add(self, page: Array, *, scale: float = 1.0) -> None:
+        """Add `scale` times a page (y, x)."""
+        difference = (
+            scale * page - self.first
+        )  # about the first page, so that squares do not cancel
+        self.count += 1
+        self.scales.append(scale)
+        self.total += difference
+        self.squares += difference**2
+
+    @property
+    def mean(self) -> Array:
+        """Mean (y, x) over the pages."""
+        return self.first + self.total / self.count
+
+    @property
+    def variance(self) -> Array:
+        """Unbiased temporal variance (y, x); zero of a single page."""
+        return np.maximum(self.squares - self.total**2 / self.count, 0.0) / max(self.count - 1, 1)

@@ -1,0 +1,25 @@
+"""Light of two cameras to the logarithm of their ratio, with its variance."""
+
+from erlif.ratio.accumulation import RatioSum, combine_frames
+from erlif.ratio.bubbles import find_bubbles
+from erlif.ratio.log_ratio import compute_ratio, log_gradient
+from erlif.ratio.sharpness import (
+    BlurDifference,
+    BlurMoments,
+    measure_blur_difference,
+    take_out_ghost,
+)
+from erlif.ratio.smoothing import smooth_ratio
+
+__all__ = [
+    "BlurDifference",
+    "BlurMoments",
+    "RatioSum",
+    "combine_frames",
+    "compute_ratio",
+    "find_bubbles",
+    "log_gradient",
+    "measure_blur_difference",
+    "smooth_ratio",
+    "take_out_ghost",
+]

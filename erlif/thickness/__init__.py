@@ -1,0 +1,6 @@
+"""Log ratio to film thickness, and the range in which it is measurable."""
+
+from erlif.thickness.maps import measure_thickness
+from erlif.thickness.measurable import CLEAR, find_range
+
+__all__ = ["CLEAR", "find_range", "measure_thickness"]

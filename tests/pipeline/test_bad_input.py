@@ -1,0 +1,677 @@
+"""Bad input as the contract answers it, met through the command line: one message, status 2, and nothing half-written."""
+
+import errno
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+import tifffile
+import xarray as xr
+from click.testing import CliRunner
+from scenes.tiff_pages import rewrite
+
+import erlif
+from erlif.commands import main
+from erlif.core.flags import Flag
+from erlif.files import PartialFilm
+
+
+def read_film(path, group=None):
+    with erlif.open_film(path, group=group) as film:
+        return film.load()
+
+
+def rewrite_all(directory, change):
+    for path in directory.rglob("*.tif"):
+        rewrite(path, change)
+
+
+# frames and rows that do not pair
+
+
+def test_a_frame_missing_from_one_camera_is_named_with_both_counts(lab, refused):
+    lab.frames(2)[3].unlink()
+    message = refused("process", lab.run)
+    assert "camera1 has 6, camera2 has 5" in message
+    assert "camera1/frame_0003.tif" in message
+    assert "--skip-bad-frames" in message
+
+
+def test_the_proposed_way_to_drop_a_frame_works(lab, command):
+    missing = lab.frames(2)[3]
+    missing.write_bytes(b"")
+    command("process", lab.run, "--skip-bad-frames")
+    film = read_film(lab.film)
+    assert film.frames_used.values.tolist() == [1, 1, 1, 0, 1, 1]
+
+
+def test_frames_missing_at_different_places_are_not_paired_across(lab, refused):
+    lab.frames(1)[2].unlink()
+    lab.frames(2)[4].unlink()
+    assert "camera1/frame_0004.tif" in refused("process", lab.run)
+
+
+def test_cameras_may_count_from_different_numbers(lab):
+    for number, path in reversed(list(enumerate(lab.frames(2)))):
+        path.rename(path.with_name(f"frame_{number + 1:04d}.tif"))
+    assert all(finding.level != "error" for finding in erlif.check(lab.run))
+
+
+def test_a_frame_missing_from_both_cameras_is_named_by_the_log(lab, refused):
+    for camera in (1, 2):
+        lab.frames(camera)[2].unlink()
+    message = refused("process", lab.run)
+    assert "6 rows" in message
+    assert "5 frames" in message
+    assert "frame 2 of encoder.csv" in message
+
+
+def test_a_row_missing_at_the_end_of_the_log_is_named_by_the_frame(lab, refused):
+    log = lab.run / "encoder.csv"
+    log.write_text("".join(log.read_text().splitlines(keepends=True)[:-1]))
+    message = refused("process", lab.run)
+    assert "5 rows" in message
+    assert "6 frames" in message
+    assert "frame_0005.tif" in message
+
+
+def test_one_set_of_files_for_both_cameras_is_refused(lab, refused):
+    lab.edit("run/run.toml", ('"camera2/*.tif"', '"camera1/*.tif"'))
+    assert "both [camera1] and [camera2]" in refused("process", lab.run)
+
+
+# size, type, depth
+
+
+def test_the_first_frame_of_another_size_is_named(lab, refused):
+    rewrite(lab.frames(1)[4], lambda counts: counts[:-2])
+    message = refused("process", lab.run)
+    assert "camera1/frame_0004.tif" in message
+    assert "128 x 96" in message
+    assert "128 x 94" in message
+
+
+def test_the_first_frame_of_another_type_is_named(lab, refused):
+    rewrite(lab.frames(2)[1], lambda counts: (counts >> 4).astype(np.uint8))
+    message = refused("process", lab.run)
+    assert "camera2/frame_0001.tif" in message
+    assert "uint8" in message
+
+
+def test_colour_frames_are_refused(lab, refused):
+    for camera in (1, 2):
+        for path in lab.frames(camera):
+            tifffile.imwrite(path, np.zeros((96, 128, 3), np.uint8), photometric="rgb")
+    assert "grey frames" in refused("process", lab.run)
+
+
+def test_counts_above_the_depth_tell_the_depth_that_fits(lab, refused):
+    lab.edit("run/run.toml", ("bit_depth = 12", "bit_depth = 10"))
+    message = refused("process", lab.run)
+    assert "up to 1023" in message
+    assert "bit_depth = 12 fits" in message
+
+
+@pytest.mark.parametrize("depth", [12, 16])
+def test_left_aligned_counts_are_recognised(lab, refused, depth):
+    rewrite_all(lab.run, lambda counts: counts << 4)
+    lab.edit("run/run.toml", ("bit_depth = 12", f"bit_depth = {depth}"))
+    message = refused("process", lab.run)
+    assert "multiples of 16" in message
+    assert "12-bit counts, left-aligned" in message
+
+
+def test_counts_far_below_the_depth_bring_a_warning_into_the_film(lab, command):
+    for table in ("run/run.toml", "fixture/fixture.toml"):
+        lab.edit(table, ("bit_depth = 12", "bit_depth = 16"))
+    warned = command("check", lab.run).stdout
+    assert "warning counts: camera1: no count is above" in warned
+    assert "bit_depth = 12 would fit" in warned
+    assert "bit_depth = 12 would fit" in command("process", lab.run).stdout
+    assert "bit_depth = 12 would fit" in read_film(lab.film).attrs["notes"]
+
+
+def test_a_flat_of_another_size_is_refused(lab, refused):
+    rewrite(lab.run / "camera1_flat.tif", lambda counts: counts[:, :-1])
+    assert "camera1_flat.tif" in refused("process", lab.run)
+
+
+# damaged files
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[:6000])
+
+
+def scramble(path):
+    data = bytearray(path.read_bytes())
+    data[9000:9100] = bytes(100)
+    path.write_bytes(data)
+
+
+def dangle(path):
+    path.unlink()
+    path.symlink_to("nowhere.tif")
+
+
+DAMAGE = {
+    "truncated": truncate,
+    "empty": lambda path: path.write_bytes(b""),
+    "damaged": lambda path: path.write_text("these are no pixels"),
+    "cannot be read": dangle,
+    "cannot be decoded": scramble,
+}
+
+
+@pytest.mark.parametrize("reason", DAMAGE)
+def test_a_damaged_frame_is_refused_with_its_name(lab, refused, reason):
+    DAMAGE[reason](lab.frames(2)[2])
+    message = refused("process", lab.run)
+    assert "camera2/frame_0002.tif" in message
+    assert reason in message
+    assert "--skip-bad-frames" in message
+
+
+def test_damaged_frames_are_left_out_on_request_and_the_film_says_so(lab, command):
+    for k, damage in enumerate(DAMAGE.values()):
+        damage(lab.frames(1 + k % 2)[k])
+    command("process", lab.run, "--skip-bad-frames")
+    film, frames = read_film(lab.film), read_film(lab.film, "frames")
+    assert film.frames_used.values.tolist() == [0, 0, 0, 0, 0, 1]
+    for k, reason in enumerate(DAMAGE):
+        assert (
+            f"frame pair {k} left out: camera{1 + k % 2}/frame_{k:04d}.tif" in film.attrs["notes"]
+        )
+        assert reason in frames.attrs["skipped_frames"]
+    assert (film.flags[:5] == Flag.OUTSIDE_OVERLAP).all()
+    assert (np.isnan(film.thickness) == (film.flags != 0)).all()
+    assert np.isfinite(film.film_mean.values).tolist() == [False] * 5 + [True]
+
+
+def test_a_run_of_damaged_frames_only_is_refused_even_then(lab, refused):
+    for path in lab.frames(1):
+        path.write_bytes(b"")
+    assert "every pair" in refused("process", lab.run, "--skip-bad-frames")
+
+
+def test_the_fixture_leaves_out_damaged_frames_too(lab, command):
+    (lab.fixture / "camera1" / "frame_0001.tif").write_bytes(b"")
+    command("calibrate", lab.fixture, "--skip-bad-frames", "--overwrite")
+    assert any(
+        "frame pair 1 left out" in note
+        for note in erlif.open_calibration(lab.fixture / "calibration.nc").notes
+    )
+
+
+@pytest.mark.parametrize("reason", ["truncated", "empty", "damaged", "cannot be decoded"])
+def test_a_damaged_dark_is_refused_with_its_name(lab, refused, reason):
+    DAMAGE[reason](lab.run / "camera1_dark.tif")
+    assert "camera1_dark.tif" in refused("process", lab.run)
+
+
+# encoder log
+
+HEADER = "frame,time_s,angle_deg,load_N,temperature_C,laser_mJ"
+
+
+def cell(row, column, value):
+    """Change one cell; row 1 is the header."""
+
+    def change(rows):
+        cells = rows[row - 1].split(",")
+        cells[HEADER.split(",").index(column)] = value
+        return [*rows[: row - 1], ",".join(cells), *rows[row:]]
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (cell(4, "angle_deg", "nan"), ["row 4, column angle_deg", "'nan'"]),
+        (cell(4, "angle_deg", ""), ["row 4, column angle_deg", "'nothing'"]),
+        (cell(3, "load_N", "full"), ["row 3, column load_N", "'full'"]),
+        (cell(3, "load_N", "inf"), ["row 3, column load_N", "'inf'"]),
+        (cell(3, "load_N", "0"), ["row 3, column load_N", "positive"]),
+        (cell(5, "time_s", "1_0"), ["row 5, column time_s", "'1_0'"]),
+        (cell(5, "frame", "2"), ["row 5, column frame", "repeats frame 2 of row 4"]),
+        (cell(7, "frame", "6"), ["row 7, column frame", "got 6", "missing"]),
+        (cell(7, "frame", "5.5"), ["row 7, column frame", "5.5"]),
+        (lambda rows: [*rows[:3], *rows[4:]], ["row 4, column frame", "Expected frame 2", "got 3"]),
+        (
+            lambda rows: [*rows[:3], "", *cell(4, "angle_deg", "x")(rows)[3:]],
+            ["row 5, column angle_deg", "'x'"],
+        ),
+        (lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], ["row 4", "6 values", "decimal"]),
+        (lambda rows: [row.replace(",", ";") for row in rows], ["column frame", "commas"]),
+        (lambda rows: [rows[0].replace("angle_deg", "angle"), *rows[1:]], ["column angle_deg"]),
+        (lambda rows: [rows[0].replace("laser_mJ", "load_N"), *rows[1:]], ["load_N comes 2 times"]),
+        (
+            lambda rows: [rows[0].replace("laser_mJ", "laser/mJ"), *rows[1:]],
+            ["column 6", "'laser/mJ'", "Rename"],
+        ),
+        (
+            lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]],
+            ["column 6", "'thickness'", "Rename"],
+        ),
+        (lambda rows: rows[:1], ["one row per trigger"]),
+        (lambda rows: [], ["one row per trigger"]),
+    ],
+)
+def test_a_fault_of_the_log_is_refused_with_row_and_column(lab, refused, change, expected):
+    log = lab.run / "encoder.csv"
+    rows = log.read_text().splitlines()
+    assert rows[0] == HEADER
+    log.write_text("\n".join(change(rows)) + "\n")
+    message = refused("process", lab.run)
+    for words in expected:
+        assert words in message
+
+
+def test_an_angle_beyond_the_linkage_is_refused_with_the_reachable_range(lab, refused):
+    log = lab.run / "encoder.csv"
+    rows = cell(4, "angle_deg", "40")(log.read_text().splitlines())
+    log.write_text("\n".join(rows))
+    message = refused("process", lab.run)
+    assert "Frame 2, column angle_deg" in message
+    assert "47.410 to 71.836 deg" in message  # 47.4095 and 71.8355 by eq. A.1
+
+
+def test_a_log_that_swings_too_far_is_refused_where_no_zero_is_given(lab, refused):
+    log = lab.run / "encoder.csv"
+    log.write_text("\n".join(cell(4, "angle_deg", "40")(log.read_text().splitlines())))
+    text = (lab.run / "run.toml").read_text()
+    (lab.run / "run.toml").write_text(
+        "\n".join(line for line in text.splitlines() if not line.startswith("zero"))
+    )
+    message = refused("process", lab.run)
+    assert "24.426 deg" in message
+    assert "40.000 deg" in message
+
+
+def test_links_that_cannot_turn_are_refused(lab, refused):
+    lab.edit("run/run.toml", ('ground = "51 cm"', 'ground = "70 cm"'))
+    message = refused("process", lab.run)
+    assert "0.055, 0.44, 0.26 and 0.7 m" in message
+    assert "crank must be the shortest link" in message
+
+
+# calibration
+
+
+def test_a_calibration_of_other_bands_is_refused(lab, refused):
+    lab.edit("run/run.toml", ('band = "580 nm"', 'band = "560 nm"'))
+    message = refused("process", lab.run)
+    assert "560 and 610 nm" in message
+    assert "580 and 610 nm" in message
+
+
+def test_a_calibration_of_the_inverse_ratio_is_refused(lab, refused):
+    with h5py.File(lab.fixture / "calibration.nc", "r+") as file:
+        file.attrs["ratio_direction"] = "camera1/camera2"
+    message = refused("process", lab.run)
+    assert "camera2/camera1" in message
+    assert "camera1/camera2" in message
+
+
+@pytest.mark.parametrize("what", ["missing", "text", "film", "cut"])
+def test_a_file_that_is_no_calibration_is_refused(lab, refused, film, what):
+    path = lab.directory / "other.nc"
+    if what == "text":
+        path.write_text("K = 0.3")
+    elif what == "film":
+        shutil.copy(film, path)
+    elif what == "cut":
+        path.write_bytes((lab.fixture / "calibration.nc").read_bytes()[:4000])
+    message = refused("process", lab.run, "--calibration", path)
+    assert "other.nc" in message or "missing from this file" in message
+    assert "erlif calibrate" in message
+
+
+def test_a_run_without_any_calibration_is_refused(lab, refused):
+    lab.edit("run/run.toml", ('calibration = "../fixture/calibration.nc"', ""))
+    assert "--calibration" in refused("process", lab.run)
+
+
+# profile
+
+
+def profile_rows(lab):
+    return (lab.fixture / "profile.csv").read_text().splitlines()
+
+
+def write_profile(lab, rows):
+    (lab.fixture / "profile.csv").write_text("\n".join(rows) + "\n")
+
+
+def test_the_part_of_the_image_that_the_profile_covers_is_used(lab, command):
+    rows = profile_rows(lab)
+    write_profile(lab, [rows[0], *rows[1 : len(rows) // 2]])
+    said = command("calibrate", lab.fixture, "--overwrite").stdout
+    assert "the profile covers" in said
+    low, high = erlif.open_calibration(lab.fixture / "calibration.nc").thickness_range
+    assert low < 1.0
+    assert 8.0 < high < 10.0  # half of a wedge from 0.1 to 18 um
+
+
+def test_profile_points_out_of_order_are_sorted_and_it_is_said(lab, command):
+    rows = profile_rows(lab)
+    before = erlif.open_calibration(lab.fixture / "calibration.nc")
+    write_profile(lab, [rows[0], *rows[:0:-1], rows[5]])
+    said = command("calibrate", lab.fixture, "--overwrite").stdout
+    assert "sorted" in said
+    assert "repeat" in said
+    after = erlif.open_calibration(lab.fixture / "calibration.nc")
+    np.testing.assert_allclose(after.parameters, before.parameters, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (lambda rows: rows[:6], "at least 8 points"),
+        (
+            lambda rows: [rows[0], *(f"{500 + n},1.0,0.1" for n in range(50))],
+            "points of the profile in the image",
+        ),
+        (lambda rows: [*rows[:4], "0.3,thin,0.1", *rows[5:]], "row 5, column thickness_um"),
+        (lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
+        (lambda rows: [], "x_mm,thickness_um"),
+    ],
+)
+def test_a_profile_that_does_not_do_is_refused(lab, refused, change, expected):
+    write_profile(lab, change(profile_rows(lab)))
+    assert expected in refused("calibrate", lab.fixture, "--overwrite")
+
+
+# registration and swapped cameras
+
+
+def test_images_without_common_texture_are_refused(lab, refused):
+    rng = np.random.default_rng(5)
+    rewrite_all(lab.run, lambda counts: counts[:64, :64])
+    for path in lab.frames(2):
+        rewrite(path, lambda counts: rng.integers(500, 3000, counts.shape, np.uint16))
+    lab.edit("run/run.toml", ("roi = {", "# roi = {"))
+    message = refused("process", lab.run)
+    assert "texture" in message
+    assert "times above chance" in message
+
+
+def test_exchanged_bands_are_recognised(lab, refused):
+    lab.edit("run/run.toml", ("580 nm", "one"), ("610 nm", "580 nm"), ("one", "610 nm"))
+    message = refused("process", lab.run)
+    assert "610 nm on camera 1" in message
+    assert "swapped" in message
+
+
+def exchange_cameras(directory):
+    for name in ("camera{}", "camera{}_dark.tif", "camera{}_flat.tif"):
+        one, two, between = (directory / name.format(n) for n in (1, 2, 3))
+        one.rename(between)
+        two.rename(one)
+        between.rename(two)
+
+
+def test_exchanged_frames_of_the_fixture_are_recognised(lab, refused):
+    exchange_cameras(lab.fixture)
+    message = refused("calibrate", lab.fixture, "--overwrite")
+    assert "falls" in message
+    assert "swapped" in message
+
+
+def test_exchanged_frames_of_the_run_are_recognised(lab, refused):
+    exchange_cameras(lab.run)
+    message = refused("process", lab.run)
+    assert "inverse" in message
+    assert "swapped" in message
+
+
+# output
+
+
+def test_an_existing_output_is_replaced_only_on_request(lab, film, refused, command):
+    shutil.copy(film, lab.film)
+    assert "--overwrite" in refused("process", lab.run)
+    assert "--overwrite" in refused("calibrate", lab.fixture)
+    lab.film.write_bytes(b"")
+    command("process", lab.run, "--overwrite")
+    assert lab.film.read_bytes() == film.read_bytes()
+
+
+@pytest.mark.parametrize("precious", ["fixture", "run/encoder.csv", "run/run.toml"])
+def test_overwrite_replaces_nothing_but_products_of_erlif(lab, refused, precious):
+    target = lab.directory / "film.nc"
+    (lab.directory / precious).rename(target)
+    (shutil.copytree if target.is_dir() else shutil.copy)(target, lab.directory / precious)
+    message = refused("process", lab.run, "-o", target, "--overwrite")
+    assert "does not replace" in message
+
+
+def test_foreign_work_under_the_name_of_the_partial_film_is_left_alone(lab, refused):
+    partial = lab.run / "film.nc.partial"
+    partial.mkdir()
+    (partial / "thesis.txt").write_text("years of work")
+    assert "film.nc.partial" in refused("process", lab.run)
+
+
+def process_and_die(lab, *, at, option=()):
+    """Run `erlif process` in a process of its own that is killed, with no chance to tidy up, when it reaches `at`."""
+    script = f"""
+import os, signal, sys
+import numpy as np
+from erlif.files import film as store
+calls = 0
+def die(*arguments, **options):
+    os.kill(os.getpid(), signal.SIGKILL)
+if {at!r} == "third trigger":
+    save = np.savez
+    def save_and_die(file, **record):
+        global calls
+        calls += 1
+        if calls == 3:
+            file.write(b"half a trigger")
+            file.flush()
+            die()
+        save(file, **record)
+    np.savez = save_and_die
+else:
+    store.decompress = die
+    store._write_netcdf = lambda path, *rest: (path.write_bytes(b"half a film"), die())
+from erlif.commands.main import main
+main({["process", str(lab.run), "--workers", "1", *option]!r})
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == -9, done.stderr
+
+
+@pytest.fixture
+def computed(monkeypatch):
+    """Triggers that are computed, as they are."""
+    triggers = []
+    put = PartialFilm.put
+
+    def note(partial, trigger, *rest):
+        put(partial, trigger, *rest)
+        triggers.append(trigger)
+
+    monkeypatch.setattr(PartialFilm, "put", note)
+    return triggers
+
+
+def test_a_killed_process_is_resumed_and_gives_the_same_bytes(lab, film, command, computed):
+    process_and_die(lab, at="third trigger")
+    assert not lab.film.exists()
+    command("process", lab.run, "--workers", 1)
+    assert computed == [2, 3, 4, 5]
+    assert lab.film.read_bytes() == film.read_bytes()
+    assert [path.name for path in lab.run.iterdir() if "film" in path.name] == ["film.nc"]
+
+
+def test_a_process_killed_while_writing_leaves_the_previous_film_and_resumes(
+    lab, film, command, computed
+):
+    shutil.copy(film, lab.film)
+    process_and_die(lab, at="the end", option=["--overwrite"])
+    assert lab.film.read_bytes() == film.read_bytes()
+    command("process", lab.run, "--overwrite")
+    assert computed == []
+    assert lab.film.read_bytes() == film.read_bytes()
+    assert [path.name for path in lab.run.iterdir() if "film" in path.name] == ["film.nc"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("roi = { x = [4, 15]", "roi = { x = [3, 15]"), ('"222.411 N"', '"200 N"')],
+)
+def test_a_partial_film_of_other_settings_is_not_resumed(lab, monkeypatch, computed, old, new):
+    interrupt_at_third_trigger(monkeypatch, lab)
+    lab.edit("run/run.toml", (old, new))
+    erlif.process(lab.run, output=lab.film, workers=1).close()
+    assert computed[-6:] == [0, 1, 2, 3, 4, 5]
+
+
+def test_a_partial_film_of_another_frame_or_calibration_is_not_resumed(lab, monkeypatch, computed):
+    interrupt_at_third_trigger(monkeypatch, lab)
+    rewrite(lab.frames(1)[0], lambda counts: np.where(counts == counts.max(), counts - 1, counts))
+    interrupt_at_third_trigger(monkeypatch, lab)
+    with xr.open_dataset(lab.fixture / "calibration.nc", engine="h5netcdf") as dataset:
+        changed = dataset.load().assign(ratio_at_zero=dataset.ratio_at_zero * 1.001)
+    changed.to_netcdf(lab.fixture / "calibration.nc", engine="h5netcdf")
+    interrupt_at_third_trigger(monkeypatch, lab)
+    assert computed.count(0) == 3
+
+
+def interrupt_at_third_trigger(monkeypatch, lab, error=KeyboardInterrupt):
+    """Process the run with an error when the third trigger is kept; gives the result and the triggers kept till then."""
+    put = PartialFilm.put
+
+    def put_others(partial, trigger, *rest):
+        if trigger == 2:
+            raise error
+        put(partial, trigger, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(PartialFilm, "put", put_others)
+        result = CliRunner().invoke(
+            main, ["process", str(lab.run), "--workers", "1", "--overwrite"]
+        )
+    kept = [int(path.stem[-5:]) for path in sorted(lab.run.glob("film.nc.partial/trigger_*.npz"))]
+    assert kept[:2] == [0, 1]
+    assert 2 not in kept
+    return result, kept
+
+
+def test_an_interrupted_process_says_so_keeps_the_previous_film_and_resumes(
+    lab, film, monkeypatch, command, computed
+):
+    lab.film.write_bytes(b"")
+    result, kept = interrupt_at_third_trigger(monkeypatch, lab)
+    assert result.exit_code == 130
+    assert "resumes" in result.stderr
+    assert "Traceback" not in result.output
+    assert lab.film.read_bytes() == b""
+    computed.clear()
+    command("process", lab.run, "--workers", 1, "--overwrite")
+    assert computed == [trigger for trigger in range(6) if trigger not in kept]
+    assert lab.film.read_bytes() == film.read_bytes()
+
+
+def test_a_disk_that_fills_up_between_triggers_keeps_what_is_done(
+    lab, film, monkeypatch, command, computed
+):
+    save = np.savez
+
+    def save_two(file, **record):
+        if "00002" in file.name:
+            file.write(b"half a trigger")
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        save(file, **record)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(np, "savez", save_two)
+        result = CliRunner().invoke(main, ["process", str(lab.run), "--workers", "1"])
+    assert result.exit_code == 2
+    assert "could not be written: No space left on device" in result.stderr
+    assert not lab.film.exists()
+    assert not list(lab.run.glob("**/*.unfinished"))
+    computed.clear()
+    command("process", lab.run, "--workers", 1)
+    assert computed[0] == 2
+    assert lab.film.read_bytes() == film.read_bytes()
+
+
+def test_a_disk_too_full_for_the_film_leaves_the_previous_one(lab, film):
+    """No file of the process may grow beyond a limit that the film exceeds and a trigger does not."""
+    shutil.copy(film, lab.film)
+    script = f"""
+import resource, signal
+from erlif.commands.main import main
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+main(["process", {str(lab.run)!r}, "--workers", "1", "--overwrite"])
+"""
+    assert film.stat().st_size > 100_000
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2, done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stderr.count("erlif: ") == 1
+    assert "could not be written: File too large" in done.stderr
+    assert len(list(lab.run.glob("film.nc.partial/trigger_*.npz"))) == 6
+    assert lab.film.read_bytes() == film.read_bytes()
+    assert not list(lab.run.glob("**/*.unfinished*"))
+
+
+def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
+    output = lab.run / "film.zarr"
+    output.mkdir()
+    (output / "zarr.json").write_text("{}")
+
+    def fill_up(*arguments):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("erlif.files.film.decompress", fill_up)
+    result = CliRunner().invoke(main, ["process", str(lab.run), "-o", str(output), "--overwrite"])
+    assert result.exit_code == 2
+    assert "could not be written: No space left on device" in result.stderr
+    assert [path.name for path in output.iterdir()] == ["zarr.json"]
+    assert not list(lab.run.glob("**/*.unfinished*"))
+
+
+def test_a_second_process_on_the_same_output_is_told_so(lab, refused):
+    """The first is held by an open lock, as a process that is still at work holds it."""
+    from erlif.files import PartialFilm
+
+    with PartialFilm(lab.film, "key of the first"):
+        message = refused("process", lab.run)
+    assert "another erlif process is making it" in message
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (("process", "run", "-o", "film.txt"), "Expected a name in .nc or .zarr"),
+        (("calibrate", "fixture", "-o", "calibration.csv"), "Expected a name in .nc"),
+        (("process", "run", "--calibration", "fixture"), "is a directory. Name its file"),
+        (("process", "run/run.toml"), "Name the directory that holds it"),
+        (("figures", "run"), "is a directory"),
+        (("report", "run/run.toml"), "Make one with: erlif process"),
+    ],
+)
+def test_a_name_of_the_wrong_kind_is_answered_with_the_right_one(lab, refused, arguments, expected):
+    command, target, *rest = arguments
+    rest = [lab.directory / item if not item.startswith("-") else item for item in rest]
+    assert expected in refused(command, lab.directory / target, *rest)
+
+
+def test_a_calibration_made_on_the_way_is_kept(lab, command):
+    (lab.fixture / "calibration.nc").unlink()
+    command("process", lab.run)
+    assert erlif.open_calibration(lab.fixture / "calibration.nc").curve.sizes["bin"] > 20

@@ -1,0 +1,261 @@
+"""Gain and read noise from the frames alone, on rigs whose photons are counted."""
+
+import re
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+from scenes.tiff_pages import rewrite
+from scipy import ndimage
+
+import erlif
+from erlif.core.progress import silent
+from erlif.correction import measure_references
+from erlif.ingest import open_fixture, open_run
+from erlif.pipeline.camera_noise import _overlap, complete_noise
+from erlif.pipeline.chain import prepare_chain
+from erlif.rig import RigSettings, simulate
+
+GAIN, READ = 4.4, 9.0  # of the virtual rig
+
+
+def forget(path, *keys, camera=r"12"):
+    """Take keys out of the tables of the cameras in a settings file."""
+    text = path.read_text(encoding="utf-8")
+    for table in re.findall(rf"^\[camera[{camera}]\]\n(?:.+\n)*", text, flags=re.MULTILINE):
+        text = text.replace(
+            table, re.sub(rf"^(?:{'|'.join(keys)}) = .*\n", "", table, flags=re.MULTILINE)
+        )
+    path.write_text(text, encoding="utf-8")
+
+
+def estimate(directory):
+    recording = (open_run if (directory / "run.toml").is_file() else open_fixture)(directory)
+    return complete_noise(prepare_chain(recording, measure_references(recording), silent))
+
+
+def test_known_cameras_are_left_alone(small_rig):
+    recording = open_run(small_rig.run)
+    chain = prepare_chain(recording, measure_references(recording), silent)
+    assert complete_noise(chain) is chain
+
+
+def test_interpolated_noise_of_differences_has_the_predicted_covariance():
+    """White noise through scipy's cubic spline at two sub-pixel places, 160 000 pixels each."""
+    rng = np.random.default_rng(1)
+    noise = rng.standard_normal((400, 400))
+    y, x = np.indices(noise.shape, float)
+    kernel = rng.standard_normal((5, 5))
+    places = [(0.3, -0.15), (0.45, 0.2)]
+    images = [
+        ndimage.correlate(
+            ndimage.map_coordinates(noise, (y + v, x + u), order=3, mode="grid-wrap"),
+            kernel,
+            mode="wrap",
+        )
+        for u, v in places
+    ]
+    at = [np.reshape(place, (2, 1, 1)) for place in places]
+    for a in (0, 1):
+        for b in (0, 1):
+            expected = (images[a] * images[b]).mean()
+            npt.assert_allclose(_overlap(kernel, at[a], at[b])[0, 0], expected, rtol=0.02)
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    """Never to be changed; take `laboratory` for a copy."""
+    out = tmp_path_factory.mktemp("rig")
+    simulate(
+        out,
+        seed=811,
+        rig=RigSettings(width=160, height=128, spacing=6.0, fixture_frames=4, light=0.5),
+    )
+    return out
+
+
+@pytest.fixture
+def laboratory(rig, tmp_path):
+    shutil.copytree(rig, tmp_path / "rig")
+    return tmp_path / "rig"
+
+
+@pytest.mark.parametrize("kind", ["fixture", "run"])
+@pytest.mark.parametrize("lost", [("gain", "flat"), ("gain", "flat", "read_noise")], ids="-".join)
+def test_gain_comes_from_the_frames_where_nothing_tells_it(laboratory, kind, lost):
+    forget(laboratory / kind / f"{kind}.toml", *lost)
+    references = estimate(laboratory / kind).references
+    gain, std = references.gain.values, references.gain_std.values
+    npt.assert_allclose(gain[0], gain[1], rtol=0.05)
+    assert np.all(np.abs(gain - GAIN) < 3 * std)
+    assert np.all(
+        std < 0.12 * GAIN
+    )  # 20 480 pixels in four frames, two gains and a pattern to find
+    assert references.attrs["warnings"].count("the same with a probability of") == 2
+    assert "will be estimated" not in references.attrs["notes"]
+
+
+def test_read_noise_comes_from_the_frames_where_darks_are_too_few(laboratory):
+    """One dark page, gain declared; in dim frames the read noise shows."""
+    for n in (1, 2):
+        path = laboratory / "run" / f"camera{n}_dark.tif"
+        with tifffile.TiffFile(path) as file:
+            page = file.pages[0].asarray()
+        tifffile.imwrite(path, page)
+    forget(laboratory / "run" / "run.toml", "read_noise")
+    references = estimate(laboratory / "run").references
+    npt.assert_array_equal(references.gain, GAIN)
+    assert np.all(np.abs(references.read_noise - READ) < 3 * references.read_noise_std)
+    assert np.all(references.read_noise_std < READ)
+    assert "camera1: read noise estimated" in references.attrs["warnings"]
+    assert references.attrs["warnings"].count("one read noise [DN] for both") == 2
+
+
+@pytest.fixture
+def unlike(tmp_path):
+    """Camera 2 counts every electron twice: its gain is half that of camera 1."""
+    simulate(
+        tmp_path / "rig",
+        seed=812,
+        rig=RigSettings(width=240, height=192, spacing=6.0, fixture_frames=1, light=0.5),
+    )
+    run = tmp_path / "rig" / "run"
+    for path in (*run.glob("camera2/*.tif"), *run.glob("camera2_*.tif")):
+        rewrite(path, lambda counts: np.minimum(2 * counts, 4095))
+    return run
+
+
+def test_the_gain_of_one_camera_follows_from_that_of_the_other(unlike):
+    forget(unlike / "run.toml", "gain", "flat", camera="2")
+    forget(unlike / "run.toml", "flat", camera="1")
+    references = estimate(unlike).references
+    assert references.gain[0] == GAIN
+    assert abs(references.gain[1] - GAIN / 2) < 3 * references.gain_std[1]
+    assert references.gain_std[1] < 0.15 * GAIN / 2
+    assert "the same with" not in references.attrs["notes"]
+    assert "one read noise" not in references.attrs["notes"]
+
+
+def test_cameras_of_unlike_gain_are_told_apart_or_the_uncertainty_says_not(unlike):
+    forget(unlike / "run.toml", "gain", "flat")
+    references = estimate(unlike).references
+    truth = np.array([GAIN, GAIN / 2])
+    assert np.all(np.abs(references.gain.values - truth) < 3 * references.gain_std.values)
+    assert references.gain[0] > 1.3 * references.gain[1]
+
+
+def test_a_film_without_given_gain_says_so_and_is_the_same_whatever_the_workers(lab):
+    forget(lab.run / "run.toml", "gain", "flat")
+    once = erlif.process(lab.run, output=lab.directory / "one.nc", workers=1)
+    erlif.process(lab.run, output=lab.directory / "three.nc", workers=3).close()
+    assert "gain estimated from the noise" in once.attrs["notes"]
+    once.close()
+    assert (lab.directory / "one.nc").read_bytes() == (lab.directory / "three.nc").read_bytes()
+
+
+def test_check_announces_the_estimate(lab, command):
+    forget(lab.run / "run.toml", "gain", "flat")
+    assert (
+        "warning darks and flats: camera1: neither gain nor flats"
+        in command("check", lab.run).stdout
+    )
+
+
+def test_a_calibration_without_given_gain_says_so(laboratory):
+    forget(laboratory / "fixture" / "fixture.toml", "gain", "flat")
+    calibration = erlif.calibrate(laboratory / "fixture")
+    assert any("gain estimated from the noise" in note for note in calibration.notes)
+
+
+def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
+    """The rig's pixels differ by 1 %; what of it camera 2 shows by drifting is taken for both."""
+    forget(laboratory / "run" / "run.toml", "flat")
+    chain = estimate(laboratory / "run")
+    npt.assert_array_equal(chain.references.gain, GAIN)
+    npt.assert_allclose(chain.references.response_spread, 0.01, rtol=0.25)
+    npt.assert_allclose(
+        chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5
+    )
+    assert "pixels of both cameras differ by" in chain.references.attrs["warnings"]
+
+
+def test_nothing_is_said_of_the_response_of_a_camera_that_alone_has_no_flat(laboratory):
+    """Its pixels do not move against the image that the differences are taken in."""
+    forget(laboratory / "run" / "run.toml", "gain", camera="2")
+    forget(laboratory / "run" / "run.toml", "gain", "flat", camera="1")
+    references = estimate(laboratory / "run").references
+    assert np.isnan(references.response_spread[0])
+    npt.assert_array_equal(references.flat_var[0], 0.0)
+    npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
+    one = [line for line in references.attrs["notes"].splitlines() if line.startswith("camera1: ")]
+    assert not any("response spread" in line for line in one)
+    assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
+
+
+@pytest.mark.parametrize("vibration", [0.0, 0.05])
+@pytest.mark.parametrize("seed", [812, 813])
+def test_cameras_that_stand_still_do_not_tell_the_spread_of_the_response(tmp_path, seed, vibration):
+    """A pattern that does not move leaves the differences of frames; nothing is to be made of what little does."""
+    simulate(
+        tmp_path / "rig",
+        seed=seed,
+        rig=RigSettings(
+            width=160, height=128, spacing=6.0, fixture_frames=1, light=0.5, vibration=vibration
+        ),
+    )
+    run = tmp_path / "rig" / "run"
+    forget(run / "run.toml", "flat")
+    references = estimate(run).references
+    npt.assert_array_equal(references.response_spread, np.nan)
+    npt.assert_array_equal(references.flat_var, 0.0)
+    assert "pixel response is neither corrected nor counted" in references.attrs["warnings"]
+    assert "response spread" not in references.attrs["notes"]
+    assert "differ by" not in references.attrs["notes"]
+
+
+def test_frames_that_are_alike_tell_the_gain_without_a_pattern(laboratory, monkeypatch):
+    """Drift of exactly zero: the pattern has no share in the differences at all."""
+    monkeypatch.setattr(
+        "erlif.pipeline.camera_noise._overlap",
+        lambda kernel, first, second: np.full(first.shape[1:], 0.5),
+    )
+    forget(laboratory / "run" / "run.toml", "gain", "flat")
+    references = estimate(laboratory / "run").references
+    assert np.all(np.isfinite(references.gain))
+    npt.assert_array_equal(references.response_spread, np.nan)
+
+
+def test_a_single_frame_does_not_tell_the_gain(lab, refused):
+    forget(lab.fixture / "fixture.toml", "gain", "flat")
+    for camera in (1, 2):
+        for path in sorted((lab.fixture / f"camera{camera}").iterdir())[1:]:
+            path.unlink()
+    message = refused("calibrate", lab.fixture, "-o", lab.directory / "new.nc")
+    assert "camera1 has no gain" in message
+    assert "expected two or more frames" in message
+    assert "flats" in message
+
+
+@pytest.mark.slow
+def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
+    """Pictures of the rig's usual size; fixtures and runs of three seeds, in full light and less."""
+    errors, pulls = [], []
+    for seed, light, kinds in (
+        (821, 1.0, ["fixture"]),
+        (822, 0.3, ["run"]),
+        (823, 0.6, ["fixture", "run"]),
+    ):
+        out = tmp_path / str(seed)
+        simulate(out, seed=seed, rig=RigSettings(spacing=6.0, light=light))
+        for kind in kinds:
+            forget(out / kind / f"{kind}.toml", "gain", "flat")
+            references = estimate(out / kind).references
+            errors += (references.gain.values / GAIN - 1).tolist()
+            pulls += ((references.gain.values - GAIN) / references.gain_std.values).tolist()
+    assert np.abs(errors).max() < 0.05
+    assert np.abs(pulls).max() < 3
+    assert (
+        np.sqrt(np.mean(np.square(pulls))) < 1.6
+    )  # of four, the two cameras going together: beyond it once in thirty

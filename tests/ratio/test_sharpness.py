@@ -1,0 +1,105 @@
+"""The ghost that unequal blur leaves in the ratio, on textures whose blur is known in closed form."""
+
+import numpy as np
+import numpy.testing as npt
+import xarray as xr
+
+from erlif.core.products import AlignedFrames
+from erlif.ratio import BlurDifference, compute_ratio, measure_blur_difference
+
+SHAPE = (200, 240)
+GAIN = 4.4
+
+
+def waves(rng, count=60):
+    """Wave vectors [rad/px], phases and amplitudes of a texture of 9 % contrast."""
+    length, angle = rng.uniform(0.5, 1.4, count), rng.uniform(0, np.pi, count)
+    return (
+        length * np.cos(angle),
+        length * np.sin(angle),
+        rng.uniform(0, 2 * np.pi, count),
+        0.09 * np.sqrt(2 / count),
+    )
+
+
+def scene(texture, variance_x, variance_y):
+    """Exponential of waves, each weakened by the Gaussian blur: exp(-k^2 s^2/2)."""
+    y, x = np.indices(SHAPE)
+    kx, ky, phase, amplitude = texture
+    total = np.zeros(SHAPE)
+    for a, b, c in zip(kx, ky, phase, strict=True):
+        total += (
+            amplitude
+            * np.exp(-(a**2 * variance_x + b**2 * variance_y) / 2)
+            * np.sin(a * x + b * y + c)
+        )
+    return np.exp(total)
+
+
+def frames(one, two, rng, *, level=1500.0, noise=True):
+    """Aligned frames (one frame) with photon noise in both cameras."""
+    signal = []
+    for image in (one, two):
+        electrons = level * GAIN * image
+        signal.append((rng.poisson(electrons) if noise else electrons) / GAIN)
+    signal = np.stack(signal)[:, None].astype(np.float32)
+    dims = ("camera", "frame", "y", "x")
+    return AlignedFrames(
+        xr.Dataset(
+            {
+                "signal": (dims, signal),
+                "signal_var": (dims, (signal / GAIN * noise).astype(np.float32)),
+                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
+                "flags": (dims, np.zeros(signal.shape, np.uint8)),
+                "displacement_std": (("y", "x"), np.zeros(SHAPE, np.float32)),
+            },
+            {"camera": [1, 2]},
+        )
+    )
+
+
+def test_blur_difference_is_half_the_difference_of_the_variances():
+    """Long waves, for which second differences are second derivatives: camera 2 is blurred by 0.06 and 0.02 px2 more."""
+    rng = np.random.default_rng(1)
+    kx, ky, phase, amplitude = waves(rng)
+    texture = (0.35 * kx, 0.35 * ky, phase, amplitude)
+    pair = frames(scene(texture, 0, 0), scene(texture, 0.06, 0.02), rng, noise=False)
+    found = measure_blur_difference(pair)
+    npt.assert_allclose([found.x, found.y], [0.03, 0.01], rtol=0.08)
+
+
+def test_noise_feigns_no_blur():
+    """Thirty pairs of equally sharp, noisy images: the differences scatter about zero as they say."""
+    rng = np.random.default_rng(2)
+    pulls = []
+    for _ in range(30):
+        image = scene(waves(rng), 0.25, 0.25)
+        found = measure_blur_difference(frames(image, image, rng, level=400))
+        pulls += [found.x / found.std_x, found.y / found.std_y]
+    assert abs(np.mean(pulls)) < 4 * np.std(pulls) / np.sqrt(len(pulls)) + 0.1
+    assert np.std(pulls) < 1.3
+
+
+def test_ghost_goes_out_of_the_ratio():
+    rng = np.random.default_rng(3)
+    texture = waves(rng)
+    one, two = scene(texture, 0.25, 0.25), scene(texture, 0.33, 0.33)
+    clean = frames(one, two, rng, noise=False)
+    blur = measure_blur_difference(frames(one, two, rng))
+    inside = (0, slice(4, -4), slice(4, -4))
+    before = compute_ratio(clean).log_ratio.values[inside].std()
+    after = compute_ratio(clean, blur=blur).log_ratio.values[inside].std()
+    assert blur.significant
+    assert after < 0.35 * before
+
+
+def test_without_texture_nothing_is_claimed_or_changed():
+    rng = np.random.default_rng(4)
+    flat = np.ones(SHAPE)
+    pair = frames(flat, flat, rng)
+    blur = measure_blur_difference(pair)
+    assert not blur.significant
+    npt.assert_array_equal(compute_ratio(pair, blur=blur).log_ratio, compute_ratio(pair).log_ratio)
+    npt.assert_array_equal(
+        compute_ratio(pair, blur=BlurDifference()).log_ratio, compute_ratio(pair).log_ratio
+    )

@@ -1,0 +1,279 @@
+"""Smoothing of the ratio: noise falls by what is said, films keep their shape, steps and holes stay where they are."""
+
+import math
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.calibration import Calibration
+from erlif.core.errors import ModelError
+from erlif.core.flags import Flag
+from erlif.core.products import RatioImages
+from erlif.pipeline import triggers
+from erlif.ratio import smooth_ratio
+from erlif.thickness import measure_thickness
+
+K, P, Q = 0.65, 0.40, 0.25
+NOISE = 0.0135  # of the logarithm of the ratio
+Y, X = np.mgrid[:240, :320]
+SMOOTH_FILM = 3.0 + 1.5 * ((X - 160) / 160) ** 2 + 0.4 * (Y - 120) / 120  # parabola and tilt [um]
+EDGE = 160  # first column of the thick side of the step
+
+
+@pytest.fixture(scope="module")
+def calibration():
+    return Calibration(
+        K, P, Q, np.zeros((3, 3)), (0.2, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
+    )
+
+
+def log_ratio_of(film):
+    """Written out from eq. 5.7 turned over, independently of the code under test."""
+    return np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
+
+
+def ratio_images(log_ratio, variance=NOISE**2, shared=0.0, flags=None):
+    dims = ("y", "x")
+
+    def image(number):
+        return dims, np.broadcast_to(number, log_ratio.shape).astype(np.float32)
+
+    variables = {
+        "log_ratio": image(log_ratio),
+        "log_ratio_var": image(variance),
+        "log_ratio_var_fixed": image(np.multiply(variance, 0.1)),
+        "log_ratio_var_shared": image(shared),
+        "flags": (dims, np.zeros(log_ratio.shape, np.uint8) if flags is None else flags),
+    }
+    return RatioImages(xr.Dataset(variables))
+
+
+def noisy(film, seed, **options):
+    rng = np.random.default_rng(seed)
+    return ratio_images(log_ratio_of(film) + rng.normal(0, NOISE, film.shape), **options)
+
+
+@pytest.fixture(scope="module", params=[201, 202, 203, 204])
+def smooth_film(request, calibration):
+    images = noisy(SMOOTH_FILM, request.param)
+    return [
+        measure_thickness(each, calibration)
+        for each in (images, smooth_ratio(images, resolution=5))
+    ]
+
+
+def test_scatter_of_a_smooth_film_falls_at_least_threefold(smooth_film):
+    before, after = (float((maps.thickness - SMOOTH_FILM).std()) for maps in smooth_film)
+    assert after < before / 3
+
+
+def test_noise_falls_as_a_gaussian_window_allows():
+    """Away from the border a Gaussian window of standard deviation s leaves 1/(4 pi s^2) of the variance."""
+    sigma = 5 / math.sqrt(8 * math.log(2))
+    after = smooth_ratio(noisy(SMOOTH_FILM, 211), resolution=5)
+    inner = after.isel(x=slice(12, -12), y=slice(12, -12))
+    npt.assert_allclose(
+        np.median(inner.log_ratio_var), NOISE**2 / (4 * math.pi * sigma**2), rtol=0.03
+    )
+    rest = inner.log_ratio.values - log_ratio_of(SMOOTH_FILM)[12:-12, 12:-12]
+    npt.assert_allclose(rest.std(), NOISE / math.sqrt(4 * math.pi) / sigma, rtol=0.05)
+
+
+def test_remaining_standard_deviation_covers(smooth_film):
+    pull = np.abs((smooth_film[1].thickness - SMOOTH_FILM) / smooth_film[1].thickness_std).values
+    assert 0.66 <= np.mean(pull < 1) <= 0.70
+    assert 0.945 <= np.mean(pull < 2) <= 0.965
+
+
+def test_weights_follow_the_variance():
+    """Beside a noisy half the quiet half keeps its quiet, and the stated deviations cover on either side."""
+    rng = np.random.default_rng(7)
+    std = np.where(X < EDGE, NOISE, 5 * NOISE)
+    after = smooth_ratio(ratio_images(rng.normal(0, 1, X.shape) * std, std**2), resolution=5)
+    deviation = np.sqrt(after.log_ratio_var.values)
+    for columns in (slice(EDGE - 5, EDGE), slice(EDGE, EDGE + 5), slice(EDGE + 20, None)):
+        pull = after.log_ratio.values[:, columns] / deviation[:, columns]
+        npt.assert_allclose(np.sqrt(np.mean(pull**2)), 1, atol=0.12)
+    assert deviation[:, EDGE - 1].max() < NOISE
+
+
+@pytest.mark.parametrize("resolution", [2, 5, 9.5])
+def test_a_plane_is_reproduced_at_borders_and_holes(resolution):
+    plane = 0.2 + 0.004 * X - 0.006 * Y
+    flags = np.where((X - 100) ** 2 + (Y - 90) ** 2 < 15**2, Flag.NO_FILM, 0).astype(np.uint8)
+    flags[:, 200] = Flag.BAD_PIXEL
+    values = np.where(flags != 0, 1e3, plane)
+    after = smooth_ratio(ratio_images(values, flags=flags), resolution=resolution)
+    npt.assert_allclose(
+        after.log_ratio.values[flags == 0], plane[flags == 0], atol=2e-5
+    )  # single precision
+
+
+def test_remaining_variance_is_the_sum_of_squared_weights():
+    """The weights are those with which each single pixel, raised by one, comes through; a plane far from zero tells no step."""
+    rng = np.random.default_rng(3)
+    variance = NOISE**2 * rng.uniform(0.5, 2.0, (25, 25))
+    flags = np.zeros((25, 25), np.uint8)
+    flags[10:14, 14:18] = Flag.NO_FILM
+    base = smooth_ratio(ratio_images(np.zeros((25, 25)), variance, flags=flags), resolution=4)
+    total, small = np.zeros((25, 25)), 1e-4
+    for i in range(25):
+        for j in range(25):
+            one = np.zeros((25, 25))
+            one[i, j] = small
+            weights = (
+                smooth_ratio(
+                    ratio_images(one, variance, flags=flags), resolution=4
+                ).log_ratio.values
+                / small
+            )
+            total += weights**2 * variance[i, j]
+    sound = flags == 0
+    npt.assert_allclose(base.log_ratio_var.values[sound], total[sound], rtol=1e-3)
+
+
+@pytest.fixture(scope="module", params=["along x", "along y"])
+def step(request, calibration):
+    """Maps of a film of 3 um that steps to 4 um, and which way."""
+    turn = request.param == "along y"
+    film = np.where(X >= EDGE, 4.0, 3.0)
+    images = noisy(film.T if turn else film, 31)
+    maps = measure_thickness(smooth_ratio(images, resolution=5), calibration)
+    return maps.transpose("x", "y") if turn else maps
+
+
+def test_a_step_stays_where_it_is(step):
+    mean = step.thickness.values.mean(axis=0)
+    above = np.nonzero(mean > 3.5)[0]
+    k = above[0]
+    crossing = k - 1 + (3.5 - mean[k - 1]) / (mean[k] - mean[k - 1])
+    assert abs(crossing - (EDGE - 0.5)) <= 1
+    npt.assert_array_equal(above, np.arange(k, mean.size))
+
+
+def test_a_step_is_no_ramp(step):
+    """A window of 5 px that knew no steps would leave the columns beside it 0.4 um off, and those 3 px away 0.1 um."""
+    mean, std = step.thickness.values.mean(axis=0), step.thickness_std.values.mean(axis=0)
+    rows = step.thickness.shape[0]
+    truth = np.where(np.arange(mean.size) >= EDGE, 4.0, 3.0)
+    error = mean - truth
+    assert np.abs(error[[EDGE - 1, EDGE]]).max() < 0.05
+    for column in (*range(EDGE - 6, EDGE - 2), *range(EDGE + 2, EDGE + 6)):
+        # rows are independent but over about twice the resolution
+        assert abs(error[column]) < 3.5 * std[column] / math.sqrt(rows / 10)
+
+
+def test_error_bars_cover_beside_a_step(calibration):
+    film = np.where(X >= EDGE, 4.0, 3.0)
+    near = slice(EDGE - 6, EDGE + 6)
+    pulls = []
+    for seed in range(300, 312):
+        maps = measure_thickness(smooth_ratio(noisy(film, seed), resolution=5), calibration)
+        pulls.append(np.abs((maps.thickness.values - film) / maps.thickness_std.values)[:, near])
+    assert 0.64 <= np.mean(np.array(pulls) < 1) <= 0.72
+    assert 0.935 <= np.mean(np.array(pulls) < 2) <= 0.97
+
+
+def test_a_slanting_groove_is_kept(calibration):
+    """Plateaus 2 px and more beside a groove 7 px wide, along no direction that is tried; a window that knew no steps: about 0.1 um off."""
+    across = (X - EDGE) * math.cos(0.5) + (Y - 120) * math.sin(0.5)
+    film = np.where((across >= 0) & (across < 7), 4.0, 3.0)
+    maps = measure_thickness(smooth_ratio(noisy(film, 41), resolution=5), calibration)
+    for low, high in ((-4, -2), (2, 5), (9, 11)):
+        within = (across > low) & (across < high)
+        assert abs(float((maps.thickness.values - film)[within].mean())) < 0.05
+
+
+def test_holes_are_neither_filled_nor_bleed():
+    bubble = (X - 100) ** 2 + (Y - 90) ** 2 < 12**2
+    flags = np.where(bubble, Flag.NO_FILM, 0).astype(np.uint8)
+    images = noisy(SMOOTH_FILM, 51, flags=flags)
+    images.log_ratio.values[bubble] = 5.0
+    filled_with_nan = images.copy(deep=True)
+    filled_with_nan.log_ratio.values[bubble] = np.nan
+    after, other = (smooth_ratio(each, resolution=5) for each in (images, filled_with_nan))
+    npt.assert_array_equal(after.log_ratio.values[~bubble], other.log_ratio.values[~bubble])
+    npt.assert_array_equal(after.log_ratio.values[bubble], 5.0)
+    npt.assert_array_equal(after.flags, images.flags)
+    rim = ~bubble & ((X - 100) ** 2 + (Y - 90) ** 2 < 15**2)
+    pull = (after.log_ratio.values - log_ratio_of(SMOOTH_FILM)) / np.sqrt(
+        after.log_ratio_var.values
+    )
+    assert np.sqrt(np.mean(pull[rim] ** 2)) < 1.3
+
+
+def test_registration_error_makes_no_steps():
+    """What looks like a step but is within the registration's error is smoothed over."""
+    film = np.where(X >= EDGE, 3.6, 3.0)
+    trusted, doubted = (
+        smooth_ratio(noisy(film, 61, shared=s), resolution=5) for s in (0.0, 25 * NOISE**2)
+    )
+    beside = slice(EDGE - 1, EDGE + 1)
+    assert (
+        doubted.log_ratio_var.values[:, beside].mean()
+        < 0.5 * trusted.log_ratio_var.values[:, beside].mean()
+    )
+    npt.assert_array_equal(doubted.log_ratio_var_shared, np.float32(25 * NOISE**2))
+
+
+def test_noise_that_neighbours_share_is_counted():
+    """Averaging over neighbours that share noise gains less, as after interpolation: here a quarter of each neighbour along x."""
+    rng = np.random.default_rng(71)
+    white = rng.normal(0, 1, X.shape)
+    mixed = white + 0.25 * (np.roll(white, 1, axis=1) + np.roll(white, -1, axis=1))
+    after = smooth_ratio(ratio_images(NOISE * mixed / math.sqrt(1.125)), resolution=5)
+    pull = after.log_ratio.values / np.sqrt(after.log_ratio_var.values)
+    assert 0.93 < pull.std() < 1.07
+
+
+def test_pixels_without_surroundings_stay_as_they_are():
+    flags = np.full((20, 20), Flag.DIM, np.uint8)
+    flags[10, 10] = 0
+    images = ratio_images(np.full((20, 20), 0.3), flags=flags)
+    after = smooth_ratio(images, resolution=5)
+    xr.testing.assert_equal(after, images)
+    images.flags[:] = Flag.DIM
+    xr.testing.assert_equal(smooth_ratio(images, resolution=5), images)
+
+
+def test_the_result_says_how_it_was_smoothed():
+    after = smooth_ratio(noisy(SMOOTH_FILM, 81), resolution=5)
+    assert after.log_ratio.attrs["resolution"] == after.log_ratio_var.attrs["resolution"] == 5
+    npt.assert_allclose(after.log_ratio_var_fixed, 0.1 * after.log_ratio_var, rtol=1e-5)
+
+
+@pytest.mark.parametrize("resolution", [1.9, 0, -3, math.nan, math.inf])
+def test_a_resolution_that_cannot_be_is_refused(resolution):
+    with pytest.raises(ModelError, match="at least 2 px"):
+        smooth_ratio(noisy(SMOOTH_FILM, 1), resolution=resolution)
+
+
+def test_a_run_is_smoothed_when_it_asks_and_says_so(lab, film):
+    lab.edit("run/run.toml", ("[thickness]\n", "[thickness]\nsmoothing = 5\n"))
+    smoothed, plain = erlif.process(lab.run, workers=1), erlif.open_film(film).load()
+    assert smoothed.attrs["smoothing"] == 5
+    assert "smoothing = 5" in smoothed.attrs["settings"]
+    good = (smoothed.flags.values == 0) & (plain.flags.values == 0)
+    before, after = (np.median(each.thickness_std.values[good]) for each in (plain, smoothed))
+    assert after < before / 3
+    for name in (
+        "film_min",
+        "film_min_std",
+        "film_mean",
+        "film_mean_std",
+    ):  # they count on pixels being independent
+        xr.testing.assert_equal(smoothed[name], plain[name])
+
+
+def test_a_run_that_does_not_ask_is_not_smoothed(lab, film, monkeypatch):
+    def refuse(*_, **__):
+        raise AssertionError("smoothed without being asked")
+
+    monkeypatch.setattr(triggers, "smooth_ratio", refuse)
+    again = erlif.process(lab.run, workers=1)
+    assert not any("smoothing" in name for name in again.attrs)
+    assert "smoothing" not in again.attrs["settings"]
+    xr.testing.assert_identical(again, erlif.open_film(film).load())

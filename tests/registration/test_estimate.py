@@ -1,0 +1,469 @@
+"""Registration against analytic scenes whose displacement is known exactly."""
+
+import gc
+import weakref
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scenes.registration import Scene, expose, inverse, smooth_map, vector_rms
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import (
+    CameraMap,
+    RegistrationSettings,
+    check_map,
+    estimate_drift,
+    orient,
+    register,
+    register_frames,
+    warp,
+)
+from erlif.registration.settings import ORIENTATIONS
+
+SHAPE = (256, 320)
+ONE_THREAD = RegistrationSettings(threads=1)
+
+
+@pytest.fixture(scope="module")
+def views():
+    return Scene(SHAPE, 1).photograph(smooth_map(SHAPE))
+
+
+@pytest.fixture(scope="module")
+def camera_map(views):
+    return register(views.reference, views.moving)
+
+
+def within_one_std(found, truth):
+    inside = truth.inside()
+    errors = np.concatenate(
+        [(found.displacement_x - truth.dx)[inside], (found.displacement_y - truth.dy)[inside]]
+    )
+    return np.abs(errors) < np.tile(found.displacement_std[inside], 2)
+
+
+# the map ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_smooth_map_is_found_within_hundredths_of_a_pixel(views, camera_map):
+    assert vector_rms(camera_map, views) < 0.03
+    assert camera_map.model.startswith("surface")
+    assert not camera_map.poor[camera_map.overlap].any()
+    assert 0.8 < camera_map.quality < 1
+
+
+def test_error_bars_are_of_the_size_of_the_error(views, camera_map):
+    inside = views.inside()
+    announced = np.sqrt(2 * np.mean(camera_map.displacement_std[inside] ** 2))
+    assert 0.4 < vector_rms(camera_map, views) / announced < 2.5
+
+
+def test_overlap_is_where_camera_2_sees_the_point(views, camera_map):
+    h, w = SHAPE
+    y, x = np.mgrid[:h, :w]
+    seen = (
+        (x + views.dx >= 0)
+        & (x + views.dx <= w - 1)
+        & (y + views.dy >= 0)
+        & (y + views.dy <= h - 1)
+    )
+    assert (camera_map.overlap != seen).mean() < 1e-3  # pixels whose point falls on the very edge
+    assert np.isfinite(camera_map.displacement_x[camera_map.overlap]).all()
+
+
+def test_nothing_is_extrapolated_far_beyond_camera_2():
+    truth = Scene(SHAPE, 2).photograph(smooth_map(SHAPE, offset=(60.0, 0.0)))
+    found = register(truth.reference, truth.moving)
+    assert np.isnan(found.displacement_x[:, -40:]).all()
+    assert np.isnan(found.displacement_std[:, -40:]).all()
+    assert not found.overlap[:, -40:].any()
+
+
+def test_the_map_lays_camera_2_over_camera_1(views, camera_map):
+    """The sign and the frame of the displacement, without using the known map."""
+    moved = warp(views.clean_moving, camera_map.displacement_x, camera_map.displacement_y)
+    inside = np.isfinite(moved) & views.inside()
+    ratio = np.log(moved / views.clean_reference)[inside]
+    shifted = np.log(views.clean_moving / views.clean_reference)[inside]
+    assert ratio.std() < 0.3  # what is left is the ratio field and the texture of camera 2 alone
+    assert shifted.std() > 1.1 * ratio.std()
+
+
+@pytest.mark.parametrize("shape", [(128, 128), (130, 203), (300, 160)])
+def test_small_and_odd_frames_work(shape):
+    truth = Scene(shape, 3).photograph(smooth_map(shape, cubic=0.1, quadratic=0.1))
+    assert vector_rms(register(truth.reference, truth.moving), truth) < 0.1
+
+
+def test_undistorted_frames_give_nothing_to_correct(views):
+    found = register(views.reference, views.reference)
+    npt.assert_allclose(found.displacement_x, 0, atol=1e-3)
+    npt.assert_allclose(found.displacement_y, 0, atol=1e-3)
+
+
+def test_camera_gain_and_dark_corrected_types_change_nothing(views, camera_map):
+    other = register(
+        views.reference.astype(np.float32) * 0.25, views.moving.astype(np.float64) * 3.0
+    )
+    npt.assert_allclose(other.displacement_x, camera_map.displacement_x, atol=2e-3)
+
+
+def test_the_number_of_threads_changes_nothing(views, camera_map):
+    for threads in (1, 3):
+        other = register(
+            views.reference, views.moving, settings=RegistrationSettings(threads=threads)
+        )
+        npt.assert_array_equal(other.displacement_x, camera_map.displacement_x)
+        npt.assert_array_equal(other.displacement_std, camera_map.displacement_std)
+
+
+def test_masked_pixels_do_not_count(views, camera_map):
+    rng = np.random.default_rng(6)
+    frames, weights = [], []
+    for image in (views.reference, views.moving):
+        bad = rng.uniform(size=image.shape) < 0.01
+        bad[100:140, 60:110] = True  # a drop on the window
+        frames.append(np.where(bad, 4095, image).astype(np.uint16))
+        weights.append((~bad).astype(np.float32))
+    found = register(*frames, weight_reference=weights[0], weight_moving=weights[1])
+    assert vector_rms(found, views) < 0.05
+    blind = register(
+        *frames
+    )  # the drop is at one place on both sensors and pulls the map towards no displacement
+    assert vector_rms(found, views) < vector_rms(blind, views)
+
+
+def test_dust_on_one_camera_is_recognised():
+    rng = np.random.default_rng(7)
+    truth = Scene((384, 448), 4).photograph(smooth_map((384, 448)))
+    y, x = np.mgrid[:384, :448]
+    frames = []
+    for image in (truth.reference, truth.moving):
+        shade = np.ones(image.shape)
+        for _ in range(25):
+            cx, cy, r = rng.uniform(0, 448), rng.uniform(0, 384), rng.uniform(2, 9)
+            shade = np.where(
+                (x - cx) ** 2 + (y - cy) ** 2 < r * r, rng.choice([0.25, 0.5, 1.6]), shade
+            )
+        frames.append((image * shade).astype(np.float32))
+    assert vector_rms(register(*frames), truth) < 0.05
+
+
+def ripple(shape, amplitude, wavelength):
+    smooth = smooth_map(shape)
+
+    def field(x, y):
+        dx, dy = smooth(x, y)
+        k = 2 * np.pi / wavelength
+        return dx + amplitude * np.sin(k * x + 0.3) * np.cos(0.8 * k * y), dy + amplitude * np.cos(
+            k * y + 1
+        ) * np.sin(0.9 * k * x)
+
+    return field
+
+
+def test_local_distortion_is_followed():
+    shape = (384, 512)
+    truth = Scene(shape, 5).photograph(ripple(shape, 0.3, 130.0))
+    assert (
+        vector_rms(register(truth.reference, truth.moving), truth) < 0.1
+    )  # the ripple alone has 0.2
+    windows = register(truth.reference, truth.moving, settings=RegistrationSettings(model="local"))
+    assert windows.model == "local windows, 32 px"
+    assert vector_rms(windows, truth) < 0.1
+    assert 0.55 < within_one_std(windows, truth).mean() < 0.78  # 0.68 if normal
+
+
+def test_distortion_that_no_surface_resolves_falls_back_to_windows():
+    shape = (384, 512)
+    truth = Scene(shape, 8, private=0.0, contrast=0.25).photograph(ripple(shape, 0.6, 55.0))
+    found = register(truth.reference, truth.moving)
+    assert found.model.startswith("local")
+    assert vector_rms(found, truth) < 0.25  # the ripple alone has 0.42
+
+
+def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
+    """A star: no surface has elements for all of it, and over 64 px its finest waves average out."""
+    shape = (384, 512)
+
+    def star(x, y):
+        return 0 * x, 0.5 * np.cos(2 * np.pi * (y - 190) / (25 + 0.1 * x))
+
+    truth = Scene(shape, 4, private=0.0).photograph(star)
+    found = register(truth.reference, truth.moving)
+    assert found.model.startswith("local")
+    broad = (slice(32, -32), slice(330, -32))  # periods of 58 px and more
+    assert np.sqrt(np.mean((found.displacement_y - truth.dy)[broad] ** 2)) < 0.07
+
+
+# uncertainty --------------------------------------------------------------------------------------------------------
+
+
+def known_map(truth):
+    return CameraMap(
+        *(f.astype(np.float32) for f in (truth.dx, truth.dy, 0 * truth.dx)),
+        overlap=truth.inside(0),
+        poor=np.zeros(truth.dx.shape, bool),
+        quality=1.0,
+        model="known",
+    )
+
+
+def test_drift_scatters_no_less_than_the_bound_and_little_more():
+    """The Cramer-Rao bound of a shift between two noisy samplings of one known scene is 1 / sum(g^2 / (v1 + v2))."""
+    truth = Scene((160, 192), 9, private=0.0, scratches=0).photograph(
+        smooth_map((160, 192), offset=(1.3, -0.6))
+    )
+    rng = np.random.default_rng(10)
+    shots = [
+        estimate_drift(
+            known_map(truth), expose(truth.clean_reference, rng), expose(truth.clean_moving, rng)
+        ).dx
+        for _ in range(60)
+    ]
+    gradient = np.gradient(np.log(truth.clean_reference), axis=1)
+    v1 = (
+        truth.clean_reference / 4 + 4 + 1 / 12
+    ) / truth.clean_reference**2  # 4 e-/DN, 8 e- read noise
+    v2 = (truth.clean_moving / 4 + 4 + 1 / 12) / truth.clean_moving**2
+    bound = 1 / np.sqrt((gradient**2 / (v1 + v2)).sum())
+    assert 0.8 < np.std(shots, ddof=1) / bound < 1.6  # 60 shots know their scatter to 9 %
+
+
+def test_drift_is_off_as_much_as_announced():
+    """Over scenes, for a part of the error belongs to the texture and is the same in every exposure of it."""
+    pull = []
+    for seed in range(25):
+        shape = (416, 448) if seed < 5 else (160, 192)  # large frames are binned
+        truth = Scene(shape, 200 + seed).photograph(smooth_map(shape, offset=(1.3, -0.6)))
+        found = estimate_drift(known_map(truth), truth.reference, truth.moving)
+        pull += [found.dx / found.std_dx, found.dy / found.std_dy]
+    assert 0.7 < np.sqrt(np.mean(np.square(pull))) < 1.3  # 50 values know their rms to 10 %
+
+
+@pytest.mark.slow
+def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
+    textures = ({}, {"private": 0.0}, {"contrast": 0.04, "private": 0.0})
+    hits = []
+    for texture in textures:
+        for seed in range(20):
+            truth = Scene(SHAPE, 100 + seed, **texture).photograph(smooth_map(SHAPE))
+            hits.append(within_one_std(register(truth.reference, truth.moving), truth).mean())
+    assert 0.63 < np.mean(hits) < 0.73
+
+
+# many frames --------------------------------------------------------------------------------------------------------
+
+
+def drifting_frames(count, *, contrast=0.04, peak=1250.0, seed=11, rms=0.3):
+    scene = Scene(SHAPE, seed, contrast=contrast, private=0.0)
+    smooth = smooth_map(SHAPE)
+    rng = np.random.default_rng(seed)
+    drift = rng.normal(0, rms, (count, 2))
+    h, w = SHAPE
+    y, x = np.mgrid[:h, :w].astype(float)
+    first = scene.brightness(x, y)
+    first *= peak / np.percentile(first, 99.9)
+    frames = []
+    for sx, sy in drift:
+        second = scene.second(
+            *inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y)
+        )
+        second *= peak / np.percentile(second, 99.9)
+        frames.append((expose(first, rng), expose(second, rng), None, None))
+    dx, dy = smooth(x, y)
+    mean = drift.mean(0)
+    return frames, drift - mean, dx + mean[0], dy + mean[1]
+
+
+@pytest.fixture(scope="module")
+def run():
+    return drifting_frames(16)
+
+
+def test_many_weak_frames_give_one_map_and_the_drift_of_each(run):
+    frames, drift, dx, dy = run
+    found, measured = register_frames(frames)
+    error = np.hypot(found.displacement_x - dx, found.displacement_y - dy)[16:-16, 16:-16]
+    assert np.sqrt(np.nanmean(error**2)) < 0.02
+    assert np.sqrt(np.mean((measured - drift) ** 2)) < 0.03
+    npt.assert_allclose(measured.mean(0), 0, atol=1e-9)
+
+
+def test_frames_may_come_from_a_callable_and_are_not_kept(run):
+    frames, *_ = run
+    alive: list[weakref.ref[np.ndarray]] = []
+    most = 0
+
+    def read():
+        nonlocal most
+        for reference, moving, *weights in frames[:5]:
+            copy = reference.copy()
+            alive.append(weakref.ref(copy))
+            gc.collect()
+            most = max(most, sum(ref() is not None for ref in alive))
+            yield copy, moving, *weights
+            del copy
+
+    once, drift = register_frames(read)
+    again, same = register_frames(frames[:5])
+    npt.assert_array_equal(once.displacement_x, again.displacement_x)
+    npt.assert_array_equal(drift, same)
+    assert most <= 3  # the first pair, the one before, this one
+
+
+def test_a_misfired_pulse_has_no_drift_and_does_no_harm(run):
+    frames, *_ = run
+    rng = np.random.default_rng(12)
+    blank = tuple(expose(np.full(SHAPE, 300.0), rng) for _ in range(2))
+    found, drift = register_frames([(*blank, None, None), *frames[:6]])
+    alone, expected = register_frames(frames[:6])
+    assert np.isnan(drift[0]).all()
+    npt.assert_allclose(drift[1:], expected, atol=0.01)
+    npt.assert_allclose(found.displacement_x, alone.displacement_x, atol=0.01)
+
+
+def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
+    frames, drift, *_ = run
+    _, measured = register_frames(frames, settings=RegistrationSettings(frames_for_map=4))
+    assert measured.shape == drift.shape
+    assert np.sqrt(np.mean((measured - drift) ** 2)) < 0.03
+
+
+def test_a_stored_map_is_checked_on_a_new_run(run, camera_map):
+    frames, drift, *_ = run
+    found, _ = register_frames(frames[:6])
+    stored = CameraMap.from_dataset(found.to_dataset())
+    measured = check_map(stored, frames[6:10])
+    npt.assert_allclose(measured - measured.mean(0), drift[6:10] - drift[6:10].mean(0), atol=0.05)
+    turned = replace(
+        stored, displacement_x=stored.displacement_x + np.linspace(-1, 1, SHAPE[0])[:, None]
+    )
+    with pytest.raises(RegistrationError, match="fits no longer"):
+        check_map(turned, frames[6:10])
+
+
+def test_large_drift_is_followed_and_lost_frames_are_refused(views, camera_map):
+    moved = np.roll(views.moving, (3, -4), (0, 1))
+    found = estimate_drift(camera_map, views.reference, moved)
+    npt.assert_allclose((found.dx, found.dy), (-4, 3), atol=0.02)
+    stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
+    with pytest.raises(RegistrationError, match="does not fit the camera map"):
+        estimate_drift(camera_map, views.reference, stranger.moving)
+    with pytest.raises(RegistrationError, match="made for frames of"):
+        estimate_drift(camera_map, views.reference[:200], views.moving[:200])
+
+
+# loud failure -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("orientation", ORIENTATIONS[1:])
+def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map, orientation):
+    back = {"rotated_90": "rotated_270", "rotated_270": "rotated_90"}.get(orientation, orientation)
+    mounted = np.ascontiguousarray(orient(views.moving, back))
+    with pytest.raises(RegistrationError, match=f'orientation = "{orientation}"'):
+        register(views.reference, mounted)
+    found = register(
+        views.reference, mounted, settings=RegistrationSettings(orientation=orientation)
+    )
+    npt.assert_array_equal(found.displacement_x, camera_map.displacement_x)
+
+
+def test_frames_without_common_texture_are_refused(views):
+    stranger = Scene(SHAPE, 78).photograph(smooth_map(SHAPE))
+    with pytest.raises(RegistrationError, match="No common texture"):
+        register(views.reference, stranger.moving)
+    rng = np.random.default_rng(13)
+    light = Scene(SHAPE, 79, contrast=0.0, private=0.0, scratches=0).photograph(smooth_map(SHAPE))
+    with pytest.raises(RegistrationError, match="No common texture"):
+        register(light.reference, expose(light.clean_moving, rng))
+
+
+def test_an_offset_beyond_the_search_range_is_named():
+    scene = Scene(SHAPE, 14)
+    truth = scene.photograph(smooth_map(SHAPE, offset=(120.0, 0.0), rotation=0.0, scale=1.0))
+    with pytest.raises(RegistrationError, match=r"offset of \(1[12]\d, -?\d\) px"):
+        register(truth.reference, truth.moving)
+
+
+def test_a_dark_camera_is_named(views):
+    with pytest.raises(RegistrationError, match="camera 2 is both lit and sound"):
+        register(views.reference, np.zeros(SHAPE, np.uint16))
+    with pytest.raises(RegistrationError, match="camera 1 is both lit and sound"):
+        register(views.reference, views.moving, weight_reference=np.zeros(SHAPE, np.float32))
+
+
+def test_wrong_arrays_and_settings_are_refused(views):
+    with pytest.raises(RegistrationError, match="grey images"):
+        register(views.reference[:40, :40], views.moving)
+    with pytest.raises(RegistrationError, match="weight of camera 2"):
+        register(views.reference, views.moving, weight_moving=np.ones((3, 3)))
+    with pytest.raises(RegistrationError, match="at least one pair"):
+        register_frames([])
+    with pytest.raises(RegistrationError, match="orientation must be one of"):
+        RegistrationSettings(orientation="upside_down")  # type: ignore[arg-type]
+    with pytest.raises(RegistrationError, match="window must lie"):
+        RegistrationSettings(window=8)
+
+
+# property -----------------------------------------------------------------------------------------------------------
+
+_SCENES = {
+    name: Scene(SHAPE, 20 + number, scratches=0, **texture)
+    for number, (name, texture) in enumerate(
+        {
+            "wall": {},
+            "weak": {"contrast": 0.05, "private": 0.0},
+            "fine": {"sigma": 0.9},
+            "broad": {"sigma": 2.5},
+        }.items()
+    )
+}
+
+
+@pytest.mark.slow
+@settings(
+    max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+@given(
+    st.sampled_from(sorted(_SCENES)),
+    st.tuples(st.floats(-80, 80), st.floats(-64, 64)),
+    st.floats(-5, 5),
+    st.floats(0.95, 1.05),
+    st.floats(-0.6, 0.6),
+    st.floats(-0.6, 0.6),
+)
+def test_any_admissible_map_is_found_or_refused(texture, offset, rotation, scale, cubic, quadratic):
+    field = smooth_map(
+        SHAPE, offset=offset, rotation=rotation, scale=scale, cubic=cubic, quadratic=quadratic
+    )
+    truth = _SCENES[texture].photograph(field)
+    try:
+        found = register(truth.reference, truth.moving)
+    except RegistrationError:
+        return
+    assert vector_rms(found, truth, truth.inside() & found.overlap) < 0.1
+
+
+# storage ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_map_survives_a_file(tmp_path, camera_map):
+    path = tmp_path / "map.nc"
+    camera_map.to_dataset().to_netcdf(path, engine="h5netcdf")
+    with xr.open_dataset(path, engine="h5netcdf") as stored:
+        back = CameraMap.from_dataset(stored)
+    for name in ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor"):
+        npt.assert_array_equal(getattr(back, name), getattr(camera_map, name))
+    assert (back.model, back.settings) == (camera_map.model, camera_map.settings)
+    assert back.quality == pytest.approx(camera_map.quality)
+
+
+def test_a_foreign_dataset_is_refused(camera_map):
+    with pytest.raises(RegistrationError, match="displacement_std"):
+        CameraMap.from_dataset(camera_map.to_dataset().drop_vars("displacement_std"))

@@ -1,0 +1,232 @@
+"""A small run whose film, ratio and speed are known by formula, for the tests of figures and report."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import tifffile
+import xarray as xr
+
+from erlif.core.flags import FLAG_ATTRS
+from erlif.registration import CameraMap
+from erlif.settings import RunSettings, read_run_settings, to_toml
+
+ROWS, COLUMNS, TRIGGERS = 64, 80, 6
+PITCH = 0.2  # mm
+RADIUS = 4.872010  # m, R1 R2/(R1 - R2) of 33.59 and 33.36 mm (thesis, 2.8)
+K, P, Q = 0.66, 0.39, 0.245
+PLACE, TILT = 8.1, 0.3  # mm, um across the image
+NOISE = 0.01  # of the logarithm of the ratio
+POWER = 0.6
+LEAST_ANGLE = 47.4095  # degree, rocker at its inner dead point (thesis, Appendix A)
+
+RUN_TOML = """
+[run]
+name = "a film <known> & small"
+[camera1]
+files = "camera1/*.tif"
+band = "580 nm"
+offset = "64 DN"
+gain = "4.4 electron/DN"
+read_noise = "9 electron"
+[camera2]
+files = "camera2/*.tif"
+band = "610 nm"
+offset = "64 DN"
+gain = "4.4 electron/DN"
+read_noise = "9 electron"
+[optics]
+pixel_pitch = "200 um"
+[encoder]
+file = "encoder.csv"
+zero = "47.4095 deg"
+[mechanism]
+kind = "crank-rocker"
+crank = "5.5 cm"
+coupler = "44 cm"
+rocker = "26 cm"
+ground = "51 cm"
+crank_speed = "114 rpm"
+[joint]
+pin_radius = "33.36 mm"
+bushing_radius = "33.59 mm"
+length = "237 mm"
+load = "50 lbf"
+pin = { youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }
+bushing = { youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }
+[oil]
+viscosity = "0.12 Pa s"
+pressure_viscosity = "20 1/GPa"
+[thickness]
+roi = { x = [3, 13], y = [1, 11] }
+"""
+
+LOAD = 222.411  # N
+CRANK = np.array([250.0, 290.0, 330.0, 70.0, 110.0, 150.0])  # degree
+
+
+def true_ratio(thickness: np.ndarray) -> np.ndarray:
+    """Ratio camera 2 / camera 1 of a film in um, written out."""
+    return K * (P / Q) * (1 - np.exp(-Q * thickness)) / (1 - np.exp(-P * thickness))
+
+
+def rocker_angle(crank: np.ndarray) -> np.ndarray:
+    """Interior rocker angle [degree], from the triangles either side of the diagonal (law of cosines)."""
+    a, b, c, d = 0.055, 0.44, 0.26, 0.51
+    t = np.radians(crank)
+    x, y = a * np.cos(t), a * np.sin(t)
+    diagonal = np.hypot(d - x, y)
+    return np.degrees(
+        np.arccos((diagonal**2 + c**2 - b**2) / (2 * diagonal * c)) + np.arctan2(y, d - x)
+    )
+
+
+def rocker_speed(crank: np.ndarray) -> np.ndarray:
+    """Rocker speed [rad/s] by central differences of the angle."""
+    step = 1e-3
+    return (
+        np.radians(rocker_angle(crank + step) - rocker_angle(crank - step))
+        / np.radians(2 * step)
+        * 114
+        * math.pi
+        / 30
+    )
+
+
+def true_film() -> np.ndarray:
+    """Gap of rigid bodies with a tilt along y, (trigger, y, x) in um; its least value follows |speed|^POWER."""
+    x, y = PITCH * np.arange(COLUMNS), np.linspace(-0.5, 0.5, ROWS)
+    least = least_film()[:, None, None]
+    return least + (x - PLACE) ** 2 / (2 * RADIUS) + TILT * y[None, :, None]
+
+
+def least_film() -> np.ndarray:
+    """Film in the middle of each trigger's gap. [um]"""
+    return 2.0 * np.abs(rocker_speed(CRANK)) ** POWER
+
+
+def make_run(directory: Path) -> RunSettings:
+    """Write a run directory: two bands of even light whose ratio is that of the film."""
+    (directory / "camera1").mkdir(parents=True)
+    (directory / "camera2").mkdir()
+    (directory / "run.toml").write_text(RUN_TOML, encoding="utf-8")
+    for k, film in enumerate(true_film()):
+        one = np.full(film.shape, 1000.0)
+        for camera, light in ((1, one), (2, one * true_ratio(film))):
+            tifffile.imwrite(
+                directory / f"camera{camera}" / f"frame_{k:02d}.tif",
+                np.rint(light + 64).astype(np.uint16),
+            )
+    angle = rocker_angle(CRANK) - LEAST_ANGLE
+    rows = "".join(f"{k},{0.05 * k:.3f},{value:.6f}\n" for k, value in enumerate(angle))
+    (directory / "encoder.csv").write_text(f"frame,time_s,angle_deg\n{rows}")
+    return read_run_settings(directory)
+
+
+def without_answers(film: xr.Dataset) -> xr.Dataset:
+    """The same film, every pixel of it beyond the range."""
+    mute = film.load().copy(deep=True)
+    mute.flags.values[:] = 32
+    for name, variable in mute.data_vars.items():
+        if str(name).startswith(("thickness", "film_m", "film_p", "speed_exponent")):
+            mute[name] = variable * np.nan
+    return mute
+
+
+def make_film(directory: Path) -> Path:
+    """Write a run directory and the film made of it, noise drawn with a fixed seed; returns the path of film.nc."""
+    settings = make_run(directory)
+    rng = np.random.default_rng(7)
+    truth = true_film()
+    grid = np.linspace(0.1, 20, 4000)
+    noisy = np.log(true_ratio(truth)) + NOISE * rng.standard_normal(truth.shape)
+    thickness = np.interp(noisy, np.log(true_ratio(grid)), grid)
+    # as in a measurement, the error bar is that of the noisy value
+    std = NOISE * np.interp(thickness, grid, np.gradient(grid, np.log(true_ratio(grid))))
+    flags = np.zeros(truth.shape, np.uint8)
+    flags[:, :, :3] = 8  # outside overlap
+    flags[1, 20:24, 30:34] = 128  # bubble
+    flags[2, 5, 40] = 4 | 2  # bad and dim
+    flags[thickness > 16] = 32
+    covariance = np.diag([1e-3, 2e-3, 1e-3]) ** 2
+    speed = rocker_speed(CRANK)
+    least = least_film()
+    columns = {
+        "encoder_angle": (rocker_angle(CRANK) - LEAST_ANGLE, "degree"),
+        "crank_angle": (CRANK, "degree"),
+        "rocker_speed": (speed, "rad s-1"),
+        "sliding_speed": (np.abs(speed) * 0.03336, "m s-1"),
+        "load": (np.full(TRIGGERS, LOAD), "N"),
+        "stroke": (np.where(speed > 0, 1, -1), "1"),
+        "frames_used": (np.ones(TRIGGERS, int), "1"),
+        "film_mean": (truth.mean(axis=(1, 2)), "um"),
+        "film_mean_std": (np.full(TRIGGERS, 0.02), "um"),
+        "film_min": (least, "um"),
+        "film_min_std": (np.full(TRIGGERS, 0.03), "um"),
+        "film_hamrock_dowson": (0.3 * least, "um"),
+        "film_theory": (20.0 * least, "um"),
+        "film_parameter": (least / (math.sqrt(2) * 0.2), "1"),
+    }
+    film = xr.Dataset(
+        {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()},
+        {
+            "trigger": np.arange(TRIGGERS),
+            "x": ("x", PITCH * np.arange(COLUMNS), {"units": "mm"}),
+            "y": ("y", PITCH * np.arange(ROWS), {"units": "mm"}),
+        },
+    )
+    for name, values in {
+        "thickness": np.where(flags == 0, thickness, np.nan),
+        "thickness_std": np.where(flags == 0, std, np.nan),
+        "thickness_std_shared": np.where(flags == 0, 0.02 + 0 * std, np.nan),
+    }.items():
+        film[name] = (("trigger", "y", "x"), values.astype(np.float32), {"units": "um"})
+    film["flags"] = (("trigger", "y", "x"), flags, FLAG_ATTRS)
+    for suffix, power in (("", POWER), ("_mean", 0.4)):
+        scale = math.log(2.0 * LOAD**POWER)
+        film[f"speed_exponent{suffix}"] = (
+            (),
+            power,
+            {"log_scale": scale, "triggers_used": TRIGGERS},
+        )
+        film[f"speed_exponent{suffix}_std"] = ((), 0.01)
+    film.film_theory.attrs.update(
+        regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""
+    )
+    kept = {
+        "fixture": "known wedge",
+        "ratio_at_zero": K,
+        "attenuation_camera1": P,
+        "attenuation_camera2": Q,
+        "covariance": covariance.tolist(),
+        "thickness_range": [0.2, 16.0],
+    }
+    film.attrs.update(
+        settings=to_toml(settings),
+        calibration=json.dumps(kept),
+        erlif_version="0.1.0",
+        history="made by formula",
+        notes="gain < measured",
+        input_hashes=json.dumps({"run.toml": "ab" * 32}),
+    )
+    frames = xr.Dataset(
+        {
+            "trigger": ("frame", np.arange(TRIGGERS)),
+            "drift_x": ("frame", np.zeros(TRIGGERS)),
+            "drift_y": ("frame", np.zeros(TRIGGERS)),
+            "pulse_energy": ("frame", np.ones(TRIGGERS)),
+        },
+        {"frame": np.arange(TRIGGERS)},
+    )
+    zero = np.zeros((ROWS, COLUMNS), np.float32)
+    overlap = np.ones((ROWS, COLUMNS), bool)
+    overlap[:, :3] = False
+    camera_map = CameraMap(zero, zero, zero + 0.01, overlap, ~overlap & False, 0.97, "surface")
+    path = directory / "film.nc"
+    film.to_netcdf(path, engine="h5netcdf")
+    frames.to_netcdf(path, engine="h5netcdf", mode="a", group="frames")
+    camera_map.to_dataset().to_netcdf(path, engine="h5netcdf", mode="a", group="registration")
+    return path

@@ -1,0 +1,103 @@
+"""The order of the stages: imports go one way, within erlif and within each stage."""
+
+from __future__ import annotations
+
+import ast
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "erlif"
+
+ORDER = (
+    "core",
+    "settings",
+    "files",
+    "models",
+    "rig",
+    "ingest",
+    "correction",
+    "registration",
+    "ratio",
+    "calibration",
+    "thickness",
+    "kinematics",
+    "trend",
+    "pipeline",
+    "plots",
+    "report",
+    "commands",
+)
+"""The stages in the order of docs/architecture.md: each may import those before it."""
+
+
+def modules() -> dict[str, Path]:
+    """Every module of erlif by its dotted name."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+MODULES = modules()
+
+
+def imports(name: str) -> set[str]:
+    """Modules of erlif that a module imports anywhere in its text, for its types only or inside a function included."""
+    found = set()
+    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name} has a relative import"
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                found.add(inner if inner in MODULES else str(node.module))
+    return {module for module in found if module in MODULES and module != name}
+
+
+def stage(module: str) -> str:
+    """The stage of a module: the second part of its name."""
+    return module.split(".")[1]
+
+
+STAGED = [name for name in MODULES if name not in ("erlif", "erlif.__main__")]
+
+
+def test_every_stage_has_a_place_in_the_order():
+    assert {stage(name) for name in STAGED} == set(ORDER)
+
+
+@pytest.mark.parametrize("name", STAGED)
+def test_imports_go_to_earlier_stages_only(name):
+    late = {
+        other
+        for other in imports(name)
+        if other == "erlif" or ORDER.index(stage(other)) > ORDER.index(stage(name))
+    }
+    assert not late, f"{name} imports {', '.join(sorted(late))}"
+
+
+@pytest.mark.parametrize("name", STAGED)
+def test_a_module_imports_another_stage_by_its_public_names(name):
+    foreign = [other for other in imports(name) if stage(other) != stage(name)]
+    private = [other for other in foreign if other.rpartition(".")[2].startswith("_")]
+    assert not private
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    graph = {name: imports(name) for name in MODULES if name != "erlif"}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(f"circle of imports: {' -> '.join(error.args[1])}")
+
+
+def test_the_virtual_rig_shares_no_code_with_the_inversion():
+    allowed = {"core", "settings", "rig"}
+    for name in STAGED:
+        if stage(name) == "rig":
+            used = {stage(other) for other in imports(name)}
+            assert used <= allowed, f"{name} imports {', '.join(sorted(used - allowed))}"

@@ -1,0 +1,122 @@
+"""Limits of detection: what is answered is right, however large the noise of a pixel."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scipy.integrate import quad
+
+from erlif.calibration import Calibration
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import mean_of_surroundings
+from erlif.core.products import RatioImages
+from erlif.thickness import find_range, measure_thickness
+
+K, P, Q = 0.65, 0.40, 0.25
+SHAPE = (400, 600)
+
+
+@pytest.fixture(scope="module")
+def calibration():
+    """Without error of its own, good for films up to 12 um, and covering them up to 18 um."""
+    curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.1, 18.0]))})
+    return Calibration(K, P, Q, 1e-14 * np.eye(3), (0.1, 12.0), (580.0, 610.0), curve, 1.0, "given")
+
+
+def log_ratio_of(film):
+    """By quadrature over depth, on a fine grid."""
+    grid = np.linspace(film.min(), film.max(), 60)
+    one, two = (
+        np.array([quad(lambda x, a=a: np.exp(-a * x), 0, t)[0] for t in grid]) for a in (P, Q)
+    )
+    curve = np.polynomial.Chebyshev.fit(grid, np.log(K * two / one), 12)
+    return curve(film)
+
+
+def measured(film, noise, calibration, *, seed=0):
+    values = log_ratio_of(film) + noise * np.random.default_rng(seed).standard_normal(film.shape)
+    dims = ("y", "x")
+    ratios = RatioImages(
+        xr.Dataset(
+            {
+                "log_ratio": (dims, values.astype(np.float32)),
+                "log_ratio_var": (dims, np.full(film.shape, noise**2, np.float32)),
+                "log_ratio_var_shared": (dims, np.zeros(film.shape, np.float32)),
+                "flags": (dims, np.zeros(film.shape, np.uint8)),
+            }
+        )
+    )
+    return ratios, measure_thickness(ratios, calibration)
+
+
+RAMP = np.broadcast_to(np.linspace(0.5, 13.0, SHAPE[1]), SHAPE)
+
+
+@pytest.mark.parametrize("noise", [0.0135, 0.025, 0.045], ids=["full light", "a third", "a tenth"])
+def test_error_bars_cover_up_to_the_limits(calibration, noise):
+    """A ramp through both limits: 66 to 70 and 94.5 to 96.5 % in each octave that is answered, and no bias."""
+    _, maps = measured(RAMP, noise, calibration)
+    valid = maps.flags.values == 0
+    error = (maps.thickness.values - RAMP)[valid]
+    pull = error / maps.thickness_std.values[valid]
+    film = RAMP[valid]
+    seen = 0
+    for low, high in ((1, 2), (2, 4), (4, 8), (8, 12)):
+        here = (film >= low) & (film < high)
+        if here.sum() < 3000:
+            continue
+        seen += 1
+        assert 0.66 <= np.mean(np.abs(pull[here]) < 1) <= 0.70
+        assert 0.945 <= np.mean(np.abs(pull[here]) < 2) <= 0.965
+        assert abs(error[here].mean()) < 0.5 * maps.thickness_std.values[valid][here].mean()
+    assert seen >= 2
+
+
+def test_limits_follow_the_noise_and_the_slope(calibration):
+    """Answered where the film keeps two standard deviations of a pixel from the ends of the curve, 0.1 and 18 um."""
+    noise = 0.03
+    _, maps = measured(RAMP, noise, calibration)
+    answered = (maps.flags.values == 0).mean(axis=0) > 0.5
+    ends = log_ratio_of(np.array([0.1, 18.0])) + np.array([2, -2]) * noise
+    grid = np.linspace(0.1, 18.0, 4000)
+    expected = np.interp(ends, log_ratio_of(grid), grid)
+    npt.assert_allclose(RAMP[0][answered][[0, -1]], expected, atol=0.15)
+    thin, thick = (maps.flags.values[:, columns] for columns in (slice(0, 5), slice(-5, None)))
+    npt.assert_array_equal(thin, Flag.BELOW_RANGE)
+    npt.assert_array_equal(thick, Flag.ABOVE_RANGE)
+
+
+def test_a_pixel_has_no_say_in_its_own_range(calibration):
+    """The same pixel far too bright or far too dim: its surroundings decide alike, whatever its own value."""
+    film = np.full((40, 40), 5.0)
+    log_ratio = log_ratio_of(np.array([4.0, 5.0, 6.0]))[1] * np.ones(film.shape, np.float32)
+    variance = np.full(film.shape, 1e-4, np.float32)
+    for own in (-1.0, 1.0):
+        image = log_ratio.astype(np.float32)
+        image[20, 20] += own
+        _, beyond = find_range(image, variance, np.zeros(film.shape, np.uint8), calibration)
+        assert beyond[20, 20] == 0
+
+
+def test_average_of_answered_pixels_is_that_of_their_films(calibration):
+    """Films about the upper limit: keeping the pixels whose noise came out low would lower the mean ratio of what is kept."""
+    noise = 0.045
+    film = np.broadcast_to(np.linspace(7.6, 8.8, SHAPE[1]), SHAPE)
+    ratios, maps = measured(film, noise, calibration, seed=3)
+    kept = np.isfinite(maps.log_ratio_near.values)
+    assert 0.2 < kept.mean() < 0.8
+    error = (ratios.log_ratio.values - log_ratio_of(film))[kept]
+    assert abs(error.mean()) < 4 * noise / np.sqrt(kept.sum())
+
+
+def test_mean_of_surroundings_leaves_out_the_middle_and_what_is_flagged():
+    image = np.arange(30 * 30, dtype=np.float32).reshape(30, 30)
+    sound = np.ones(image.shape, bool)
+    sound[10, 12] = False
+    mean = mean_of_surroundings(image, sound, width=5, without=3)
+    window = image[8:13, 8:13].copy()
+    use = np.ones((5, 5), bool)
+    use[1:4, 1:4] = False
+    use[2, 4] = False
+    npt.assert_allclose(mean[10, 10], window[use].mean(), rtol=1e-6)
+    assert np.isnan(mean_of_surroundings(image, np.zeros_like(sound))).all()
