@@ -93,11 +93,3 @@ def test_no_module_imports_itself_by_way_of_others():
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(f"circle of imports: {' -> '.join(error.args[1])}")
-
-
-def test_the_virtual_rig_shares_no_code_with_the_inversion():
-    allowed = {"core", "settings", "rig"}
-    for name in STAGED:
-        if stage(name) == "rig":
-            used = {stage(other) for other in imports(name)}
-            assert used <= allowed, f"{name} imports {', '.join(sorted(used - allowed))}"

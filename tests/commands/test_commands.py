@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 import erlif
 import erlif.pipeline
-from erlif.commands import main
+from erlif.commands.main import main
 
 COMMANDS = ["simulate", "check", "calibrate", "process", "figures", "report"]
 

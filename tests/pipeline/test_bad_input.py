@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from scenes.tiff_pages import rewrite
 
 import erlif
-from erlif.commands import main
+from erlif.commands.main import main
 from erlif.core.flags import Flag
 from erlif.files import PartialFilm
 

@@ -11,7 +11,7 @@ import tifffile
 from click.testing import CliRunner
 
 import erlif
-from erlif.commands import main
+from erlif.commands.main import main
 from erlif.pipeline import render_budget
 from erlif.rig import RigSettings, simulate
 

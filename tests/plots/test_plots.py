@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 from scenes import film as scene
 
 from erlif import plots
-from erlif.calibration import Calibration, Profile
+from erlif.calibration import Calibration, Profile, calibration_of
 from erlif.core.errors import ErlifError, FrameError, OutputError
 from erlif.core.flags import Flag
 from erlif.files import open_film
 from erlif.plots import files as plot_files
 from erlif.plots.maps import first_reason
 from erlif.plots.style import FLAG_COLOURS
+from erlif.trend import average_across_sliding, rigid_gap
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +92,7 @@ def test_second_axis_is_the_sliding_speed(film):
 
 def test_profile_finds_the_gap_within_its_error_bars(film):
     for trigger in range(scene.TRIGGERS):
-        profile = plots.average_across_sliding(film, trigger=trigger)
+        profile = average_across_sliding(film, trigger=trigger)
         inside = (scene.PITCH * np.arange(scene.ROWS) >= 1) & (
             scene.PITCH * np.arange(scene.ROWS) <= 11
         )
@@ -107,7 +108,7 @@ def test_profile_finds_the_gap_within_its_error_bars(film):
 
 def test_rigid_gap_returns_radius_place_and_least_film(film):
     for trigger in (1, 4):
-        gap = plots.rigid_gap(plots.average_across_sliding(film, trigger=trigger), film)
+        gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
         npt.assert_allclose(gap.radius, scene.RADIUS, rtol=1e-6)
         npt.assert_allclose(gap.place, scene.PLACE, atol=0.1)
         npt.assert_allclose(gap.least, scene.least_film()[trigger], atol=0.05)
@@ -122,7 +123,7 @@ def test_a_profile_cut_by_the_range_is_not_shown(film):
     cut.attrs = film.attrs
     cut.flags.values[0, 8:12, 30] = Flag.ABOVE_RANGE
     cut.flags.values[0, 8:12, 31] = Flag.NO_FILM
-    profile = plots.average_across_sliding(cut, trigger=0)
+    profile = average_across_sliding(cut, trigger=0)
     assert np.isnan(profile.thickness.values[30])
     assert np.isfinite(profile.thickness.values[31])
 
@@ -156,7 +157,7 @@ def test_every_flag_has_a_colour_of_its_own():
 
 def test_profile_and_residual_draw_what_was_averaged(film):
     line, *_, gap = plots.sliding_profile(film, trigger=1)
-    profile = plots.average_across_sliding(film, trigger=1)
+    profile = average_across_sliding(film, trigger=1)
     npt.assert_array_equal(line.get_ydata(), profile.thickness.values)
     residual = plots.profile_residual(film, trigger=1)[0]
     npt.assert_allclose(residual.get_ydata(), line.get_ydata() - gap.get_ydata(), atol=1e-12)
@@ -385,7 +386,7 @@ def test_a_film_without_answers_is_drawn_as_such(film):
     assert (
         axes_of(image).images[1].get_array() == 1 + list(FLAG_COLOURS).index(Flag.ABOVE_RANGE)
     ).all()
-    assert plots.rigid_gap(plots.average_across_sliding(mute, trigger=0), mute) is None
+    assert rigid_gap(average_across_sliding(mute, trigger=0), mute) is None
     for draw in (plots.map_sheet_figure, plots.cycle_figure, plots.speed_figure):
         assert isinstance(draw(mute), Figure)
 
@@ -420,7 +421,7 @@ def test_drawing_is_loaded_only_when_asked_for_and_never_opens_pyplot():
 
 def test_calibration_figures_of_a_film_without_its_calibration_draw_the_curve_alone(film):
     """A film moved away from its fixture keeps the curve and its range, and no points."""
-    kept = plots.calibration_of(film)
+    kept = calibration_of(film)
     fit, *_ = plots.ratio_against_thickness(kept)
     npt.assert_allclose(fit.get_ydata(), kept.predict(fit.get_xdata()))
     assert isinstance(plots.calibration_figure(kept), Figure)
