@@ -1,0 +1,42 @@
+"""Notes for the user: what was found about an input or a result, with its level and its subject."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Level(StrEnum):
+    """How much a note matters."""
+
+    NOTE = "note"
+    """A measured value or a choice that was made."""
+    WARNING = "warning"
+    """A result is affected, or an input looks wrong."""
+    ERROR = "error"
+    """The input cannot be used."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """One finding about an input or a result."""
+
+    level: Level
+    subject: str
+    """What the note is about: "camera1", "calibration", "frame pair 12"; empty for the run as a whole."""
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.subject}: {self.text}" if self.subject else self.text
+
+
+def join_notes(notes: Iterable[Note]) -> str:
+    """Notes as the lines of a file attribute.
+
+    Examples
+    --------
+    >>> join_notes([Note(Level.NOTE, "camera1", "dark 64.0 DN")])
+    'camera1: dark 64.0 DN'
+    """
+    return "\n".join(str(note) for note in notes)
