@@ -35,9 +35,10 @@ def code_lines(source: str) -> set[int]:
         if token.type not in (*skip, tokenize.ENDMARKER):
             lines.update(range(token.start[0], token.end[0] + 1))
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            if isinstance(node.value.value, str):
-                lines.difference_update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+        if not isinstance(node, ast.Expr) or not isinstance(node.value, ast.Constant):
+            continue
+        if isinstance(node.value.value, str):
+            lines.difference_update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return lines
 
 
@@ -67,9 +68,10 @@ def exported(package: Path) -> set[tuple[Path, str]]:
         for path in init.parent.glob("*.py"):
             public = init.parent.name == "models"
             for node in ast.parse(path.read_text(encoding="utf-8")).body:
-                if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-                    if node.name in names or public:
-                        found.add((path, node.name))
+                if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
+                    continue
+                if node.name in names or public:
+                    found.add((path, node.name))
     return found
 
 
