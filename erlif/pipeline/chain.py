@@ -188,7 +188,7 @@ def _check(pairs: _LazyPairs, stored: CameraMap) -> CameraMap:
             "the region of interest of the run, or set reuse = false in [registration]."
         )
     check_map(stored, pairs)
-    return replace(stored, model=f"{stored.model}, stored with the calibration")
+    return replace(stored, stored=True)
 
 
 def registration_input(corrected: CorrectedFrames) -> tuple[Image, Image, Image, Image]:

@@ -2,7 +2,7 @@
 
 from erlif.registration.alignment import align_frames
 from erlif.registration.background import divide_by_light
-from erlif.registration.camera_map import CameraMap, describe_map, move_map
+from erlif.registration.camera_map import CameraMap, MapKind, describe_map, move_map
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
 from erlif.registration.settings import RegistrationSettings, orient
@@ -17,6 +17,7 @@ from erlif.registration.warp import (
 __all__ = [
     "CameraMap",
     "Drift",
+    "MapKind",
     "RegistrationSettings",
     "align_frames",
     "check_map",

@@ -1,9 +1,15 @@
-"""The map from camera 1 to camera 2: a product that is estimated once and used for a whole run."""
+"""The map from camera 1 to camera 2: estimated once, used for all frames of a run, stored in files.
+
+One map serves a whole run because the cameras are fixed to each other; the small translation of a
+single frame is a `erlif.registration.Drift` on top of it.
+"""
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from enum import Enum
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -13,12 +19,21 @@ from erlif.core.errors import RegistrationError
 from erlif.registration.settings import RegistrationSettings
 
 
+class MapKind(Enum):
+    """What the displacement of a camera map is made of. The values are the words of the files."""
+
+    SURFACE = "surface"
+    """A polynomial or spline surface over the whole frame."""
+    LOCAL = "local windows"
+    """One displacement for each window, interpolated between the windows."""
+
+
 @dataclass(frozen=True)
 class CameraMap:
-    """Displacement of camera 2 against camera 1: camera-2 pixel minus camera-1 pixel of the same object point.
+    """Displacement of camera 2: camera-2 pixel minus camera-1 pixel of the same object point.
 
-    Pixel centres lie at integers, x to the right and y down. If the settings name an orientation, the camera-2 pixels
-    are those of the image after `orient`.
+    Pixel centres lie at integers, x to the right and y down. If the settings name an orientation,
+    the camera-2 pixels are those of the image after `orient`.
     """
 
     displacement_x: AnyArray
@@ -30,101 +45,161 @@ class CameraMap:
     overlap: AnyArray
     """(y, x), bool: camera 2 sees the point, at zero drift."""
     poor: AnyArray
-    """(y, x), bool: the cameras are not laid over each other well enough here."""
+    """(y, x), bool: the registration is not accurate enough here."""
     quality: float
     """Correlation coefficient of the two textures after alignment. [1]"""
-    model: str
-    """What the map is made of, in words."""
+    kind: MapKind
+    """Surface or local windows."""
+    resolution: str = ""
+    """How fine the surface or the windows are, for the reader of a report."""
     settings: RegistrationSettings = field(default_factory=RegistrationSettings)
+    """Settings with which the map was found."""
+    stored: bool = False
+    """True if the map comes from a calibration, False if it was found on the frames at hand."""
+    drift_taken_up: tuple[float, float] | None = None
+    """Mean drift (x, y) of the run, already added to a stored map; None without one. [px]"""
 
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of camera 1."""
         return self.displacement_x.shape[0], self.displacement_x.shape[1]
 
+    @property
+    def model(self) -> str:
+        """Description of the map for reports and files; `from_dataset` reads it back."""
+        text = f"{self.kind.value}, {self.resolution}" if self.resolution else self.kind.value
+        if self.stored:
+            text += ", stored with the calibration"
+        if self.drift_taken_up is not None:
+            x, y = self.drift_taken_up
+            text += f"; the mean drift taken up is ({x:.3f}, {y:.3f}) px"
+        return text
+
     def to_dataset(self) -> xr.Dataset:
-        """The map as a dataset (y, x) that can be written to a file and read back by `from_dataset`."""
+        """Return the map as a dataset (y, x) for a file; `from_dataset` reads it back."""
         what = "camera-2 pixel minus camera-1 pixel of the same object point"
+        described = {
+            "displacement_x": (self.displacement_x, "px", f"{what}, along x"),
+            "displacement_y": (self.displacement_y, "px", f"{what}, along y"),
+            "displacement_std": (
+                self.displacement_std,
+                "px",
+                "standard deviation of one component of the displacement",
+            ),
+            "overlap": (self.overlap.astype(np.uint8), "1", "1 where camera 2 sees the point"),
+            "poor": (
+                self.poor.astype(np.uint8),
+                "1",
+                "1 where the registration is not good enough",
+            ),
+        }
+
+        # netCDF has no boolean attribute; the key "model" is taken by the description of the map
+        settings = {
+            _setting_attribute(name): int(value) if isinstance(value, bool) else value
+            for name, value in asdict(self.settings).items()
+        }
         return xr.Dataset(
             {
-                "displacement_x": (
-                    ("y", "x"),
-                    self.displacement_x,
-                    {"units": "px", "long_name": f"{what}, along x"},
-                ),
-                "displacement_y": (
-                    ("y", "x"),
-                    self.displacement_y,
-                    {"units": "px", "long_name": f"{what}, along y"},
-                ),
-                "displacement_std": (
-                    ("y", "x"),
-                    self.displacement_std,
-                    {
-                        "units": "px",
-                        "long_name": "standard deviation of one component of the displacement",
-                    },
-                ),
-                "overlap": (
-                    ("y", "x"),
-                    self.overlap.astype(np.uint8),
-                    {"units": "1", "long_name": "1 where camera 2 sees the point"},
-                ),
-                "poor": (
-                    ("y", "x"),
-                    self.poor.astype(np.uint8),
-                    {"units": "1", "long_name": "1 where the registration is not good enough"},
-                ),
+                name: (("y", "x"), values, {"units": units, "long_name": long_name})
+                for name, (values, units, long_name) in described.items()
             },
             attrs={
                 "registration_quality": self.quality,
                 "registration_model": self.model,
-                **{
-                    f"registration_{name}": int(value) if isinstance(value, bool) else value
-                    for name, value in asdict(self.settings).items()
-                    if name != "model"
-                },
-                "registration_model_asked": self.settings.model,
+                **settings,
             },
         )
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> CameraMap:
-        """Read back what `to_dataset` made.
+        """Read back the dataset of `to_dataset`.
 
         Raises
         ------
         RegistrationError
-            If a variable or an attribute is missing.
+            If a variable or an attribute is missing, or the description of the map is not known.
         """
-        try:
-            attrs = dataset.attrs
-            kinds = {name: type(value) for name, value in asdict(RegistrationSettings()).items()}
-            chosen: dict[str, Any] = {
-                name: kind(
-                    attrs["registration_model_asked" if name == "model" else f"registration_{name}"]
-                )
-                for name, kind in kinds.items()
-            }
-            return cls(
-                displacement_x=np.asarray(dataset["displacement_x"].values, np.float32),
-                displacement_y=np.asarray(dataset["displacement_y"].values, np.float32),
-                displacement_std=np.asarray(dataset["displacement_std"].values, np.float32),
-                overlap=np.asarray(dataset["overlap"].values, bool),
-                poor=np.asarray(dataset["poor"].values, bool),
-                quality=float(attrs["registration_quality"]),
-                model=str(attrs["registration_model"]),
-                settings=RegistrationSettings(**chosen),
-            )
-        except KeyError as missing:
+        defaults = asdict(RegistrationSettings())
+        attributes = {name: _setting_attribute(name) for name in defaults}
+        named = ("registration_quality", "registration_model", *attributes.values())
+        missing = [name for name in _VARIABLES if name not in dataset]
+        missing += [name for name in named if name not in dataset.attrs]
+        if missing:
             raise RegistrationError(
-                f"A stored camera map needs {missing.args[0]!r}, which this dataset lacks; "
+                f"A stored camera map needs {', '.join(missing)}, which this dataset lacks; "
                 "register the cameras again and store the map with to_dataset."
-            ) from missing
+            )
+
+        attrs = dataset.attrs
+        chosen: dict[str, Any] = {
+            name: type(default)(attrs[attributes[name]]) for name, default in defaults.items()
+        }
+        return cls(
+            displacement_x=np.asarray(dataset["displacement_x"].values, np.float32),
+            displacement_y=np.asarray(dataset["displacement_y"].values, np.float32),
+            displacement_std=np.asarray(dataset["displacement_std"].values, np.float32),
+            overlap=np.asarray(dataset["overlap"].values, bool),
+            poor=np.asarray(dataset["poor"].values, bool),
+            quality=float(attrs["registration_quality"]),
+            settings=RegistrationSettings(**chosen),
+            **_read_model(str(attrs["registration_model"])),
+        )
+
+
+_VARIABLES: Final = ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor")
+"""Arrays of a map in a file."""
+
+_MODEL: Final = re.compile(
+    r"(?P<kind>[^,;]+)(, (?P<resolution>.+?))??(?P<stored>, stored with the calibration)?"
+    r"(; the mean drift taken up is \((?P<x>[-+.\d]+), (?P<y>[-+.\d]+)\) px)?"
+)
+"""The description that `CameraMap.model` writes, in its parts."""
+
+
+def _read_model(text: str) -> dict[str, Any]:
+    """Fields of a camera map from its description in a file."""
+    parts = _MODEL.fullmatch(text)
+    if parts is None or parts["kind"] not in {kind.value for kind in MapKind}:
+        raise RegistrationError(
+            f"The stored camera map is described as {text!r}, which is not a kind of map that this "
+            f"version knows ({', '.join(kind.value for kind in MapKind)}); register the cameras "
+            "again."
+        )
+    return {
+        "kind": MapKind(parts["kind"]),
+        "resolution": parts["resolution"] or "",
+        "stored": parts["stored"] is not None,
+        "drift_taken_up": None if parts["x"] is None else (float(parts["x"]), float(parts["y"])),
+    }
+
+
+def _setting_attribute(name: str) -> str:
+    """Name of the attribute that holds a setting in a file."""
+    return "registration_model_asked" if name == "model" else f"registration_{name}"
 
 
 def describe_map(camera_map: CameraMap) -> xr.Dataset:
-    """A camera map as a group of a file."""
+    """Prepare a camera map as a compressed group of a file.
+
+    Parameters
+    ----------
+    camera_map : CameraMap
+        The map.
+
+    Returns
+    -------
+    Dataset, (y, x)
+        As `CameraMap.to_dataset`, with the encoding of its variables.
+
+    Examples
+    --------
+    >>> flat = np.zeros((2, 3), np.float32)
+    >>> found = CameraMap(flat + 4, flat - 3, flat, flat == 0, flat > 0, 0.9, MapKind.SURFACE)
+    >>> group = describe_map(found)
+    >>> group.displacement_x.attrs["units"], group.displacement_x.encoding["zlib"]
+    ('px', True)
+    """
     compress = {"zlib": True, "complevel": 1, "shuffle": True}
     dataset = camera_map.to_dataset()
     for name in dataset:
@@ -133,15 +208,35 @@ def describe_map(camera_map: CameraMap) -> xr.Dataset:
 
 
 def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
-    """The same map with a translation taken up, so that the mean drift of its frames is zero. [px]"""
-    said = (
-        f"; the mean drift taken up is ({by[0]:.3f}, {by[1]:.3f}) px"
-        if "stored" in camera_map.model
-        else ""
-    )
+    """Add a translation to a map, so that the mean drift of its frames becomes zero.
+
+    Parameters
+    ----------
+    camera_map : CameraMap
+        The map. A stored one keeps a record of the translation in ``drift_taken_up``.
+    by : array, (2,)
+        Translation (x, y), positive towards larger column and row. [px]
+
+    Returns
+    -------
+    CameraMap
+        The moved map.
+
+    Examples
+    --------
+    >>> flat = np.zeros((2, 3), np.float32)
+    >>> found = CameraMap(flat + 4, flat - 3, flat, flat == 0, flat > 0, 0.9, MapKind.SURFACE)
+    >>> moved = move_map(found, np.array([0.5, -0.25]))
+    >>> float(moved.displacement_x[0, 0]), float(moved.displacement_y[0, 0])
+    (4.5, -3.25)
+    """
+    taken_up = None
+    if camera_map.stored:
+        before = camera_map.drift_taken_up or (0.0, 0.0)
+        taken_up = (before[0] + float(by[0]), before[1] + float(by[1]))
     return replace(
         camera_map,
         displacement_x=(camera_map.displacement_x + by[0]).astype(np.float32),
         displacement_y=(camera_map.displacement_y + by[1]).astype(np.float32),
-        model=camera_map.model + said,
+        drift_taken_up=taken_up,
     )

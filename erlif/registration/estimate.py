@@ -15,7 +15,7 @@ from scipy import ndimage
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
-from erlif.registration.camera_map import CameraMap
+from erlif.registration.camera_map import CameraMap, MapKind
 from erlif.registration.coarse import Start, coarse_binning, find_start
 from erlif.registration.drift import follow_drift
 from erlif.registration.matching import (
@@ -411,7 +411,8 @@ class Solution:
     dx: AnyArray
     dy: AnyArray
     std: AnyArray
-    model: str
+    kind: MapKind
+    resolution: str
 
 
 def describe_surface(
@@ -427,7 +428,7 @@ def describe_surface(
     )
     std = bilinear(std.astype(np.float32), row, column)
     dx, dy = surface.on_pixels(shape)
-    return Solution(dx, dy, std, str(model))
+    return Solution(dx, dy, std, MapKind.SURFACE, str(model))
 
 
 def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -> Solution:
@@ -458,7 +459,8 @@ def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -
         base_x + local.to_pixels(field[0], y, x, views.shape),
         base_y + local.to_pixels(field[1], y, x, views.shape),
         np.maximum(local.to_pixels(std, y, x, views.shape), np.float32(std.min())),
-        f"local windows, {settings.window} px",
+        MapKind.LOCAL,
+        f"{settings.window} px",
     )
 
 
@@ -476,7 +478,7 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     overlap = np.empty((h, w), np.bool_)
     _find_overlap(dx, dy, std, height, width, overlap)
     poor = std > POOR_STD
-    if solution.model.startswith("surface"):
+    if solution.kind is MapKind.SURFACE:
         pitch = round(float(cells.x[1] - cells.x[0]))
         off = local.still_off(cells.sums * cells.weight[..., None], pitch, tolerance=POOR_RESIDUAL)
         row = np.minimum(np.arange(h) // pitch, len(cells.y) - 1)
@@ -489,7 +491,8 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
             f"than {POOR_STD} px or does not agree with its neighbourhood. Give more frames, more light or a wall "
             "with more texture, and check the focus."
         )
-    return CameraMap(dx, dy, std, overlap, poor, quality, solution.model, views.settings)
+    kind, resolution = solution.kind, solution.resolution
+    return CameraMap(dx, dy, std, overlap, poor, quality, kind, resolution, views.settings)
 
 
 @njit(nogil=True, cache=True, error_model="numpy")

@@ -53,9 +53,9 @@ class Model:
 
     def __str__(self) -> str:
         if self.degree is not None:
-            return f"surface, polynomial of degree {self.degree}"
+            return f"polynomial of degree {self.degree}"
         nx, ny = self.elements
-        return f"surface, {nx} x {ny} cubic spline elements"
+        return f"{nx} x {ny} cubic spline elements"
 
 
 def elements_of(longer: int, box: Box) -> tuple[int, int]:

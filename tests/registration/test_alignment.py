@@ -6,7 +6,7 @@ import xarray as xr
 
 from erlif.core.flags import Flag
 from erlif.core.products import CorrectedFrames
-from erlif.registration import CameraMap, RegistrationSettings, align_frames
+from erlif.registration import CameraMap, MapKind, RegistrationSettings, align_frames
 
 SHAPE = (64, 80)
 
@@ -20,8 +20,8 @@ def camera_map(dx, dy, orientation="normal"):
         np.ones(SHAPE, bool),
         np.zeros(SHAPE, bool),
         1.0,
-        "given",
-        RegistrationSettings(orientation=orientation),
+        MapKind.SURFACE,
+        settings=RegistrationSettings(orientation=orientation),
     )
 
 

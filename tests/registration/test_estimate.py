@@ -15,6 +15,7 @@ from scenes.registration import Scene, expose, inverse, smooth_map, vector_rms
 from erlif.core.errors import RegistrationError
 from erlif.registration import (
     CameraMap,
+    MapKind,
     RegistrationSettings,
     check_map,
     estimate_drift,
@@ -52,7 +53,7 @@ def within_one_std(found, truth):
 
 def test_a_smooth_map_is_found_within_hundredths_of_a_pixel(views, camera_map):
     assert vector_rms(camera_map, views) < 0.03
-    assert camera_map.model.startswith("surface")
+    assert camera_map.kind is MapKind.SURFACE
     assert not camera_map.poor[camera_map.overlap].any()
     assert 0.8 < camera_map.quality < 1
 
@@ -183,7 +184,7 @@ def test_distortion_that_no_surface_resolves_falls_back_to_windows():
     shape = (384, 512)
     truth = Scene(shape, 8, private=0.0, contrast=0.25).photograph(ripple(shape, 0.6, 55.0))
     found = register(truth.reference, truth.moving)
-    assert found.model.startswith("local")
+    assert found.kind is MapKind.LOCAL
     assert vector_rms(found, truth) < 0.25  # the ripple alone has 0.42
 
 
@@ -196,7 +197,7 @@ def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
 
     truth = Scene(shape, 4, private=0.0).photograph(star)
     found = register(truth.reference, truth.moving)
-    assert found.model.startswith("local")
+    assert found.kind is MapKind.LOCAL
     broad = (slice(32, -32), slice(330, -32))  # periods of 58 px and more
     assert np.sqrt(np.mean((found.displacement_y - truth.dy)[broad] ** 2)) < 0.07
 
@@ -210,7 +211,7 @@ def known_map(truth):
         overlap=truth.inside(0),
         poor=np.zeros(truth.dx.shape, bool),
         quality=1.0,
-        model="known",
+        kind=MapKind.SURFACE,
     )
 
 

@@ -11,7 +11,7 @@ import tifffile
 import xarray as xr
 
 from erlif.core.flags import FLAG_ATTRS
-from erlif.registration import CameraMap
+from erlif.registration import CameraMap, MapKind
 from erlif.settings import RunSettings, read_run_settings, to_toml
 
 ROWS, COLUMNS, TRIGGERS = 64, 80, 6
@@ -224,7 +224,9 @@ def make_film(directory: Path) -> Path:
     zero = np.zeros((ROWS, COLUMNS), np.float32)
     overlap = np.ones((ROWS, COLUMNS), bool)
     overlap[:, :3] = False
-    camera_map = CameraMap(zero, zero, zero + 0.01, overlap, ~overlap & False, 0.97, "surface")
+    camera_map = CameraMap(
+        zero, zero, zero + 0.01, overlap, ~overlap & False, 0.97, MapKind.SURFACE
+    )
     path = directory / "film.nc"
     film.to_netcdf(path, engine="h5netcdf")
     frames.to_netcdf(path, engine="h5netcdf", mode="a", group="frames")

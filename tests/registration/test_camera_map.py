@@ -1,0 +1,149 @@
+"""The camera map as a product: its description, its file and its translation."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import CameraMap, MapKind, RegistrationSettings, describe_map, move_map
+
+SHAPE = (5, 7)
+ARRAYS = ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor")
+
+
+@pytest.fixture
+def found():
+    """A map with a different value in every array, found on the frames of a run."""
+    y, x = np.indices(SHAPE).astype(np.float32)
+    return CameraMap(
+        displacement_x=3 + 0.01 * x,
+        displacement_y=-2 + 0.02 * y,
+        displacement_std=0.005 + 0.001 * x,
+        overlap=x < 6,
+        poor=y > 3,
+        quality=0.93,
+        kind=MapKind.SURFACE,
+        resolution="polynomial of degree 2",
+        settings=RegistrationSettings(
+            window=48, step=12, model="surface", orientation="mirrored_x", whiten=False, search=0.2
+        ),
+    )
+
+
+def through_a_file(camera_map, path):
+    describe_map(camera_map).to_netcdf(path, engine="h5netcdf")
+    with xr.open_dataset(path, engine="h5netcdf") as stored:
+        return CameraMap.from_dataset(stored.load())
+
+
+def assert_same(one, other):
+    for name in ARRAYS:
+        assert getattr(one, name).dtype == getattr(other, name).dtype
+        npt.assert_array_equal(getattr(one, name), getattr(other, name))
+    for name in ("quality", "kind", "resolution", "settings", "stored", "drift_taken_up"):
+        assert getattr(one, name) == getattr(other, name)
+
+
+# the description ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "resolution", "stored", "drift", "text"),
+    [
+        (
+            MapKind.SURFACE,
+            "polynomial of degree 2",
+            False,
+            None,
+            "surface, polynomial of degree 2",
+        ),
+        (
+            MapKind.SURFACE,
+            "4 x 3 cubic spline elements",
+            True,
+            None,
+            "surface, 4 x 3 cubic spline elements, stored with the calibration",
+        ),
+        (
+            MapKind.LOCAL,
+            "32 px",
+            True,
+            (0.25, -1.5),
+            "local windows, 32 px, stored with the calibration; the mean drift taken up is "
+            "(0.250, -1.500) px",
+        ),
+        (MapKind.SURFACE, "", True, None, "surface, stored with the calibration"),
+        (MapKind.SURFACE, "", False, None, "surface"),
+    ],
+)
+def test_description_in_a_file_is_read_back(found, kind, resolution, stored, drift, text):
+    """The texts are those of the files that earlier versions have written."""
+    camera_map = replace(
+        found, kind=kind, resolution=resolution, stored=stored, drift_taken_up=drift
+    )
+    dataset = camera_map.to_dataset()
+    assert dataset.attrs["registration_model"] == camera_map.model == text
+    assert_same(CameraMap.from_dataset(dataset), camera_map)
+
+
+@pytest.mark.parametrize("text", ["thin-plate spline, 9 nodes", "", "surfaces, of degree 2"])
+def test_unknown_kind_of_map_is_refused(found, text):
+    dataset = found.to_dataset().assign_attrs(registration_model=text)
+    with pytest.raises(RegistrationError, match="surface, local windows"):
+        CameraMap.from_dataset(dataset)
+
+
+# the file -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("whiten", [True, False])
+def test_map_and_settings_survive_a_file(found, tmp_path, whiten):
+    camera_map = replace(found, settings=replace(found.settings, whiten=whiten))
+    assert_same(through_a_file(camera_map, tmp_path / "map.nc"), camera_map)
+
+
+def test_every_variable_has_units_and_a_name(found):
+    dataset = found.to_dataset()
+    assert set(dataset) == set(ARRAYS)
+    assert {name: dataset[name].units for name in ARRAYS} == dict(
+        zip(ARRAYS, ("px", "px", "px", "1", "1"), strict=True)
+    )
+    assert dataset.displacement_x.long_name.endswith("along x")
+    assert dataset.displacement_y.long_name.endswith("along y")
+
+
+@pytest.mark.parametrize("missing", [*ARRAYS, "registration_quality", "registration_model_asked"])
+def test_missing_part_of_a_stored_map_is_named(found, missing):
+    dataset = found.to_dataset()
+    if missing in dataset:
+        dataset = dataset.drop_vars(missing)
+    else:
+        del dataset.attrs[missing]
+    with pytest.raises(RegistrationError, match=f"needs {missing}, which"):
+        CameraMap.from_dataset(dataset)
+
+
+def test_shape_is_rows_and_columns_of_camera_1(found):
+    assert found.shape == SHAPE
+
+
+# the translation ----------------------------------------------------------------------------------
+
+
+def test_translation_is_added_to_each_component(found):
+    moved = move_map(found, np.array([0.5, -0.25]))
+    npt.assert_allclose(moved.displacement_x, found.displacement_x + 0.5, rtol=1e-6)
+    npt.assert_allclose(moved.displacement_y, found.displacement_y - 0.25, rtol=1e-6)
+    assert moved.displacement_x.dtype == moved.displacement_y.dtype == np.float32
+    assert moved.model == found.model
+
+
+def test_stored_map_records_the_whole_translation(found):
+    stored = replace(found, stored=True)
+    moved = move_map(move_map(stored, np.array([0.5, -0.25])), np.array([0.25, 1.0]))
+    assert moved.drift_taken_up == (0.75, 0.75)
+    assert moved.stored
+    assert moved.model.endswith("the mean drift taken up is (0.750, 0.750) px")
