@@ -1,16 +1,22 @@
-"""The errors erlif raises on purpose. Each message says what was expected, what came and what to do."""
+"""The errors and warnings of erlif.
+
+Each message states what was expected, what was found and what to do next.
+"""
 
 
 class ErlifError(Exception):
-    """Base of every error that the input, not erlif, has caused. The commands answer it with exit status 2."""
+    """Base of all errors caused by the input and not by erlif.
+
+    The commands end with exit status 2 after it.
+    """
 
 
 class ConfigError(ErlifError):
-    """A settings file (run.toml, fixture.toml) that cannot be used as it stands."""
+    """A settings file (run.toml, fixture.toml) that cannot be used."""
 
 
 class FrameError(ErlifError):
-    """Frames that are missing, damaged, of another size, or that do not fit their settings."""
+    """Frames that are missing, damaged, of another size, or in conflict with their settings."""
 
 
 class EncoderError(ErlifError):
@@ -18,7 +24,7 @@ class EncoderError(ErlifError):
 
 
 class RegistrationError(ErlifError):
-    """Two cameras whose images could not be laid over each other."""
+    """Two cameras whose images could not be brought onto one pixel grid."""
 
 
 class CalibrationError(ErlifError):
@@ -30,4 +36,8 @@ class OutputError(ErlifError):
 
 
 class ModelError(ErlifError, ValueError):
-    """An argument outside the range in which a model of the joint means something."""
+    """An argument outside the range in which a model of the joint is defined."""
+
+
+class UnitWarning(UserWarning):
+    """An argument of a model that is probably given in another unit than the SI unit expected."""

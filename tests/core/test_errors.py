@@ -1,0 +1,30 @@
+"""Errors and warnings: what a caller can catch, and with which class."""
+
+import inspect
+
+import pytest
+
+from erlif.core import errors
+
+CLASSES = [c for _, c in inspect.getmembers(errors, inspect.isclass)]
+ERRORS = [c for c in CLASSES if not issubclass(c, Warning)]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda c: c.__name__)
+def test_one_class_catches_every_error(error):
+    with pytest.raises(errors.ErlifError, match="as written"):
+        raise error("as written")
+
+
+def test_model_error_is_a_value_error():
+    assert issubclass(errors.ModelError, ValueError)
+
+
+def test_unit_warning_is_a_user_warning_and_no_error():
+    assert issubclass(errors.UnitWarning, UserWarning)
+    assert not issubclass(errors.UnitWarning, errors.ErlifError)
+
+
+@pytest.mark.parametrize("kind", CLASSES, ids=lambda c: c.__name__)
+def test_every_class_is_documented(kind):
+    assert kind.__doc__.strip().endswith(".")
