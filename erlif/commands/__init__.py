@@ -1,1 +1,1 @@
-"""The command line, a thin door: parse, call, say where the result is."""
+"""The command line: each command parses its arguments, calls one function and prints the result."""

@@ -11,14 +11,12 @@ import numpy.testing as npt
 import pytest
 import tifffile
 import xarray as xr
-from click.testing import CliRunner
 from scipy.integrate import dblquad, quad
 from scipy.optimize import least_squares
 
 import erlif.rig.run
 from erlif.core.errors import ModelError, OutputError
 from erlif.rig import RigSettings, simulate
-from erlif.rig import command as rig_command
 from erlif.rig.camera import displacement, seen_from_camera_2
 from erlif.rig.dyes import LASER, absorption, band_signal, emission, tabulate_signal, transmission
 from erlif.rig.film import (
@@ -581,26 +579,6 @@ def test_existing_output_is_refused_and_kept(tmp_path, monkeypatch):
 def test_a_rig_that_cannot_work_is_refused(wrong):
     with pytest.raises(ModelError):
         RigSettings(**wrong)
-
-
-def test_command_writes_and_refuses(tmp_path):
-    arguments = [
-        str(tmp_path / "out"),
-        "--size",
-        "64x48",
-        "--spacing",
-        "8",
-        "--fixture-frames",
-        "1",
-    ]
-    result = CliRunner().invoke(rig_command.simulate, arguments)
-    assert result.exit_code == 0, result.output
-    assert "run frames written: 6" in result.output
-    assert (tmp_path / "out" / "truth.nc").is_file()
-    refused = CliRunner().invoke(rig_command.simulate, [str(tmp_path / "other"), "--size", "wide"])
-    assert refused.exit_code == 2
-    assert "320x256" in refused.output
-    assert "erlif simulate" in CliRunner().invoke(rig_command.simulate, ["--help"]).output
 
 
 def test_rig_shares_no_code_with_the_measurement():

@@ -1,64 +1,19 @@
-"""The commands as a user meets them."""
+"""``erlif process``: outputs, inputs of the theory, several cycles."""
 
 import os
 import re
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 
 import erlif
-import erlif.pipeline
-from erlif.commands.main import main
-
-COMMANDS = ["simulate", "check", "calibrate", "process", "figures", "report"]
 
 
 def read_film(path, group=None):
     with erlif.open_film(path, group=group) as film:
         return film.load()
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_help_shows_an_example(command, name):
-    text = command(name, "--help").stdout
-    assert re.search(rf"Example:\s+erlif {name} ", text)
-    assert f"erlif {name} " in command("--help").stdout or name in ("check", "report")
-
-
-def test_importing_erlif_loads_nothing_heavy():
-    """A user who asks for help, or for one function, does not wait for figures, kernels and clusters."""
-    script = "import sys, erlif, erlif.commands.main; print(*{name.split('.')[0] for name in sys.modules})"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
-    loaded = set(done.stdout.split())
-    assert "erlif" in loaded
-    assert not loaded & {
-        "matplotlib",
-        "dask",
-        "panel",
-        "numba",
-        "scipy",
-        "xarray",
-        "pandas",
-        "cv2",
-        "zarr",
-        "h5py",
-        "pint",
-        "skimage",
-    }
-
-
-def test_the_module_runs_as_the_command_does():
-    done = subprocess.run(
-        [sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True
-    )
-    assert erlif.__version__ in done.stdout
 
 
 def test_a_run_is_checked_and_processed(lab, film, command):
@@ -69,25 +24,6 @@ def test_a_run_is_checked_and_processed(lab, film, command):
     assert f"written: {lab.film}" in result.stdout
     assert "film: 6 done" in result.stderr
     assert lab.film.read_bytes() == film.read_bytes()
-
-
-def test_a_fixture_is_calibrated_with_its_figure(lab, command):
-    before = erlif.open_calibration(lab.fixture / "calibration.nc")
-    (lab.fixture / "calibration.nc").unlink()
-    said = command("calibrate", lab.fixture).stdout
-    after = erlif.open_calibration(lab.fixture / "calibration.nc")
-    np.testing.assert_array_equal(after.parameters, before.parameters)
-    for value, std in zip(after.parameters, after.standard_deviations, strict=True):
-        assert f"{value:.5f} ± {std:.5f}" in said
-    assert (lab.fixture / "calibration.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_calibration_that_is_not_made_yet_is_fitted_on_the_way(lab, film, command):
-    (lab.fixture / "calibration.nc").unlink()
-    assert "process will make it from the fixture" in command("check", lab.run).stdout
-    command("process", lab.run)
-    assert lab.film.read_bytes() == film.read_bytes()
-    assert (lab.fixture / "calibration.nc").exists()
 
 
 def test_output_may_lie_elsewhere_and_the_run_be_read_only(
@@ -109,69 +45,6 @@ def test_output_may_lie_elsewhere_and_the_run_be_read_only(
 def test_an_output_that_cannot_be_made_is_refused(lab, refused):
     message = refused("process", lab.run, "-o", lab.run / "run.toml" / "film.nc")
     assert "could not be written: Not a directory" in message
-
-
-@pytest.mark.parametrize("arguments", [[], ["--workers", "0"], ["--worker", "2"], ["extra"]])
-def test_wrong_usage_ends_with_status_2(lab, arguments):
-    directory = [str(lab.run)] if arguments else []
-    result = CliRunner().invoke(main, ["process", *directory, *arguments])
-    assert result.exit_code == 2
-    assert "Usage:" in result.stderr
-
-
-@pytest.mark.parametrize("name", ["process", "calibrate"])
-def test_a_directory_that_does_not_exist_is_refused(lab, refused, name):
-    assert "not a directory" in refused(name, lab.directory / "nowhere")
-
-
-def test_the_wrong_command_for_a_directory_is_recognised(lab, refused):
-    assert "other command" in refused("process", lab.fixture)
-    assert "other command" in refused("calibrate", lab.run)
-
-
-@pytest.mark.parametrize("name", ["figures", "report"])
-def test_a_film_that_is_none_is_refused(lab, refused, name):
-    assert "does not exist" in refused(name, lab.film)
-    assert "damaged or something else" in refused(name, lab.run / "run.toml")
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        (lambda lab: shutil.rmtree(lab.run), "no such directory"),
-        (lambda lab: (lab.run / "run.toml").unlink(), "holds neither"),
-        (lambda lab: lab.frames(1)[0].unlink(), "camera2/frame_0000.tif"),
-        (lambda lab: (lab.run / "camera1_flat.tif").write_bytes(b""), "camera1_flat.tif"),
-        (lambda lab: (lab.run / "encoder.csv").unlink(), "encoder.csv"),
-        (lambda lab: lab.edit("run/run.toml", ('"580 nm"', '"560 nm"')), "560 and 610 nm"),
-        (
-            lambda lab: lab.edit("run/run.toml", ("x = [4, 15]", "x = [40, 150]")),
-            "region of interest",
-        ),
-    ],
-)
-def test_check_ends_with_status_2_at_the_first_error(lab, change, expected):
-    change(lab)
-    result = CliRunner().invoke(main, ["check", str(lab.run)])
-    assert result.exit_code == 2
-    last = result.stdout.splitlines()[-1]
-    assert last.startswith("error")
-    assert expected in last
-    assert "Traceback" not in result.output
-
-
-def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
-    def fail(*arguments, **options):
-        raise ZeroDivisionError("a slip")
-
-    monkeypatch.setattr(erlif.pipeline, "process", fail)
-    result = CliRunner().invoke(main, ["process", str(lab.run)])
-    assert result.exit_code == 1
-    assert "a slip" in result.stderr
-    assert "please report it" in result.stderr
-
-
-# inputs of the theory
 
 
 def without_column(lab, name):
@@ -242,9 +115,6 @@ def test_a_slider_crank_is_processed(lab, command):
     assert float(film.rocker_speed[0]) == pytest.approx(omega * (1 + 5.5 / 44))
 
 
-# several cycles
-
-
 @pytest.fixture
 def cycles(two_cycles, small_rig, tmp_path):
     shutil.copytree(two_cycles.run, tmp_path / "run")
@@ -257,9 +127,9 @@ def test_several_cycles_fold_onto_one(cycles, command):
     toml = run / "run.toml"
     toml.write_text(re.sub(r"triggers_per_cycle = .*", "", toml.read_text()))
     command("process", run, "--calibration", calibration, "-o", run / "found.nc")
-    told, found = read_film(run / "film.nc"), read_film(run / "found.nc")
-    assert told.frames_used.values.tolist() == [2] * 6
-    xr.testing.assert_identical(told.drop_attrs(), found.drop_attrs())
+    given, found = read_film(run / "film.nc"), read_film(run / "found.nc")
+    assert given.frames_used.values.tolist() == [2] * 6
+    xr.testing.assert_identical(given.drop_attrs(), found.drop_attrs())
     frames = read_film(run / "film.nc", "frames")
     assert frames.cycle.values.tolist() == [0] * 6 + [1] * 6
     assert frames.trigger.values.tolist() == [*range(6)] * 2

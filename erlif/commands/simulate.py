@@ -1,4 +1,6 @@
-"""The command `erlif simulate`."""
+"""``erlif simulate``: frames of a known film from the virtual rig."""
+
+from __future__ import annotations
 
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import click
 from erlif.rig.settings import RigSettings
 
 DEFAULT = RigSettings()
+"""The options show the defaults of the rig itself."""
 
 
 class PictureSize(click.ParamType[tuple[int, int]]):
@@ -17,6 +20,7 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[int, int]:
+        """Two numbers from the text of the option."""
         if isinstance(value, tuple):
             return value
         width, _, height = str(value).lower().partition("x")
@@ -36,7 +40,7 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     default=0,
     show_default=True,
     type=click.IntRange(min=0),
-    help="Same seed, same bytes.",
+    help="Seed of the random numbers; the same seed gives the same files.",
 )
 @click.option(
     "--size",
@@ -46,51 +50,67 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
 @click.option(
-    "--spacing", default=DEFAULT.spacing, show_default=True, help="Rocker degrees between triggers."
+    "--spacing",
+    default=DEFAULT.spacing,
+    show_default=True,
+    help="Rocker angle between two triggers, in degrees.",
 )
-@click.option("--cycles", default=DEFAULT.cycles, show_default=True, help="Turns of the crank.")
+@click.option(
+    "--cycles", default=DEFAULT.cycles, show_default=True, help="Number of turns of the crank."
+)
 @click.option(
     "--film",
     default=DEFAULT.film_reference,
     show_default=True,
-    help="Least film at top speed, in um.",
+    help="Minimum film thickness at top speed, in um.",
 )
 @click.option(
     "--exponent",
     default=DEFAULT.exponent,
     show_default=True,
-    help="Film exponent of speed over load.",
+    help="Exponent of the film thickness over speed/load.",
 )
-@click.option("--marks", default=DEFAULT.marks, show_default=True, help="Turning marks, rms in um.")
 @click.option(
-    "--bubbles", default=DEFAULT.bubbles, show_default=True, help="Most bubbles in a frame."
+    "--marks",
+    default=DEFAULT.marks,
+    show_default=True,
+    help="Height of the turning marks, rms in um.",
+)
+@click.option(
+    "--bubbles",
+    default=DEFAULT.bubbles,
+    show_default=True,
+    help="Largest number of bubbles in a frame.",
 )
 @click.option(
     "--light",
     default=DEFAULT.light,
     show_default=True,
-    help="Exposure; 1 nearly fills the cameras.",
+    help="Exposure; 1 reaches nearly full scale.",
 )
 @click.option(
     "--vibration",
     default=DEFAULT.vibration,
     show_default=True,
-    help="Shake of camera 2, rms in pixels.",
+    help="Vibration of camera 2, rms in pixels.",
 )
 @click.option(
     "--fixture-frames",
     default=DEFAULT.fixture_frames,
     show_default=True,
-    help="Frames of the wedge.",
+    help="Number of frame pairs of the wedge.",
 )
 @click.option(
     "--cmm-noise",
     default=DEFAULT.cmm_noise,
     show_default=True,
-    help="Noise of the wedge's profile, in um.",
+    help="Noise of the measured profile of the wedge, in um.",
 )
 @click.option(
-    "--zero/--no-zero", default=True, show_default=True, help="Tell run.toml the encoder's zero."
+    "--zero/--no-zero",
+    default=True,
+    show_default=True,
+    help="Write the encoder's zero into run.toml.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
@@ -112,7 +132,8 @@ def simulate(
 ) -> None:
     """Photograph a known film with a virtual rig.
 
-    Writes OUT/fixture and OUT/run as the laboratory would have written them, and OUT/truth.nc with what was put in.
+    Writes OUT/fixture and OUT/run in the format of the laboratory, and OUT/truth.nc with the true
+    film thickness.
 
     \b
     Example:
@@ -146,7 +167,9 @@ def simulate(
                 bar.reset(total)
                 bar.set_description(what)
             bar.update()
-            if bar.disable and number == total:  # no terminal
+
+            # without a terminal there is no bar; one line per piece of work instead
+            if bar.disable and number == total:
                 click.echo(f"{what}s written: {total}")
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)

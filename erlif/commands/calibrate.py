@@ -1,0 +1,110 @@
+"""``erlif calibrate``: a fixture directory to a calibration, compared with an earlier one."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
+from erlif.commands.progress import show_progress
+from erlif.core.errors import CalibrationError, ErlifError, OutputError
+
+if TYPE_CHECKING:
+    from erlif.calibration import Calibration
+
+
+@click.command()
+@click.argument("fixture_dir", type=PATH)
+@click.option("-o", "--output", type=PATH, help="Default: FIXTURE_DIR/calibration.nc.")
+@click.option("--against", type=PATH, help="Report the drift from this earlier calibration.")
+@SKIP_BAD_FRAMES
+@OVERWRITE
+def calibrate(
+    fixture_dir: Path,
+    output: Path | None,
+    against: Path | None,
+    skip_bad_frames: bool,
+    overwrite: bool,
+) -> None:
+    """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
+
+    The new calibration is compared with the one that --against names, and with a calibration of the
+    same fixture that --overwrite replaces. Two calibrations without a common range of thickness
+    cannot be compared: one line reports it, and the new calibration is written nevertheless.
+
+    \b
+    Example:
+      erlif calibrate calibration/wedge
+      erlif calibrate calibration/wedge_in_may --against calibration/wedge/calibration.nc
+    """
+    from erlif import pipeline
+    from erlif.calibration import save_calibration
+    from erlif.files import refuse_existing
+    from erlif.plots import write_calibration_figure
+    from erlif.report import describe_calibration
+
+    # everything that can be refused is refused before the work starts
+    output = output or fixture_dir / "calibration.nc"
+    picture = output.with_suffix(".png")
+    expect_suffix(output, ".nc")
+    refuse_existing(output, overwrite=overwrite)
+    if picture.exists() and not overwrite:
+        raise OutputError(
+            f"{picture} exists already; use --overwrite to replace it, or -o for another name."
+        )
+    earlier = None if against is None else _open_comparable(against, fixture_dir)
+    replaced = _open_replaced(output)
+
+    with show_progress() as progress:
+        calibration = pipeline.calibrate(
+            fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress
+        )
+    save_calibration(calibration, output, overwrite=overwrite)
+    figure = write_calibration_figure(calibration, picture)
+
+    click.echo(describe_calibration(calibration))
+    if earlier is not None:
+        click.echo(f"against {against}: {_compare(calibration, earlier)}")
+    if replaced is not None and replaced.fixture == calibration.fixture and output != against:
+        click.echo(f"against the one replaced: {_compare(calibration, replaced)}")
+    click.echo(f"written: {output}, {figure}")
+
+
+def _open_replaced(output: Path) -> Calibration | None:
+    """The calibration that the new one replaces, if there is a readable one."""
+    from erlif.calibration import open_calibration
+
+    if output.exists():
+        with suppress(ErlifError):  # the user has allowed to replace a damaged file too
+            return open_calibration(output)
+    return None
+
+
+def _open_comparable(against: Path, fixture_dir: Path) -> Calibration:
+    """The calibration to compare with; refused where its bands differ from the fixture's."""
+    from erlif.calibration import open_calibration, share_bands
+    from erlif.settings import read_fixture_settings
+
+    earlier, settings = open_calibration(against), read_fixture_settings(fixture_dir)
+    bands = settings.camera1.band, settings.camera2.band
+    if not share_bands(earlier.bands, bands):
+        raise CalibrationError(
+            "Expected --against to name a calibration of the bands in fixture.toml, "
+            f"{bands[0]:g} and {bands[1]:g} nm; {against} is of "
+            f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm. "
+            "Name one made with the same filters, or leave --against out."
+        )
+    return earlier
+
+
+def _compare(calibration: Calibration, earlier: Calibration) -> str:
+    """Verdict on the drift, or the reason why there is none."""
+    from erlif.calibration import compare_calibrations
+
+    try:
+        return compare_calibrations(calibration, earlier).verdict
+    except CalibrationError as error:
+        return f"not compared. {error}"

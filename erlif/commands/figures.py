@@ -1,0 +1,32 @@
+"""``erlif figures``: the figures of a film as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.options import OVERWRITE, PATH
+from erlif.core.errors import OutputError
+
+
+@click.command()
+@click.argument("film", type=PATH)
+@click.option("-o", "--output", type=PATH, help="Directory; default: figures/ beside FILM.")
+@OVERWRITE
+def figures(film: Path, output: Path | None, overwrite: bool) -> None:
+    """Write the figures of a film as PNG and PDF.
+
+    \b
+    Example:
+      erlif figures data_samples/straight_bushing/film.nc
+    """
+    from erlif.plots import write_figures
+
+    output = output or film.parent / "figures"
+    if output.is_file():
+        raise OutputError(
+            f"Expected a directory for the figures; {output} is a file. Give another name with -o."
+        )
+    for path in write_figures(film, output, overwrite=overwrite):
+        click.echo(str(path))

@@ -1,0 +1,60 @@
+"""Log lines of erlif on the terminal: ``-v`` shows decisions and times, ``-vv`` details."""
+
+from __future__ import annotations
+
+import logging
+import sys
+
+import click
+
+LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
+"""Level for no ``-v``, one and two."""
+
+
+class TerminalHandler(logging.Handler):
+    """Writes log lines to standard error, above a progress bar where there is one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one line."""
+        line = self.format(record)
+
+        # The bar stands on the last line of the terminal; tqdm moves it down for the new line.
+        tqdm = sys.modules.get("tqdm")
+        if tqdm is not None and sys.stderr.isatty():
+            tqdm.tqdm.write(line, file=sys.stderr)
+        else:
+            click.echo(line, err=True)
+
+
+class _ElapsedFormatter(logging.Formatter):
+    """Seconds since the start of the program, stage and text."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        module = record.name.removeprefix("erlif.")
+        text = f"{record.relativeCreated / 1e3:8.2f} s  {module}: {record.getMessage()}"
+        if record.exc_info:
+            text = f"{text}\n{self.formatException(record.exc_info)}"
+        return text
+
+
+def show_log(verbosity: int) -> None:
+    """Send the log lines of erlif to the terminal.
+
+    Parameters
+    ----------
+    verbosity : int
+        0 for warnings only, 1 for decisions and times of the stages, 2 for details.
+    """
+    logger = logging.getLogger("erlif")
+    for handler in logger.handlers:
+        if isinstance(handler, TerminalHandler):
+            logger.removeHandler(handler)
+            break
+
+    handler = TerminalHandler()
+    handler.setFormatter(_ElapsedFormatter())
+    logger.addHandler(handler)
+    logger.setLevel(LEVELS[min(verbosity, len(LEVELS) - 1)])
+
+    # erlif reports damaged TIFF files itself, in one message
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)

@@ -1,0 +1,41 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.core.errors import OutputError
+
+PATH = click.Path(path_type=Path)
+"""A file or directory. The functions check whether it exists, so that their messages reach the user."""
+
+OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
+
+SKIP_BAD_FRAMES = click.option(
+    "--skip-bad-frames",
+    is_flag=True,
+    help="Leave out unreadable frame pairs; the output lists them.",
+)
+
+
+def expect_suffix(output: Path, *suffixes: str) -> None:
+    """Refuse an output name whose suffix belongs to another file format.
+
+    Parameters
+    ----------
+    output : Path
+        Name that the user gave.
+    *suffixes : str
+        Suffixes of the formats that the command writes, such as ``".nc"``.
+
+    Raises
+    ------
+    OutputError
+        If the name ends in another suffix.
+    """
+    if output.suffix not in suffixes:
+        raise OutputError(
+            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}."
+        )

@@ -1,0 +1,57 @@
+"""``erlif process``: a run directory to film-thickness maps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
+from erlif.commands.progress import show_progress
+
+
+@click.command()
+@click.argument("run_dir", type=PATH)
+@click.option("--calibration", type=PATH, help="Default: the calibration that run.toml names.")
+@click.option(
+    "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
+)
+@click.option("--workers", type=click.IntRange(min=1), help="Threads; default: one per processor.")
+@SKIP_BAD_FRAMES
+@OVERWRITE
+def process(
+    run_dir: Path,
+    calibration: Path | None,
+    output: Path | None,
+    workers: int | None,
+    skip_bad_frames: bool,
+    overwrite: bool,
+) -> None:
+    """Turn a run directory into film-thickness maps.
+
+    Where run.toml names a calibration that does not exist yet, it is fitted from the fixture
+    directory it belongs to. The same command resumes an interrupted run.
+
+    \b
+    Example:
+      erlif process data_samples/straight_bushing
+    """
+    from erlif import pipeline
+    from erlif.report import summarise
+
+    output = output or run_dir / "film.nc"
+    expect_suffix(output, ".nc", ".zarr")
+
+    with show_progress() as progress:
+        film = pipeline.process(
+            run_dir,
+            calibration=calibration,
+            output=output,
+            overwrite=overwrite,
+            skip_bad_frames=skip_bad_frames,
+            workers=workers,
+            progress=progress,
+        )
+    with film:
+        click.echo(summarise(film))
+    click.echo(f"written: {output}")

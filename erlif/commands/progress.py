@@ -1,0 +1,44 @@
+"""Progress of long work on the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from erlif.core.progress import Progress
+
+
+@contextmanager
+def show_progress() -> Iterator[Progress]:
+    """Show a bar on a terminal, and a line for each finished piece of work elsewhere."""
+    from tqdm import tqdm
+
+    plain = not sys.stderr.isatty()
+    bars: dict[str, Any] = {}
+
+    def show(what: str, done: int, total: int) -> None:
+        if plain:
+            if done == total and what not in bars:
+                bars[what] = None
+                click.echo(f"{what}: {total} done", err=True)
+            return
+
+        # one bar at a time: the work is sequential
+        if what not in bars:
+            for bar in bars.values():
+                bar.close()
+            bars[what] = tqdm(total=total, desc=what, unit="pair", leave=False)
+        bar = bars[what]
+        bar.n = min(done, total)
+        bar.refresh()
+
+    try:
+        yield show
+    finally:
+        for bar in bars.values():
+            if bar is not None:
+                bar.close()

@@ -1,0 +1,27 @@
+"""``erlif report``: one HTML page about a film."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+
+
+@click.command()
+@click.argument("film", type=PATH)
+@click.option("-o", "--output", type=PATH, help="Default: report.html beside FILM.")
+@OVERWRITE
+def report(film: Path, output: Path | None, overwrite: bool) -> None:
+    """Write one self-contained HTML page about a film.
+
+    \b
+    Example:
+      erlif report data_samples/straight_bushing/film.nc
+    """
+    from erlif.report import write_report
+
+    output = output or film.parent / "report.html"
+    expect_suffix(output, ".html")
+    click.echo(str(write_report(film, output, overwrite=overwrite)))

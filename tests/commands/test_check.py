@@ -1,0 +1,43 @@
+"""``erlif check``."""
+
+import shutil
+
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (lambda lab: shutil.rmtree(lab.run), "no such directory"),
+        (lambda lab: (lab.run / "run.toml").unlink(), "holds neither"),
+        (lambda lab: lab.frames(1)[0].unlink(), "camera2/frame_0000.tif"),
+        (lambda lab: (lab.run / "camera1_flat.tif").write_bytes(b""), "camera1_flat.tif"),
+        (lambda lab: (lab.run / "encoder.csv").unlink(), "encoder.csv"),
+        (lambda lab: lab.edit("run/run.toml", ('"580 nm"', '"560 nm"')), "560 and 610 nm"),
+        (
+            lambda lab: lab.edit("run/run.toml", ("x = [4, 15]", "x = [40, 150]")),
+            "region of interest",
+        ),
+    ],
+)
+def test_check_ends_with_status_2_at_the_first_error(lab, change, expected):
+    change(lab)
+    result = CliRunner().invoke(main, ["check", str(lab.run)])
+    assert result.exit_code == 2
+    last = result.stdout.splitlines()[-1]
+    assert last.startswith("error")
+    assert expected in last
+    assert "Traceback" not in result.output
+
+
+def test_check_lists_level_subject_and_text(lab, command):
+    lines = command("check", lab.run).stdout.splitlines()
+    assert lines[0] == "note    frames: 6 pairs of 128 x 96 pixels, 'virtual straight bushing'"
+    assert all(line.startswith(("note    ", "warning ")) for line in lines)
+
+
+def test_a_fixture_is_checked_with_its_profile(lab, command):
+    assert "profile: " in command("check", lab.fixture).stdout.splitlines()[-1]

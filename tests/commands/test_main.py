@@ -1,0 +1,86 @@
+"""The command line as a whole: help, loading, exit status."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+import erlif
+import erlif.pipeline
+from erlif.commands.main import main
+
+COMMANDS = ["simulate", "check", "calibrate", "process", "figures", "report", "budget", "sources"]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_shows_an_example(command, name):
+    text = command(name, "--help").stdout
+    assert re.search(rf"Example:\s+erlif {name} ", text)
+    assert f"erlif {name} " in command("--help").stdout or name in (
+        "check",
+        "report",
+        "budget",
+        "sources",
+    )
+
+
+def test_importing_erlif_loads_nothing_heavy():
+    """A user who asks for help, or for one function, does not wait for figures, kernels and clusters."""
+    script = "import sys, erlif, erlif.commands.main; print(*{name.split('.')[0] for name in sys.modules})"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stdout.split())
+    assert "erlif" in loaded
+    assert not loaded & {
+        "matplotlib",
+        "dask",
+        "panel",
+        "numba",
+        "scipy",
+        "xarray",
+        "pandas",
+        "cv2",
+        "zarr",
+        "h5py",
+        "pint",
+        "skimage",
+    }
+
+
+def test_the_module_runs_as_the_command_does():
+    done = subprocess.run(
+        [sys.executable, "-m", "erlif", "--version"], capture_output=True, text=True, check=True
+    )
+    assert erlif.__version__ in done.stdout
+
+
+@pytest.mark.parametrize("arguments", [[], ["--workers", "0"], ["--worker", "2"], ["extra"]])
+def test_wrong_usage_ends_with_status_2(lab, arguments):
+    directory = [str(lab.run)] if arguments else []
+    result = CliRunner().invoke(main, ["process", *directory, *arguments])
+    assert result.exit_code == 2
+    assert "Usage:" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["process", "calibrate"])
+def test_a_directory_that_does_not_exist_is_refused(lab, refused, name):
+    assert "not a directory" in refused(name, lab.directory / "nowhere")
+
+
+def test_the_wrong_command_for_a_directory_is_recognised(lab, refused):
+    assert "other command" in refused("process", lab.fixture)
+    assert "other command" in refused("calibrate", lab.run)
+
+
+def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
+    def fail(*arguments, **options):
+        raise ZeroDivisionError("a slip")
+
+    monkeypatch.setattr(erlif.pipeline, "process", fail)
+    result = CliRunner().invoke(main, ["process", str(lab.run)])
+    assert result.exit_code == 1
+    assert "a slip" in result.stderr
+    assert "please report it" in result.stderr

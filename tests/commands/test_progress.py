@@ -1,0 +1,32 @@
+"""Progress on the terminal and elsewhere."""
+
+import io
+import sys
+
+from erlif.commands.progress import show_progress
+
+
+class Terminal(io.StringIO):
+    """A stream that claims to be a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_elsewhere_each_piece_of_work_has_one_line_when_it_is_finished(capsys):
+    with show_progress() as progress:
+        for done in (1, 2, 3, 3):
+            progress("film", done, 3)
+        progress("ratio", 1, 2)
+    assert capsys.readouterr().err == "film: 3 done\n"
+
+
+def test_a_terminal_shows_how_far_the_work_is(monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with show_progress() as progress:
+        progress("film", 1, 4)
+        progress("film", 4, 4)
+    assert "1/4" in terminal.getvalue()
+    assert "4/4" in terminal.getvalue()
+    assert "done" not in terminal.getvalue()
