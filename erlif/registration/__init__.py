@@ -1,10 +1,11 @@
-"""Camera 2 onto the pixels of camera 1."""
+"""Camera 2 on the pixels of camera 1."""
 
 from erlif.registration.alignment import align_frames
 from erlif.registration.background import divide_by_light
 from erlif.registration.camera_map import CameraMap, MapKind, describe_map, move_map
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
+from erlif.registration.inverse import InverseComparison, compare_with_inverse
 from erlif.registration.settings import RegistrationSettings, orient
 from erlif.registration.steepness import is_steep
 from erlif.registration.warp import (
@@ -17,10 +18,12 @@ from erlif.registration.warp import (
 __all__ = [
     "CameraMap",
     "Drift",
+    "InverseComparison",
     "MapKind",
     "RegistrationSettings",
     "align_frames",
     "check_map",
+    "compare_with_inverse",
     "describe_map",
     "divide_by_light",
     "estimate_drift",

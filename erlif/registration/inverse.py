@@ -1,0 +1,201 @@
+"""Whether the cameras of a run are exchanged: the map found on it is then the inverse of a stored one.
+
+With cameras exchanged, camera 1 of the run is camera 2 of the calibration. If the stored map takes
+an object point from x to x + d(x), the map of the run has the displacement -d(x) at x + d(x); with
+the cameras in place it has d(x) at x. The translation between the cameras drifts from session to
+session, so it decides nothing: magnification, rotation and distortion do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy import ndimage
+
+from erlif.core.arrays import Array, Mask
+from erlif.registration.camera_map import CameraMap
+from erlif.registration.settings import orient
+
+NODES: Final = 65
+"""Points along each axis at which the maps are compared; a map is smooth."""
+FEWEST: Final = 64
+"""Points that both maps must know."""
+REPRODUCIBILITY: Final = 0.05
+"""Rms change of magnification, rotation and distortion between two sessions on one rig. [px]"""
+CLEAR: Final = 5.0
+"""Standard deviations of the maps between the found one and the middle of the two candidates."""
+CLOSE: Final = 0.25
+"""Largest misfit of the better candidate in parts of that of the other; a third map has more."""
+
+
+@dataclass(frozen=True)
+class InverseComparison:
+    """A map found on a run beside a stored map and beside the inverse of the stored map."""
+
+    misfit: float
+    """Rms distance from the stored map after the best translation; infinite if the two maps have
+    different orientations or frame sizes, NaN if they have too few points in common. [px]"""
+    misfit_inverse: float
+    """The same from the inverse of the stored map. [px]"""
+    significance: float
+    """Distance of the found map from the middle between the two candidates, in standard deviations
+    of the maps; half the distance between the candidates if one of them fits exactly. [1]"""
+    inverted: bool | None
+    """True if the found map is the inverse of the stored one, False if it is the stored map itself,
+    None if the maps have too little structure to decide or the found map fits neither."""
+
+
+def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparison:
+    """Decide whether a map found on a run is a stored map or the inverse of it.
+
+    Parameters
+    ----------
+    stored : CameraMap
+        The map of the calibration, from its camera 1 to its camera 2.
+    found : CameraMap
+        The map found on the run, from the run's camera 1 to the run's camera 2.
+
+    Returns
+    -------
+    InverseComparison
+        Both misfits and the verdict. Translations are left out of the comparison, so maps without
+        magnification, rotation or distortion are undecided.
+
+    Examples
+    --------
+    Camera 2 magnifies by 1.02 about the centre of the frame; seen from camera 2, camera 1 reduces.
+
+    >>> from erlif.registration import CameraMap, MapKind
+    >>> y, x = np.indices((200, 300)) - np.array([99.5, 149.5]).reshape(2, 1, 1)
+    >>> everywhere, exact = x == x, 0 * x
+    >>> def magnify(by):
+    ...     shift = (by - 1) * x, (by - 1) * y
+    ...     return CameraMap(*shift, exact, everywhere, ~everywhere, 1.0, MapKind.SURFACE)
+    >>> compare_with_inverse(magnify(1.02), magnify(1 / 1.02)).inverted
+    True
+    >>> compare_with_inverse(magnify(1.02), magnify(1.02)).inverted
+    False
+    """
+    x, y = (np.unique(np.linspace(0, n - 1, NODES).round()) for n in stored.shape[::-1])
+    x, y = np.meshgrid(x, y)
+    own = _sample(_Field.of(stored), x, y)
+    same = _sample(_Field.of(found), x, y) if _may_be_the_same(stored, found) else None
+    exchanged = (
+        _sample(_Field.exchanged(found, stored.settings.orientation), x + own.dx, y + own.dy)
+        if _may_be_inverse(stored, found)
+        else None
+    )
+
+    # one set of points for both candidates, so that their misfits can be compared
+    known = own.known
+    for field in (same, exchanged):
+        if field is not None:
+            known = known & field.known
+    if known.sum() < FEWEST:
+        return InverseComparison(np.nan, np.nan, 0.0, None)
+
+    misfit, misfit_inverse = np.inf, np.inf
+    variance = 2 * (own.std[known] ** 2).mean()  # of the two components together
+    if same is not None:
+        misfit = _rms(same.dx - own.dx, same.dy - own.dy, known)
+    if exchanged is not None:
+        misfit_inverse = _rms(exchanged.dx + own.dx, exchanged.dy + own.dy, known)
+    run = exchanged if same is None else same
+    if run is not None:
+        variance += 2 * (run.std[known] ** 2).mean()
+
+    return _judge(
+        misfit,
+        misfit_inverse,
+        apart=2 * _rms(own.dx, own.dy, known),  # d and -d are apart by twice d
+        std=float(np.sqrt(variance + REPRODUCIBILITY**2)),
+    )
+
+
+def _judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> InverseComparison:
+    """Verdict from the misfits, the distance between the candidates and the noise of the maps. [px]
+
+    The found map lies ``(worse^2 - better^2) / (2 apart)`` from the middle, along the line between
+    the candidates. The error of a map is correlated over the frame: at worst all of ``std`` lies
+    along that line, and this is assumed.
+    """
+    better, worse = sorted((misfit, misfit_inverse))
+    worse = min(worse, apart)  # also where the orientation excludes one of the candidates
+    if not better < worse:
+        return InverseComparison(misfit, misfit_inverse, 0.0, None)
+
+    significance = (worse**2 - better**2) / (2 * apart * std)
+    clear = significance > CLEAR and better < CLOSE * worse
+    return InverseComparison(
+        misfit, misfit_inverse, significance, misfit_inverse < misfit if clear else None
+    )
+
+
+@dataclass(frozen=True)
+class _Field:
+    """Displacement, its standard deviation, and where they can be used; any one shape. [px]"""
+
+    dx: Array
+    dy: Array
+    std: Array
+    known: Mask
+
+    @classmethod
+    def of(cls, camera_map: CameraMap) -> _Field:
+        """The whole map."""
+        dx, dy, std = (
+            np.asarray(getattr(camera_map, f"displacement_{name}"), float)
+            for name in ("x", "y", "std")
+        )
+        known = camera_map.overlap & ~camera_map.poor & np.isfinite(dx + dy + std)
+        return cls(dx, dy, std, known)
+
+    @classmethod
+    def exchanged(cls, found: CameraMap, orientation: str) -> _Field:
+        """The map of a run on the pixels of the stored map's camera 2, after its orientation.
+
+        The turn of camera 2 applies to camera 1 of the run if the cameras are exchanged: both the
+        image of the displacement and its vectors are turned.
+        """
+        own = cls.of(found)
+        turn = _turn(orientation)
+        dx, dy, std, known = (orient(a, orientation) for a in (own.dx, own.dy, own.std, own.known))
+        return cls(turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known)
+
+
+def _may_be_the_same(stored: CameraMap, found: CameraMap) -> bool:
+    return stored.shape == found.shape and stored.settings.orientation == found.settings.orientation
+
+
+def _may_be_inverse(stored: CameraMap, found: CameraMap) -> bool:
+    """Whether the turn of the run's camera 2 undoes that of the stored map's camera 2."""
+    both = _turn(stored.settings.orientation) @ _turn(found.settings.orientation)
+    return bool((both == np.eye(2)).all())
+
+
+def _turn(orientation: str) -> Array:
+    """Matrix that takes a vector (x, y) on the pixels of a camera to the oriented image."""
+    row, column = (orient(index, orientation) for index in np.indices((2, 2), dtype=float))
+    # the derivatives of the original coordinates are the inverse of the matrix, its transpose
+    return np.array(
+        [
+            [column[0, 1] - column[0, 0], row[0, 1] - row[0, 0]],
+            [column[1, 0] - column[0, 0], row[1, 0] - row[0, 0]],
+        ]
+    )
+
+
+def _sample(field: _Field, x: Array, y: Array) -> _Field:
+    """The field at any points, by bilinear interpolation; not known beyond its edges."""
+    dx, dy, std = (
+        ndimage.map_coordinates(np.where(field.known, a, np.nan), [y, x], order=1, cval=np.nan)
+        for a in (field.dx, field.dy, field.std)
+    )
+    return _Field(dx, dy, std, np.isfinite(dx + dy + std))
+
+
+def _rms(dx: Array, dy: Array, known: Mask) -> float:
+    """Rms length of vectors about their mean, which is the best translation."""
+    return float(np.sqrt(dx[known].var() + dy[known].var()))

@@ -1,0 +1,225 @@
+"""Whether the map of a run is the stored one or its inverse.
+
+The inverse of a known displacement comes from a fixed-point iteration.
+"""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Scene, inverse, smooth_map
+
+from erlif.registration import (
+    CameraMap,
+    MapKind,
+    RegistrationSettings,
+    compare_with_inverse,
+    orient,
+    register,
+)
+from erlif.registration.settings import ORIENTATIONS
+
+SHAPE = (240, 320)
+STD = 0.01
+
+AFFINE = smooth_map(SHAPE, rotation=0.3, scale=1.01, cubic=0.0, quadratic=0.0)
+CURVED = smooth_map(SHAPE, rotation=0.0, scale=1.0, cubic=1.5, quadratic=0.8)
+BOTH = smooth_map(SHAPE)
+ROTATION = smooth_map(SHAPE, rotation=0.5, scale=1.0, cubic=0.0, quadratic=0.0)
+MAPS = {"affine": AFFINE, "curved": CURVED, "both": BOTH, "rotation": ROTATION}
+
+
+def backwards(field):
+    """Displacement from camera 2 to camera 1, at the pixels of camera 2."""
+
+    def displacement(x, y):
+        px, py = inverse(field, x, y)
+        return px - x, py - y
+
+    return displacement
+
+
+def camera_map(field, *, shape=SHAPE, std=STD, move=(0.0, 0.0), orientation="normal"):
+    y, x = np.indices(shape, dtype=float)
+    dx, dy = field(x, y)
+    dx, dy = dx + move[0], dy + move[1]
+    h, w = SHAPE
+    return CameraMap(
+        dx.astype(np.float32),
+        dy.astype(np.float32),
+        np.full(shape, std, np.float32),
+        (x + dx >= 0) & (x + dx <= w - 1) & (y + dy >= 0) & (y + dy <= h - 1),
+        np.zeros(shape, bool),
+        0.9,
+        MapKind.SURFACE,
+        settings=RegistrationSettings(orientation=orientation),
+    )
+
+
+def with_errors(field, seed, size):
+    """The map with a smooth error of that rms in each component: affine and quadratic terms."""
+    rng = np.random.default_rng(seed)
+    terms = rng.normal(size=(2, 5))
+
+    def displacement(x, y):
+        u, v = (x - 159.5) / 92.4, (y - 119.5) / 69.3  # of unit variance over the frame
+        shapes = (u, v, u * v, (u**2 - 1) / 0.9, (v**2 - 1) / 0.9)
+        dx, dy = field(x, y)
+        error = [sum(t * s for t, s in zip(row, shapes, strict=True)) for row in terms]
+        norm = size / np.sqrt(5)
+        return dx + norm * error[0], dy + norm * error[1]
+
+    return displacement
+
+
+@pytest.mark.parametrize("name", MAPS)
+@pytest.mark.parametrize("move", [(0.0, 0.0), (6.0, -4.0)])
+def test_map_and_inverse_are_distinguished_at_any_translation(name, move):
+    field = MAPS[name]
+    stored = camera_map(field)
+    same = compare_with_inverse(stored, camera_map(field, move=move))
+    assert same.inverted is False
+    assert same.misfit < 1e-5
+    swapped = compare_with_inverse(stored, camera_map(backwards(field), move=move))
+    assert swapped.inverted is True
+    # a translation also moves the point at which the inverse is read: part of the distortion is left
+    still = move == (0.0, 0.0)
+    assert swapped.misfit_inverse < (0.001 if still else 0.06)
+    assert same.misfit_inverse == pytest.approx(swapped.misfit, rel=0.03 if still else 0.1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("name", ["affine", "curved", "both"])
+def test_errors_of_the_map_do_not_change_the_verdict(name, seed):
+    stored = camera_map(MAPS[name], std=0.05)
+    for inverted, field in ((False, MAPS[name]), (True, backwards(MAPS[name]))):
+        found = camera_map(with_errors(field, seed, 0.05), std=0.05, move=(0.7, -1.1))
+        result = compare_with_inverse(stored, found)
+        assert result.inverted is inverted
+        best = result.misfit_inverse if inverted else result.misfit
+        assert 0.01 < best < 0.2  # the error put in: 0.07 px of vector length
+
+
+def test_misfits_and_significance_of_a_magnification_in_closed_form():
+    """Magnification m moves a point by (m - 1) r and its inverse by (1/m - 1) r.
+
+    The radius r has the variance (w^2 + h^2)/12 over a frame of w by h.
+    """
+    m, std = 1.012, 0.02
+
+    def magnify(by):
+        return lambda x, y: ((by - 1) * (x - 159.5), (by - 1) * (y - 119.5))
+
+    result = compare_with_inverse(
+        camera_map(magnify(m), std=std), camera_map(magnify(1 / m), std=2 * std)
+    )
+    radius = np.hypot(320 / m, 240 / m) / np.sqrt(12)  # camera 2 does not see the outermost points
+    apart, misfit = 2 * (m - 1) * radius, (m - 1 / m) * radius
+    noise = np.sqrt(2 * std**2 + 2 * (2 * std) ** 2 + 0.05**2)
+    assert result.misfit_inverse < 1e-4
+    npt.assert_allclose(result.misfit, misfit, rtol=0.01)
+    npt.assert_allclose(result.significance, misfit**2 / (2 * apart * noise), rtol=0.01)
+
+
+@pytest.mark.parametrize("orientation", ORIENTATIONS)
+def test_orientation_of_camera_2_is_undone(orientation):
+    """The run turns its camera 2, which is camera 1 of the calibration, by the opposite angle."""
+    back = {"rotated_90": "rotated_270", "rotated_270": "rotated_90"}.get(orientation, orientation)
+    stored = camera_map(BOTH, orientation=orientation)
+    # on the sensor of the stored camera 2: turned images, and vectors from the turned coordinates
+    y, x = np.indices(SHAPE, dtype=float)
+    dx, dy = backwards(BOTH)(x, y)
+    row, column = orient(y, back), orient(x, back)
+    step_x, step_y = orient(dx, back), orient(dy, back)
+    down, across = np.gradient(column)  # change of x of the oriented image along the sensor's axes
+    found_x, found_y = across * step_x, down * step_x
+    down, across = np.gradient(row)
+    found_x, found_y = found_x + across * step_y, found_y + down * step_y
+    found = CameraMap(
+        found_x.astype(np.float32),
+        found_y.astype(np.float32),
+        np.full(row.shape, STD, np.float32),
+        orient(camera_map(backwards(BOTH)).overlap, back),
+        np.zeros(row.shape, bool),
+        0.9,
+        MapKind.SURFACE,
+        settings=RegistrationSettings(orientation=back),
+    )
+    result = compare_with_inverse(stored, found)
+    assert result.inverted is True
+    assert result.misfit_inverse < 0.001
+    if back != orientation:
+        assert result.misfit == np.inf
+
+
+def test_pure_translation_is_undecided():
+    level = smooth_map(SHAPE, rotation=0.0, scale=1.0, cubic=0.0, quadratic=0.0)
+    for field in (level, backwards(level)):
+        result = compare_with_inverse(camera_map(level), camera_map(field, move=(2.0, 1.0)))
+        assert result.inverted is None
+        assert result.misfit == pytest.approx(0, abs=1e-6)
+        assert result.misfit_inverse == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("std", [0.3, 2.0])
+def test_structure_within_the_error_of_the_maps_is_undecided(std):
+    result = compare_with_inverse(camera_map(AFFINE, std=std), camera_map(AFFINE, std=std))
+    assert result.inverted is None
+    assert result.significance < 5
+    assert compare_with_inverse(camera_map(AFFINE), camera_map(AFFINE)).significance > 20
+
+
+def test_structure_below_the_reproducibility_of_a_rig_is_undecided():
+    """0.1 px at half the longer side, however well the maps are measured."""
+    faint = smooth_map(SHAPE, rotation=0.0, scale=1.0, cubic=0.1, quadratic=0.0)
+    assert compare_with_inverse(camera_map(faint, std=0), camera_map(faint, std=0)).inverted is None
+
+
+def test_map_of_another_mount_is_neither():
+    """The cameras have been mounted anew: magnification and rotation have nothing in common."""
+    other = smooth_map(SHAPE, rotation=-0.5, scale=1.013, cubic=0.0, quadratic=0.0)
+    for pair in ((AFFINE, other), (other, AFFINE), (AFFINE, backwards(other)), (CURVED, AFFINE)):
+        result = compare_with_inverse(*(camera_map(field) for field in pair))
+        assert result.inverted is None
+        assert min(result.misfit, result.misfit_inverse) > 0.25
+
+
+def test_another_orientation_or_frame_size_excludes_the_map_itself():
+    stored = camera_map(AFFINE)
+    smaller = camera_map(AFFINE, shape=(200, 320))
+    assert compare_with_inverse(stored, smaller).misfit == np.inf
+    turned = camera_map(AFFINE, orientation="rotated_90")
+    result = compare_with_inverse(stored, turned)
+    assert (result.misfit, result.misfit_inverse, result.inverted) == (np.inf, np.inf, None)
+
+
+def test_poor_and_unseen_pixels_do_not_count():
+    stored = camera_map(BOTH)
+    found = camera_map(backwards(BOTH))
+    found.poor[:, :60] = True
+    found.displacement_x[:, :60] += 40
+    found.overlap[200:] = False
+    found.displacement_y[200:] = np.nan
+    result = compare_with_inverse(stored, found)
+    assert result.inverted is True
+    assert result.misfit_inverse < 0.001
+
+
+def test_maps_without_common_pixels_are_undecided():
+    found = camera_map(BOTH)
+    found.poor[:] = True
+    result = compare_with_inverse(camera_map(BOTH), found)
+    assert np.isnan([result.misfit, result.misfit_inverse]).all()
+    assert (result.significance, result.inverted) == (0.0, None)
+
+
+def test_exchanged_frames_give_the_inverse_map():
+    """The maps are found on frames, in two sessions with a drift in between."""
+    sessions = [
+        Scene((256, 320), 1).photograph(smooth_map((256, 320), offset=offset))
+        for offset in ((4.0, -3.0), (5.1, -3.6))
+    ]
+    stored = register(sessions[0].reference, sessions[0].moving)
+    in_place = register(sessions[1].reference, sessions[1].moving)
+    exchanged = register(sessions[1].moving, sessions[1].reference)
+    assert compare_with_inverse(stored, in_place).inverted is False
+    assert compare_with_inverse(stored, exchanged).inverted is True
