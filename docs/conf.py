@@ -1,0 +1,186 @@
+"""How the documentation is built: ``python -m sphinx -W --keep-going docs build/docs``.
+
+Nothing is fetched while building or reading: formulas become MathML, figures come from the sample
+run in the repository, and there are no links into other projects' inventories.
+"""
+
+import os
+import re
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import get_origin
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "docs" / "gallery"))
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    (str(ROOT / "docs" / "gallery"), os.environ.get("PYTHONPATH", ""))
+)  # for the kernel of the tutorial
+
+from erlif.core.version import __version__  # noqa: E402
+
+project = "erlif"
+author = "The erlif developers"
+copyright = "The erlif developers"
+release = version = __version__
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "myst_nb",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["gallery", "auto_gallery/*.ipynb", "auto_gallery/*.py*", "_build"]
+root_doc = "index"
+default_role = "py:obj"
+toc_object_entries_show_parents = "hide"
+suppress_warnings = ["config.cache"]  # the gallery's configuration holds a class
+
+# MyST and the tutorial
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence", "attrs_inline"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+# API reference
+autosummary_generate = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # types stand in the signature's place in the Parameters section
+autodoc_default_options = {"members": True}
+numpydoc_show_class_members = False
+python_maximum_signature_line_length = 88
+
+# Gallery
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "filename_pattern": r"/plot_",
+    "ignore_pattern": r"sample\.py",
+    "within_subsection_order": "FileNameSortKey",
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 10,
+    "abort_on_example_error": True,
+    "plot_gallery": True,
+    "image_srcset": ["2x"],
+}
+
+# HTML
+html_theme = "pydata_sphinx_theme"
+html_title = "erlif"
+html_static_path = ["_static"]
+html_css_files = ["erlif.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_math_renderer = "mathml"
+html_theme_options = {
+    "navbar_align": "left",
+    "header_links_before_dropdown": 5,
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "secondary_sidebar_items": {"**": ["page-toc"], "index": []},
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+}
+html_sidebars = {"index": [], "glossary": [], "bibliography": []}
+
+STAGES = (
+    "ingest",
+    "correction",
+    "registration",
+    "ratio",
+    "calibration",
+    "thickness",
+    "kinematics",
+    "trend",
+    "pipeline",
+    "files",
+    "plots",
+    "report",
+    "settings",
+    "rig",
+)
+"""Stages whose exported names are documented, in the order of the pipeline."""
+
+MODELS = (
+    "bearing",
+    "contact",
+    "film",
+    "fluorescence",
+    "friction",
+    "mechanism",
+    "oil",
+    "reaction",
+    "wear",
+)
+
+
+def exported(name: str) -> list[str]:
+    """Names of a module's ``__all__``, or its public functions and classes where it has none."""
+    module = import_module(name)
+    names = getattr(module, "__all__", None)
+    if names is not None:  # unit types of the settings, such as Length, are written down in Files
+        return [each for each in names if get_origin(getattr(module, each)) is None]
+    return sorted(
+        each
+        for each, thing in vars(module).items()
+        if not each.startswith("_") and getattr(thing, "__module__", None) == name
+    )
+
+
+def write_api_pages(app: Sphinx) -> None:
+    """Write one page for each stage from its ``__all__``, so that no exported name is missing."""
+    folder = Path(app.srcdir) / "api"
+    for name in [*STAGES, *(f"models.{model}" for model in MODELS)]:
+        full = f"erlif.{name}"
+        names = "\n".join(f"   {each}" for each in exported(full))
+        text = (
+            f"{full}\n{'=' * len(full)}\n\n.. currentmodule:: {full}\n\n"
+            f".. autosummary::\n   :nosignatures:\n\n{names}\n\n"
+            f".. automodule:: {full}\n   :members: {', '.join(exported(full))}\n"
+        )
+        page = folder / f"{name}.rst"
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            page.write_text(text, encoding="utf-8")
+
+
+def escape_bars(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Keep |speed| in a docstring from being read as a reStructuredText substitution."""
+    doctest = False
+    for n, line in enumerate(lines):
+        doctest = bool(line.strip()) and (doctest or line.lstrip().startswith(">>>"))
+        if not doctest and "``" not in line:
+            lines[n] = re.sub(r"(?<!\\)\|", r"\|", line)
+
+
+def inline_math(self, node: nodes.math) -> None:
+    """Write a formula in a line as MathML, which browsers draw without a script."""
+    self.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def display_math(self, node: nodes.math_block) -> None:
+    """Write a displayed formula as MathML in a block that scrolls where it is too wide."""
+    self.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>\n')
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """Register the MathML renderer and the pages of the API reference."""
+    app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    app.connect("builder-inited", write_api_pages, priority=100)
+    app.connect("autodoc-process-docstring", escape_bars)

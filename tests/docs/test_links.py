@@ -1,0 +1,32 @@
+"""Links of the documents: every file they name exists."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+GENERATED = ("docs/auto_gallery/",)
+"""Folders that only the build of the site makes."""
+
+DOCUMENTS = sorted(
+    path
+    for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *ROOT.glob("docs/*.ipynb")]
+    if "auto_gallery" not in path.parts and "jupyter_execute" not in path.parts
+)
+
+
+def prose(path: Path) -> str:
+    """Text of a document without its fenced code."""
+    return re.sub(r"^ *```.*?^ *```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_relative_links_name_existing_files(path):
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", prose(path)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        file = (path.parent / target).resolve()
+        if file.relative_to(ROOT).as_posix().startswith(GENERATED):
+            continue
+        assert file.exists(), f"{path.name} links to {target}, which does not exist"
