@@ -1,4 +1,8 @@
-"""The translation of one frame against the fixed map: fast, for every frame of a run."""
+"""The translation of one frame against the fixed map: fast, for every frame of a run.
+
+The binned images are correlated to find the whole pixels, and Gauss-Newton steps (Lucas and Kanade
+1981) find the fraction. The standard deviation is the sandwich of the scores (Huber 1967).
+"""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -30,10 +34,24 @@ from erlif.registration.settings import RegistrationSettings
 from erlif.registration.surface import cell_weights
 
 STEP: Final = 16
+"""Side of the cells whose sums determine the drift. [px]"""
 FARTHEST: Final = 8
-"""Largest drift looked for, in pixels binned by 2 or, for frames of 400 px and more, by 4."""
+"""Largest drift in the search, in pixels binned by 2 or, for large frames, by 4."""
+LARGE: Final = 400
+"""Frames with both sides above this are binned by 2 in the last steps too: they have texture enough
+for a translation. [px]"""
+COARSE_PASSES: Final = 3
+"""Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.05."""
+FEWEST_CELLS: Final = 16
+"""Cells with light in both cameras below which the chance of a correlation cannot be judged."""
 CHANCE: Final = 6.0
-"""The mean or median product of the textures must be this many of its standard errors for a drift to be believed."""
+"""Standard errors by which the mean or the median product of the textures must exceed 0."""
+NORMAL_MAD: Final = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation."""
+FRAMES_CHECKED: Final = 8
+"""Largest number of frames on which a stored map is checked."""
+OFF_SHARE: Final = 0.1
+"""Part of the common field that may need another displacement before a stored map is refused."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +59,19 @@ class Drift:
     """Translation of camera 2 in one frame, to be added to the fixed map."""
 
     dx: float
-    """[px]"""
+    """Positive towards larger column. [px]"""
     dy: float
-    """[px]"""
+    """Positive towards larger row. [px]"""
     std_dx: float
     """Standard deviation of dx. [px]"""
     std_dy: float
     """Standard deviation of dy. [px]"""
     quality: float
     """Correlation coefficient of the two textures after alignment. [1]"""
+
+
+NO_DRIFT: Final = (np.nan, np.nan, np.nan, np.nan)
+"""dx, dy and their standard deviations for a frame without common texture."""
 
 
 def estimate_drift(
@@ -61,38 +83,60 @@ def estimate_drift(
     weight_moving: AnyArray | None = None,
     threads: int = 1,
 ) -> Drift:
-    """Measure by how much camera 2 has moved in this frame against a map made before.
+    """Measure how far camera 2 has moved in this frame since the map was made.
 
     Parameters
     ----------
     camera_map : CameraMap
         The fixed map, whose orientation is applied to ``moving``.
     reference, moving : array, (y, x)
-        Camera 1 and camera 2, counts above the dark level.
+        Camera 1 and camera 2, counts above the dark level. [DN]
     weight_reference, weight_moving : array, (y, x), optional
-        0 for pixels that must not count.
+        0 for pixels that must not count, otherwise 1.
     threads : int
         Threads to use.
+
+    Returns
+    -------
+    Drift
+        The translation with its standard deviations.
 
     Raises
     ------
     RegistrationError
-        If the frame does not fit the map: another size, or no common texture where the map says it should be.
+        If the frame has another size than the map, or if the two cameras have no common texture
+        when they are aligned by it.
+
+    Examples
+    --------
+    Camera 2 shows the same random texture three columns to the right.
+
+    >>> from scipy.ndimage import gaussian_filter
+    >>> from erlif.registration import CameraMap, MapKind
+    >>> flat = np.zeros((96, 128), np.float32)
+    >>> level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    >>> noise = np.random.default_rng(1).normal(size=(96, 131))
+    >>> wall = (1000 + 300 * gaussian_filter(noise, 1.5)).astype(np.float32)
+    >>> drift = estimate_drift(level, wall[:, 3:], wall[:, :-3])
+    >>> abs(drift.dx - 3) < 0.01, abs(drift.dy) < 0.01
+    (True, True)
     """
     pair = make_pair(reference, moving, weight_reference, weight_moving, camera_map.settings)
     if pair.reference.shape != camera_map.shape:
         raise RegistrationError(
-            f"The camera map was made for frames of {camera_map.shape}, this frame has {pair.reference.shape}; "
-            "register the cameras again for this region of interest."
+            f"The camera map was made for frames of {camera_map.shape}, this frame has "
+            f"{pair.reference.shape}; register the cameras again for this region of interest."
         )
+
     found = follow_drift(
         camera_map.displacement_x, camera_map.displacement_y, pair, threads=threads
     )
     if np.isnan(found.dx):
         raise RegistrationError(
-            f"This frame does not fit the camera map: laid over each other, the images of the two cameras have a "
-            f"correlation coefficient of {found.quality:.3f}, no more than chance gives. Leave the frame out if the "
-            "pulse misfired, or register the cameras again if they have been moved."
+            "This frame does not fit the camera map: after alignment, the images of the two "
+            f"cameras have a correlation coefficient of {found.quality:.3f}, no more than chance "
+            "gives. Leave the frame out if the pulse misfired, or register the cameras again if "
+            "they have been moved."
         )
     return found
 
@@ -104,7 +148,7 @@ def check_map(
     tolerance: float = 0.1,
     settings: RegistrationSettings | None = None,
 ) -> AnyArray:
-    """Check on a few frames of a run that a map made before still fits it.
+    """Check on a few frames of a run that a map made before still fits.
 
     Parameters
     ----------
@@ -113,7 +157,7 @@ def check_map(
     pairs : sequence, or callable that gives a fresh iterable
         Frames of the run, as for `register_frames`; at most eight of them, evenly spaced, are used.
     tolerance : float
-        Local displacement beyond the drift that is let pass. [px]
+        Local displacements up to this, beyond the drift, are accepted. [px]
     settings : RegistrationSettings, optional
         Those of the map if missing.
 
@@ -125,15 +169,36 @@ def check_map(
     Raises
     ------
     RegistrationError
-        If a frame does not fit at all, or if more than a tenth of the field clearly needs another displacement.
+        If a frame does not fit at all, or if more than a tenth of the field clearly needs another
+        displacement.
+
+    Examples
+    --------
+    The cameras show one random texture; camera 2 is a column to the right in the second frame.
+
+    >>> from scipy.ndimage import gaussian_filter
+    >>> from erlif.registration import CameraMap, MapKind
+    >>> flat = np.zeros((96, 128), np.float32)
+    >>> level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    >>> noise = np.random.default_rng(1).normal(size=(96, 129))
+    >>> wall = (1000 + 300 * gaussian_filter(noise, 1.5)).astype(np.float32)
+    >>> still, moved = (wall[:, 1:], wall[:, 1:]), (wall[:, 1:], wall[:, :-1])
+    >>> drift = check_map(level, [(*still, None, None), (*moved, None, None)])
+    >>> bool(np.allclose(drift, [[0, 0], [1, 0]], atol=0.01))
+    True
     """
     settings = camera_map.settings if settings is None else settings
-    frames = open_frames(pairs, replace(settings, frames_for_map=min(8, settings.frames_for_map)))
+    few = replace(settings, frames_for_map=min(FRAMES_CHECKED, settings.frames_for_map))
+    frames = open_frames(pairs, few)
+    # the frames are turned as they are read, so the map must not turn them again
+    unturned = replace(camera_map, settings=replace(settings, orientation="normal"))
+    field = camera_map.displacement_x, camera_map.displacement_y
+
     drift = []
     total = np.zeros((1, 1, SUMS))
     for pair in frames.pick(frames.chosen):
         found = estimate_drift(
-            replace(camera_map, settings=replace(settings, orientation="normal")),
+            unturned,
             pair.reference,
             pair.moving,
             weight_reference=pair.weight_reference,
@@ -141,19 +206,23 @@ def check_map(
             threads=settings.threads,
         )
         drift.append((found.dx, found.dy))
+
         views = textures(pair, 1, settings.threads)
-        field = camera_map.displacement_x, camera_map.displacement_y
         b = laid_over(
             views.spline(settings.threads), *field, (found.dx, found.dy), settings.threads
         )
         total = total + cell_sums(views.a, views.weight, b, STEP, threads=settings.threads)
+
+    # the sums of all frames show a misfit that the noise of one frame hides
     total = without_noise(total)
     off = local.still_off(total * cell_weights(total)[..., None], STEP, tolerance=tolerance)
     lit = total[..., WEIGHT] > 0
-    if off[lit].mean() > 0.1:
+    share = off[lit].mean()
+    if share > OFF_SHARE:
         raise RegistrationError(
-            f"The stored camera map fits no longer: {off[lit].mean():.0%} of the common field needs a displacement that "
-            f"differs by more than {tolerance} px even after the drift. Register the cameras again with this run."
+            f"The stored camera map fits no longer: {share:.0%} of the common field needs a "
+            f"displacement that differs by more than {tolerance} px even after the drift. Register "
+            "the cameras again with this run."
         )
     return np.array(drift)
 
@@ -161,68 +230,78 @@ def check_map(
 def follow_drift(
     displacement_x: AnyArray, displacement_y: AnyArray, pair: Pair, *, threads: int = 1
 ) -> Drift:
-    """The same as `estimate_drift` for a checked pair and a dense displacement (NaN where it is not known). [px]
+    """Measure the drift of a checked pair against a dense displacement (NaN where not known). [px]
 
-    The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them to a fraction of a
-    pixel, and one or two steps at full resolution, or at half of it for large frames, do the rest. NaN if the textures
-    do not correlate beyond chance.
+    The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them
+    to a fraction of a pixel, and one or two steps at full resolution, or at half of it for large
+    frames, do the rest. NaN if the textures do not correlate beyond chance.
     """
     shift = np.zeros(2)
     sums = np.zeros((1, 1, SUMS))
-    last = (
-        2 if min(pair.reference.shape) >= 400 else 1
-    )  # large frames have texture enough for a shift when binned
-    for binning, passes in ((2 * last, 3), (last, last)):
+    last = 2 if min(pair.reference.shape) >= LARGE else 1
+
+    for binning, passes in ((2 * last, COARSE_PASSES), (last, last)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)
-        dx, dy = _thinned(displacement_x, binning), _thinned(displacement_y, binning)
+        dx, dy = binned_field(displacement_x, binning), binned_field(displacement_y, binning)
         if binning > last:
-            shift = binning * _whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
+            shift = binning * whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
         for _ in range(passes):
             here = (float(shift[0]) / binning, float(shift[1]) / binning)
-            sums = cell_sums(
-                views.a,
-                views.weight,
-                laid_over(spline, dx, dy, here, threads),
-                STEP,
-                threads=threads,
-            )
+            b = laid_over(spline, dx, dy, here, threads)
+            sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
             shift = shift + binning * np.array(solve_shift(without_noise(sums)))
+
     quality = correlation(sums)
     products = sums[..., AB][sums[..., WEIGHT] > 0]
-    if products.size < 16 or not _beyond_chance(products):
-        return Drift(np.nan, np.nan, np.nan, np.nan, quality)
+    if products.size < FEWEST_CELLS or not beyond_chance(products):
+        return Drift(*NO_DRIFT, quality)
+
+    # the scores are those before the last step; to first order it takes them to its end
     sums = without_noise(sums)
-    std_dx, std_dy = _spread(move_sums(sums, *solve_shift(sums)))
+    std_dx, std_dy = shift_std(move_sums(sums, *solve_shift(sums)))
     return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
 
 
-def _beyond_chance(products: AnyArray) -> bool:
-    """Whether the textures have something in common: in the mean, or, where the rim of a bubble outshines the rest, in the median."""
+def beyond_chance(products: AnyArray) -> bool:
+    """Whether the textures of the two cameras have more in common than chance gives.
+
+    The mean product over the cells is the sharper test. The median decides where a few cells
+    outshine the rest: the rim of a bubble widens the scatter about the mean, not about the median.
+    The median of normal values has sqrt(pi/2) times the standard error of their mean.
+    """
     error = np.sqrt(1 / products.size)
     median = float(np.median(products))
-    spread = 1.4826 * float(np.median(np.abs(products - median)))
+    spread = NORMAL_MAD * float(np.median(np.abs(products - median)))
     return bool(
         products.mean() > CHANCE * products.std() * error
         or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
     )
 
 
-def _whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
-    """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation; NaN in ``b`` counts 0."""
+def whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
+    """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation.
+
+    NaN in ``b`` counts as 0, the mean of a texture.
+    """
+    # zeros beyond the frame, as wide as the search, keep its opposite edges apart
     size = (
         fft.next_fast_len(a.shape[0] + FARTHEST, real=True),
         fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
     )
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
     value = fft.irfft2(product, size)
+
     near = np.r_[-FARTHEST : FARTHEST + 1]
     j, i = np.unravel_index(int(np.argmax(value[np.ix_(near, near)])), (near.size, near.size))
     return np.array([near[i], near[j]], float)
 
 
-def _thinned(field: AnyArray, binning: int) -> AnyArray:
-    """The displacement at the centres of the binned pixels, in binned pixels."""
+def binned_field(field: AnyArray, binning: int) -> AnyArray:
+    """The displacement at the centres of the binned pixels, in binned pixels.
+
+    ``binning`` is 1, 2 or 4: the centre lies between four pixels, whose mean is taken.
+    """
     if binning == 1:
         return field
     h, w = field.shape[0] // binning, field.shape[1] // binning
@@ -231,12 +310,13 @@ def _thinned(field: AnyArray, binning: int) -> AnyArray:
     return np.asarray(sum(parts) * np.float32(0.25 / binning), np.float32)
 
 
-def _spread(sums: AnyArray) -> tuple[float, float]:
-    """Standard deviations of the shift from the scatter of the cell scores."""
+def shift_std(sums: AnyArray) -> tuple[float, float]:
+    """Standard deviations of a common translation (dx, dy), from the scatter of the cell scores."""
     gxx, gxy, gyy = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY))
     matrix = np.array([[gxx, gxy], [gxy, gyy]])
     if not np.linalg.det(matrix) > 0:
         return float("nan"), float("nan")
+
     scores = np.stack([sums[..., BX].ravel(), sums[..., BY].ravel()])
     inverse = np.linalg.inv(matrix)
     covariance = inverse @ (scores @ scores.T) @ inverse

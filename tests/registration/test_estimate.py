@@ -2,23 +2,18 @@
 
 import gc
 import weakref
-from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scenes.registration import Scene, expose, inverse, smooth_map, vector_rms
+from scenes.registration import Scene, drifting_frames, expose, smooth_map, vector_rms
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import (
-    CameraMap,
     MapKind,
     RegistrationSettings,
-    check_map,
-    estimate_drift,
     orient,
     register,
     register_frames,
@@ -205,48 +200,6 @@ def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
 # uncertainty --------------------------------------------------------------------------------------------------------
 
 
-def known_map(truth):
-    return CameraMap(
-        *(f.astype(np.float32) for f in (truth.dx, truth.dy, 0 * truth.dx)),
-        overlap=truth.inside(0),
-        poor=np.zeros(truth.dx.shape, bool),
-        quality=1.0,
-        kind=MapKind.SURFACE,
-    )
-
-
-def test_drift_scatters_no_less_than_the_bound_and_little_more():
-    """The Cramer-Rao bound of a shift between two noisy samplings of one known scene is 1 / sum(g^2 / (v1 + v2))."""
-    truth = Scene((160, 192), 9, private=0.0, scratches=0).photograph(
-        smooth_map((160, 192), offset=(1.3, -0.6))
-    )
-    rng = np.random.default_rng(10)
-    shots = [
-        estimate_drift(
-            known_map(truth), expose(truth.clean_reference, rng), expose(truth.clean_moving, rng)
-        ).dx
-        for _ in range(60)
-    ]
-    gradient = np.gradient(np.log(truth.clean_reference), axis=1)
-    v1 = (
-        truth.clean_reference / 4 + 4 + 1 / 12
-    ) / truth.clean_reference**2  # 4 e-/DN, 8 e- read noise
-    v2 = (truth.clean_moving / 4 + 4 + 1 / 12) / truth.clean_moving**2
-    bound = 1 / np.sqrt((gradient**2 / (v1 + v2)).sum())
-    assert 0.8 < np.std(shots, ddof=1) / bound < 1.6  # 60 shots know their scatter to 9 %
-
-
-def test_drift_is_off_as_much_as_announced():
-    """Over scenes, for a part of the error belongs to the texture and is the same in every exposure of it."""
-    pull = []
-    for seed in range(25):
-        shape = (416, 448) if seed < 5 else (160, 192)  # large frames are binned
-        truth = Scene(shape, 200 + seed).photograph(smooth_map(shape, offset=(1.3, -0.6)))
-        found = estimate_drift(known_map(truth), truth.reference, truth.moving)
-        pull += [found.dx / found.std_dx, found.dy / found.std_dy]
-    assert 0.7 < np.sqrt(np.mean(np.square(pull))) < 1.3  # 50 values know their rms to 10 %
-
-
 @pytest.mark.slow
 def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
     textures = ({}, {"private": 0.0}, {"contrast": 0.04, "private": 0.0})
@@ -261,30 +214,9 @@ def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
 # many frames --------------------------------------------------------------------------------------------------------
 
 
-def drifting_frames(count, *, contrast=0.04, peak=1250.0, seed=11, rms=0.3):
-    scene = Scene(SHAPE, seed, contrast=contrast, private=0.0)
-    smooth = smooth_map(SHAPE)
-    rng = np.random.default_rng(seed)
-    drift = rng.normal(0, rms, (count, 2))
-    h, w = SHAPE
-    y, x = np.mgrid[:h, :w].astype(float)
-    first = scene.brightness(x, y)
-    first *= peak / np.percentile(first, 99.9)
-    frames = []
-    for sx, sy in drift:
-        second = scene.second(
-            *inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y)
-        )
-        second *= peak / np.percentile(second, 99.9)
-        frames.append((expose(first, rng), expose(second, rng), None, None))
-    dx, dy = smooth(x, y)
-    mean = drift.mean(0)
-    return frames, drift - mean, dx + mean[0], dy + mean[1]
-
-
 @pytest.fixture(scope="module")
 def run():
-    return drifting_frames(16)
+    return drifting_frames(SHAPE, 16)
 
 
 def test_many_weak_frames_give_one_map_and_the_drift_of_each(run):
@@ -334,30 +266,6 @@ def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
     _, measured = register_frames(frames, settings=RegistrationSettings(frames_for_map=4))
     assert measured.shape == drift.shape
     assert np.sqrt(np.mean((measured - drift) ** 2)) < 0.03
-
-
-def test_a_stored_map_is_checked_on_a_new_run(run, camera_map):
-    frames, drift, *_ = run
-    found, _ = register_frames(frames[:6])
-    stored = CameraMap.from_dataset(found.to_dataset())
-    measured = check_map(stored, frames[6:10])
-    npt.assert_allclose(measured - measured.mean(0), drift[6:10] - drift[6:10].mean(0), atol=0.05)
-    turned = replace(
-        stored, displacement_x=stored.displacement_x + np.linspace(-1, 1, SHAPE[0])[:, None]
-    )
-    with pytest.raises(RegistrationError, match="fits no longer"):
-        check_map(turned, frames[6:10])
-
-
-def test_large_drift_is_followed_and_lost_frames_are_refused(views, camera_map):
-    moved = np.roll(views.moving, (3, -4), (0, 1))
-    found = estimate_drift(camera_map, views.reference, moved)
-    npt.assert_allclose((found.dx, found.dy), (-4, 3), atol=0.02)
-    stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
-    with pytest.raises(RegistrationError, match="does not fit the camera map"):
-        estimate_drift(camera_map, views.reference, stranger.moving)
-    with pytest.raises(RegistrationError, match="made for frames of"):
-        estimate_drift(camera_map, views.reference[:200], views.moving[:200])
 
 
 # loud failure -------------------------------------------------------------------------------------------------------
@@ -449,22 +357,3 @@ def test_any_admissible_map_is_found_or_refused(texture, offset, rotation, scale
     except RegistrationError:
         return
     assert vector_rms(found, truth, truth.inside() & found.overlap) < 0.1
-
-
-# storage ------------------------------------------------------------------------------------------------------------
-
-
-def test_a_map_survives_a_file(tmp_path, camera_map):
-    path = tmp_path / "map.nc"
-    camera_map.to_dataset().to_netcdf(path, engine="h5netcdf")
-    with xr.open_dataset(path, engine="h5netcdf") as stored:
-        back = CameraMap.from_dataset(stored)
-    for name in ("displacement_x", "displacement_y", "displacement_std", "overlap", "poor"):
-        npt.assert_array_equal(getattr(back, name), getattr(camera_map, name))
-    assert (back.model, back.settings) == (camera_map.model, camera_map.settings)
-    assert back.quality == pytest.approx(camera_map.quality)
-
-
-def test_a_foreign_dataset_is_refused(camera_map):
-    with pytest.raises(RegistrationError, match="displacement_std"):
-        CameraMap.from_dataset(camera_map.to_dataset().drop_vars("displacement_std"))

@@ -227,3 +227,37 @@ def vector_rms(camera_map: Any, views: Views, inside: Array | None = None) -> fl
         inside
     ]
     return float(np.sqrt(np.mean(error**2)))
+
+
+def drifting_frames(
+    shape: tuple[int, int],
+    count: int,
+    *,
+    contrast: float = 0.04,
+    peak: float = 1250.0,
+    seed: int = 11,
+    rms: float = 0.3,
+) -> tuple[list[tuple[Array, Array, None, None]], Array, Array, Array]:
+    """Frame pairs of one map with a drift of camera 2 in each, as `register_frames` takes them.
+
+    Returns the frames, the drift (frame, 2) about its mean, and the displacement (dx, dy) with the
+    mean drift in it. [px]
+    """
+    scene = Scene(shape, seed, contrast=contrast, private=0.0)
+    smooth = smooth_map(shape)
+    rng = np.random.default_rng(seed)
+    drift = rng.normal(0, rms, (count, 2))
+    h, w = shape
+    y, x = np.mgrid[:h, :w].astype(float)
+    first = scene.brightness(x, y)
+    first *= peak / np.percentile(first, 99.9)
+    frames = []
+    for sx, sy in drift:
+        second = scene.second(
+            *inverse(lambda a, b, sx=sx, sy=sy: np.add(smooth(a, b), [[[sx]], [[sy]]]), x, y)
+        )
+        second *= peak / np.percentile(second, 99.9)
+        frames.append((expose(first, rng), expose(second, rng), None, None))
+    dx, dy = smooth(x, y)
+    mean = drift.mean(0)
+    return frames, drift - mean, dx + mean[0], dy + mean[1]

@@ -1,0 +1,287 @@
+"""The drift of single frames and the check of a stored map, on scenes whose displacement is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Scene, drifting_frames, expose, smooth_map
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import (
+    CameraMap,
+    MapKind,
+    RegistrationSettings,
+    check_map,
+    estimate_drift,
+    orient,
+)
+from erlif.registration.drift import (
+    FARTHEST,
+    beyond_chance,
+    binned_field,
+    follow_drift,
+    shift_std,
+    whole_pixels,
+)
+from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
+from erlif.registration.pairs import Pair
+
+SHAPE = (160, 192)
+
+
+def known_map(truth, **settings):
+    return CameraMap(
+        *(f.astype(np.float32) for f in (truth.dx, truth.dy, 0 * truth.dx)),
+        overlap=truth.inside(0),
+        poor=np.zeros(truth.dx.shape, bool),
+        quality=1.0,
+        kind=MapKind.SURFACE,
+        settings=RegistrationSettings(threads=1, **settings),
+    )
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return Scene(SHAPE, 1).photograph(smooth_map(SHAPE))
+
+
+@pytest.fixture(scope="module")
+def run():
+    """Eleven weak frame pairs of one map, and the map itself."""
+    frames, drift, dx, dy = drifting_frames(SHAPE, 11, contrast=0.08)
+    camera_map = CameraMap(
+        dx.astype(np.float32),
+        dy.astype(np.float32),
+        np.zeros(SHAPE, np.float32),
+        np.ones(SHAPE, bool),
+        np.zeros(SHAPE, bool),
+        1.0,
+        MapKind.SURFACE,
+    )
+    return frames, drift, camera_map
+
+
+# one frame ----------------------------------------------------------------------------------------
+
+
+def test_drift_scatters_no_less_than_the_bound_and_little_more():
+    """The Cramer-Rao bound for two noisy samplings of one known scene is 1 / sum(g^2 / (v1 + v2))."""
+    truth = Scene(SHAPE, 9, private=0.0, scratches=0).photograph(
+        smooth_map(SHAPE, offset=(1.3, -0.6))
+    )
+    rng = np.random.default_rng(10)
+    shots = [
+        estimate_drift(
+            known_map(truth), expose(truth.clean_reference, rng), expose(truth.clean_moving, rng)
+        ).dx
+        for _ in range(60)
+    ]
+    gradient = np.gradient(np.log(truth.clean_reference), axis=1)
+    # 4 electrons per count, 8 electrons of read noise, rounding
+    v1 = (truth.clean_reference / 4 + 4 + 1 / 12) / truth.clean_reference**2
+    v2 = (truth.clean_moving / 4 + 4 + 1 / 12) / truth.clean_moving**2
+    bound = 1 / np.sqrt((gradient**2 / (v1 + v2)).sum())
+    assert 0.8 < np.std(shots, ddof=1) / bound < 1.6  # 60 shots know their scatter to 9 %
+
+
+def test_error_of_the_drift_agrees_with_its_standard_deviation():
+    """Over scenes: part of the error belongs to the texture and is the same in all exposures."""
+    pull = []
+    for seed in range(25):
+        shape = (416, 448) if seed < 5 else SHAPE  # large frames are binned
+        truth = Scene(shape, 200 + seed).photograph(smooth_map(shape, offset=(1.3, -0.6)))
+        found = estimate_drift(known_map(truth), truth.reference, truth.moving)
+        pull += [found.dx / found.std_dx, found.dy / found.std_dy]
+    assert 0.7 < np.sqrt(np.mean(np.square(pull))) < 1.3  # 50 values know their rms to 10 %
+
+
+@pytest.mark.parametrize("move", [(-4, 3), (7, 0), (0, -6)])
+def test_large_drift_is_followed_in_both_directions(truth, move):
+    moved = np.roll(truth.moving, move[::-1], (0, 1))
+    found = estimate_drift(known_map(truth), truth.reference, moved)
+    npt.assert_allclose((found.dx, found.dy), move, atol=0.03)
+    assert 0.8 < found.quality < 1
+    assert 0 < found.std_dx < 0.03
+    assert 0 < found.std_dy < 0.03
+
+
+def test_drift_comes_on_top_of_the_map(truth):
+    """A map that is 2 px too short along x and 1 px too long along y leaves that much as drift."""
+    short = replace(
+        known_map(truth),
+        displacement_x=(truth.dx - 2).astype(np.float32),
+        displacement_y=(truth.dy + 1).astype(np.float32),
+    )
+    found = estimate_drift(short, truth.reference, truth.moving)
+    npt.assert_allclose((found.dx, found.dy), (2, -1), atol=0.03)
+
+
+def test_orientation_of_the_map_is_applied_to_camera_2(truth):
+    mounted = np.ascontiguousarray(orient(truth.moving, "mirrored_x"))
+    found = estimate_drift(
+        known_map(truth, orientation="mirrored_x"), truth.reference, np.roll(mounted, 3, axis=1)
+    )
+    npt.assert_allclose((found.dx, found.dy), (-3, 0), atol=0.03)  # mirrored like the image
+
+
+def test_pixels_without_weight_do_not_move_the_drift(truth):
+    """A drop that stays in place on both windows pulls the drift towards the map's displacement."""
+    moved = np.roll(truth.moving, (2, 3), (0, 1))
+    drop = np.zeros(SHAPE, bool)
+    drop[40:120, 60:130] = True
+    rng = np.random.default_rng(3)
+    pattern = rng.integers(100, 4000, SHAPE)
+    frames = [
+        np.where(drop, pattern, image).astype(np.uint16) for image in (truth.reference, moved)
+    ]
+    weight = (~drop).astype(np.float32)
+    found = estimate_drift(known_map(truth), *frames, weight_reference=weight, weight_moving=weight)
+    npt.assert_allclose((found.dx, found.dy), (3, 2), atol=0.05)
+
+
+def test_frame_that_does_not_fit_is_refused(truth):
+    camera_map = known_map(truth)
+    stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
+    with pytest.raises(RegistrationError, match="does not fit the camera map"):
+        estimate_drift(camera_map, truth.reference, stranger.moving)
+    with pytest.raises(RegistrationError, match=r"made for frames of \(160, 192\).* \(120, 192\)"):
+        estimate_drift(camera_map, truth.reference[:120], truth.moving[:120])
+
+
+def test_frame_without_common_texture_has_no_drift(truth):
+    stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
+    found = follow_drift(
+        truth.dx.astype(np.float32),
+        truth.dy.astype(np.float32),
+        Pair(truth.reference, stranger.moving),
+    )
+    assert np.isnan([found.dx, found.dy, found.std_dx, found.std_dy]).all()
+    assert abs(found.quality) < 0.3
+
+
+# a stored map -------------------------------------------------------------------------------------
+
+
+def test_check_of_a_map_that_fits_gives_the_drift_of_each_frame(run):
+    frames, drift, camera_map = run
+    measured = check_map(camera_map, frames[:5])
+    npt.assert_allclose(measured, drift[:5], atol=0.1)
+    assert np.sqrt(np.mean((measured - drift[:5]) ** 2)) < 0.05
+
+
+def test_at_most_eight_frames_are_checked(run):
+    frames, _, camera_map = run
+    assert check_map(camera_map, frames).shape == (8, 2)
+    few = replace(camera_map, settings=RegistrationSettings(frames_for_map=2))
+    assert check_map(few, frames).shape == (2, 2)
+    assert check_map(few, frames, settings=RegistrationSettings()).shape == (8, 2)
+
+
+def test_check_turns_camera_2_once(run):
+    frames, drift, camera_map = run
+    mounted = [(one, orient(two, "rotated_180"), None, None) for one, two, *_ in frames[:3]]
+    turned = replace(camera_map, settings=RegistrationSettings(orientation="rotated_180"))
+    npt.assert_allclose(check_map(turned, mounted), drift[:3], atol=0.1)
+
+
+def test_map_of_a_turned_camera_is_refused(run):
+    """Camera 2 has turned by half a degree since: up to 0.8 px at the edges."""
+    frames, _, camera_map = run
+    y, x = np.indices(SHAPE)
+    turn = np.radians(0.5)
+    turned = replace(
+        camera_map,
+        displacement_x=(camera_map.displacement_x - turn * (y - 79.5)).astype(np.float32),
+        displacement_y=(camera_map.displacement_y + turn * (x - 95.5)).astype(np.float32),
+    )
+    with pytest.raises(RegistrationError, match=r"fits no longer: \d\d% .* more than 0\.1 px"):
+        check_map(turned, frames[:4])
+    assert check_map(turned, frames[:4], tolerance=1.0).shape == (4, 2)
+
+
+# parts --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("move", [(0, 0), (3, -5), (-FARTHEST, FARTHEST)])
+def test_whole_pixels_of_a_translation_are_found(move):
+    wall = np.random.default_rng(4).normal(size=(80, 100)).astype(np.float32)
+    dx, dy = move
+    a = wall[10:-10, 10:-10]
+    b = wall[10 - dy : 70 - dy, 10 - dx : 90 - dx].copy()
+    b[5:9, 7] = np.nan
+    npt.assert_array_equal(whole_pixels(a, b), move)
+
+
+def test_opposite_edges_of_the_frame_are_kept_apart():
+    """A point at the left edge and one at the right edge are no translation by -3 px."""
+    left, right = np.zeros((64, 64), np.float32), np.zeros((64, 64), np.float32)
+    left[3, 1] = right[3, 62] = 1.0
+    assert whole_pixels(left, right)[0] != -3
+    assert whole_pixels(right, left)[0] != 3
+
+
+@pytest.mark.parametrize("binning", [1, 2, 4])
+def test_binned_field_is_the_displacement_at_the_centres_of_binned_pixels(binning):
+    """An affine field: pixel k of the binned image is centred at binning k + (binning - 1)/2."""
+    y, x = np.indices((33, 47)).astype(np.float32)
+    field = 3 + 0.02 * x - 0.05 * y
+    binned = binned_field(field, binning)
+    h, w = 33 // binning, 47 // binning
+    assert binned.shape == (h, w)
+    centre = (binning - 1) / 2
+    v, u = np.indices((h, w)) * binning + centre
+    npt.assert_allclose(binned, (3 + 0.02 * u - 0.05 * v) / binning, rtol=1e-5)
+
+
+def test_products_of_unrelated_textures_are_within_chance():
+    rng = np.random.default_rng(5)
+    assert not any(beyond_chance(rng.normal(size=200)) for _ in range(500))
+
+
+def test_mean_product_of_seven_standard_errors_is_beyond_chance():
+    rng = np.random.default_rng(6)
+    products = rng.normal(size=400)
+    products = (products - products.mean()) / products.std()
+    assert beyond_chance(products + 7 / 20)
+    assert not beyond_chance(products + 5 / 20)
+    assert not beyond_chance(products - 7 / 20)
+
+
+def test_common_texture_is_recognised_beside_a_few_outshining_cells():
+    """The rim of a bubble in 2 % of the cells hides the rest from the mean, not from the median."""
+    rng = np.random.default_rng(7)
+    products = 1.0 + rng.normal(size=400)
+    products[:8] = -60.0
+    assert products.mean() < 0
+    assert beyond_chance(products)
+    assert not beyond_chance(np.zeros(400))
+
+
+def test_standard_deviation_of_a_translation_is_its_scatter():
+    """Sums of cells with known gradient products, and scores drawn with an unequal noise."""
+    rng = np.random.default_rng(8)
+    cells = (20, 30)
+    sums = np.zeros((*cells, SUMS))
+    sums[..., GXX] = rng.uniform(1, 2, cells)
+    sums[..., GXY] = rng.uniform(-0.5, 0.8, cells)
+    sums[..., GYY] = rng.uniform(3, 4, cells)
+    noise = rng.uniform(0.2, 3, cells)
+    matrix = np.array(
+        [[sums[..., GXX].sum(), sums[..., GXY].sum()], [sums[..., GXY].sum(), sums[..., GYY].sum()]]
+    )
+    found, shifts = [], []
+    for _ in range(300):
+        sums[..., BX] = noise * rng.normal(size=cells)
+        sums[..., BY] = 2 * noise * rng.normal(size=cells)
+        found.append(shift_std(sums))
+        shifts.append(np.linalg.solve(matrix, sums[..., [BX, BY]].sum((0, 1))))
+    # 300 draws know a standard deviation to 4 %
+    npt.assert_allclose(np.mean(found, axis=0), np.std(shifts, axis=0), rtol=0.13)
+
+
+def test_standard_deviation_is_not_known_without_gradients_in_two_directions():
+    sums = np.zeros((4, 5, SUMS))
+    assert np.isnan(shift_std(sums)).all()
+    sums[..., GXX] = 1.0
+    assert np.isnan(shift_std(sums)).all()
