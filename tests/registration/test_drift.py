@@ -214,11 +214,12 @@ def test_whole_pixels_of_a_translation_are_found(move):
 
 
 def test_opposite_edges_of_the_frame_are_kept_apart():
-    """A point at the left edge and one at the right edge are no translation by -3 px."""
+    """A bright point at each edge is no translation by 3 px; the faint one in common has moved 1."""
     left, right = np.zeros((64, 64), np.float32), np.zeros((64, 64), np.float32)
     left[3, 1] = right[3, 62] = 1.0
-    assert whole_pixels(left, right)[0] != -3
-    assert whole_pixels(right, left)[0] != 3
+    left[30, 30] = right[30, 31] = 0.5
+    npt.assert_array_equal(whole_pixels(left, right), (1, 0))
+    npt.assert_array_equal(whole_pixels(left.T, right.T), (0, 1))
 
 
 @pytest.mark.parametrize("binning", [1, 2, 4])
