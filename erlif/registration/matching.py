@@ -1,9 +1,10 @@
 """Gauss-Newton on cell sums: how far camera 2 still is from camera 1, cell by cell.
 
-With A the texture of camera 1, B that of camera 2 laid over it, g the gradient of (A + B)/2 and e = A - B, the remaining
-displacement delta of any region solves (sum g g') delta = sum g e. Sums over cells of a few pixels serve every region:
-windows, surfaces, the whole frame, and sums over frames. B. D. Lucas, T. Kanade, Proc. IJCAI (1981) 674, with the
-gradient of the mean image, which makes the noise of the two cameras cancel in its first-order bias.
+With A the texture of camera 1, B that of camera 2 laid over it, g the gradient of (A + B)/2 and
+e = A - B, the remaining displacement delta of any region solves (sum g g') delta = sum g e. Sums
+over cells of a few pixels serve every region: windows, surfaces, the whole frame, and sums over
+frames (Lucas and Kanade, 1981; with the gradient of the mean image, in which the noise of the two
+cameras cancels in the first-order bias).
 """
 
 from typing import Final
@@ -16,20 +17,50 @@ from erlif.core.arrays import AnyArray
 from erlif.registration.bands import in_bands
 from erlif.registration.warp import FAST
 
+# Layout of the cell sums, the last axis of an array (row, column, SUMS).
+
 GXX: Final = 0
+"""Product of the gradients along x, as GXY and GYY for xy and y. [1/px^2]"""
 GXY: Final = 1
 GYY: Final = 2
 BX: Final = 3
+"""Gradient along x times the difference, as BY along y. [1/px]"""
 BY: Final = 4
 EE: Final = 5
+"""Square of the difference. [1]"""
 WEIGHT: Final = 6
+"""Weight, that is the number of pixels where all are good. [1]"""
 AB: Final = 7
+"""Product of the two textures, as AA and BB of each with itself. [1]"""
 AA: Final = 8
 BB: Final = 9
 CROSS: Final = 10
+"""Scalar product of the gradients of camera 1 and camera 2. [1/px^2]"""
 SUMS: Final = 11
-"""Layout of the cell sums: gradient products, gradient times difference, difference squared, weight, the products of
-the textures themselves for the correlation coefficient, and the scalar product of the two cameras' gradients."""
+"""Number of the sums."""
+
+GRADIENT_PRODUCTS: Final = slice(GXX, GYY + 1)
+"""GXX, GXY and GYY: the normal matrix."""
+SCORES: Final = slice(BX, BY + 1)
+"""BX and BY: the right side."""
+SYSTEM: Final = slice(GXX, BY + 1)
+"""The normal matrix and the right side."""
+
+EDGE: Final = 2
+"""Pixels at the border that the five-point derivative cannot reach. [px]"""
+KNOWN: Final = 1e6
+"""Textures and gradients are far below this; a NaN fails the comparison. [1]"""
+ROBUST: Final = 4.0
+"""Differences beyond this many times the expected rms lose more than half their weight."""
+LEAST_RMS: Final = 1e-6
+"""Smallest expected rms, for textures that agree exactly. [1]"""
+
+NOISE_CELLS: Final = 5
+"""Side of the neighbourhood over which the noise of the gradients is estimated. [cells]"""
+LEAST_COMMON: Final = 0.05
+"""Smallest part of the gradient products that counts as common to both cameras."""
+SINGULAR: Final = 1e-6
+"""Below this part of the squared trace the determinant leaves one direction open. [1]"""
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -43,34 +74,37 @@ def _cell_sums(
     start: int,
     stop: int,
 ) -> None:
+    """Fill the sums of the cell rows ``start`` to ``stop``; ``limit`` is (cell row, x) or empty."""
     h, w = a.shape
     cols = sums.shape[1]
-    c1 = np.float32(
-        1.0 / 24.0
-    )  # five-point derivative of the mean image: half of 1/12, half of 8/12
+    # five-point derivative of the mean image: half of 1/12, half of 8/12
+    c1 = np.float32(1.0 / 24.0)
     c8 = np.float32(8.0 / 24.0)
     zero = np.float32(0)
     bounded = limit.size > 0
     line = np.empty((SUMS, w), np.float32)
+
     for r in range(start, stop):
+        # first along the columns of one row of cells, so that the inner loop uses the vector unit
         for k in range(SUMS):
             for x in range(w):
                 line[k, x] = zero
-        for y in range(max(r * step, 2), min((r + 1) * step, h - 2)):
-            for x in range(2, w - 2):
+        for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
+            for x in range(EDGE, w - EDGE):
                 ax = c8 * (a[y, x + 1] - a[y, x - 1]) - c1 * (a[y, x + 2] - a[y, x - 2])
                 ay = c8 * (a[y + 1, x] - a[y - 1, x]) - c1 * (a[y + 2, x] - a[y - 2, x])
                 bx = c8 * (b[y, x + 1] - b[y, x - 1]) - c1 * (b[y, x + 2] - b[y, x - 2])
                 by = c8 * (b[y + 1, x] - b[y - 1, x]) - c1 * (b[y + 2, x] - b[y - 2, x])
                 gx = ax + bx
                 gy = ay + by
-                cross = np.float32(4) * (ax * bx + ay * by)
+                cross = np.float32(4) * (ax * bx + ay * by)  # each is half a gradient
                 e = a[y, x] - b[y, x]
                 p = b[y, x]
                 q = a[y, x]
                 g = weight[y, x]
+
                 # one NaN of the warped image among the neighbours takes the pixel out
-                ok = abs(gx) + abs(gy) + abs(e) < np.float32(1e6)
+                ok = abs(gx) + abs(gy) + abs(e) < np.float32(KNOWN)
                 gx = gx if ok else zero
                 gy = gy if ok else zero
                 e = e if ok else zero
@@ -78,6 +112,7 @@ def _cell_sums(
                 q = q if ok else zero
                 cross = cross if ok else zero
                 g = g if ok else zero
+
                 slope = g
                 if bounded:
                     t = e * e * limit[r, x]
@@ -85,17 +120,20 @@ def _cell_sums(
                     # the score is g e share, so its slope is g (1 - t) share^2
                     slope = g * max(np.float32(1) - t, zero) * share * share
                     g = g * share
-                line[0, x] += slope * gx * gx
-                line[1, x] += slope * gx * gy
-                line[2, x] += slope * gy * gy
-                line[3, x] += g * gx * e
-                line[4, x] += g * gy * e
-                line[5, x] += g * e * e
-                line[6, x] += g
-                line[7, x] += g * p * q
-                line[8, x] += g * q * q
-                line[9, x] += g * p * p
-                line[10, x] += slope * cross
+
+                line[GXX, x] += slope * gx * gx
+                line[GXY, x] += slope * gx * gy
+                line[GYY, x] += slope * gy * gy
+                line[BX, x] += g * gx * e
+                line[BY, x] += g * gy * e
+                line[EE, x] += g * e * e
+                line[WEIGHT, x] += g
+                line[AB, x] += g * p * q
+                line[AA, x] += g * q * q
+                line[BB, x] += g * p * p
+                line[CROSS, x] += slope * cross
+
+        # then across each cell; the last one takes the columns that are left over
         for c in range(cols):
             x1 = w if c == cols - 1 else (c + 1) * step
             for k in range(SUMS):
@@ -119,34 +157,47 @@ def cell_sums(
     Parameters
     ----------
     a, weight : array, (y, x), float32
-        Texture of camera 1 and its weight, 0 for pixels that must not count.
+        Texture of camera 1 and its weight, 0 for pixels that must not count. [1]
     b : array, (y, x), float32
-        Texture of camera 2 at the pixels of camera 1; NaN where there is none.
+        Texture of camera 2 at the pixels of camera 1; NaN where there is none. [1]
     step : int
-        Side of a cell; the last column takes the pixels that are left over, so do the last rows. [px]
+        Side of a cell; the last column takes the pixels that are left over, so does the last
+        row. [px]
     scale : array, (row, column), optional
-        Expected rms of a - b in each cell. If given, a pixel whose difference is many times that (dust on one camera)
-        loses its weight: w = 1/(1 + (e / 4 rms)^2).
+        Expected rms of a - b in each cell. If given, a pixel whose difference is many times that
+        (dust on one camera) loses its weight: w = 1/(1 + (e / 4 rms)^2). [1]
     threads : int
         Threads to use.
 
     Returns
     -------
     array, (row, column, 11), float64
-        See ``SUMS``.
+        The sums in the order of ``GXX`` to ``CROSS``.
+
+    Examples
+    --------
+    A ramp moved by a quarter of a pixel asks for that displacement everywhere:
+
+    >>> ramp = np.broadcast_to(np.arange(64, dtype=np.float32), (48, 64))
+    >>> sums = cell_sums(ramp, np.ones_like(ramp), ramp - np.float32(0.25), 8)
+    >>> bool(np.allclose(sums[..., BX] / sums[..., GXX], 0.25))
+    True
     """
     h, w = a.shape
     rows, cols = max(h // step, 1), max(w // step, 1)
     sums = np.zeros((rows + 1, cols, SUMS))  # the extra row takes what is left over at the bottom
+
+    # the limit of each cell, spread to columns and repeated for the pixels that are left over
     if scale is None:
         limit = np.zeros((0, 0), np.float32)
     else:
-        inverse = (1 / (4.0 * np.maximum(scale, 1e-6)) ** 2).astype(np.float32)
+        inverse = (1 / (ROBUST * np.maximum(scale, LEAST_RMS)) ** 2).astype(np.float32)
         limit = np.repeat(inverse, step, axis=1)
         limit = np.concatenate(
             [limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1
         )
         limit = np.ascontiguousarray(np.concatenate([limit, limit[-1:]], axis=0))
+
     in_bands(lambda s, t: _cell_sums(a, weight, b, step, limit, sums, s, t), rows + 1, threads)
     sums[rows - 1] += sums[rows]
     return sums[:rows]
@@ -158,7 +209,7 @@ def cell_centres(size: int, step: int) -> AnyArray:
 
 
 def merge_cells(sums: AnyArray, factor: int) -> AnyArray:
-    """Add up blocks of ``factor`` by ``factor`` cells; incomplete blocks at the far edges are kept."""
+    """Add up blocks of ``factor`` by ``factor`` cells; cut blocks at the far edges are kept."""
     rows, cols, n = sums.shape
     padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor, n))
     padded[:rows, :cols] = sums
@@ -169,18 +220,35 @@ def merge_cells(sums: AnyArray, factor: int) -> AnyArray:
 
 
 def without_noise(sums: AnyArray, slope: float = 1.0) -> AnyArray:
-    """Sums whose gradient products hold the texture common to both cameras alone.
+    """Reduce the gradient products to the texture that both cameras share.
 
-    The gradient of the mean image holds half the noise of each camera, which makes its products too large, the steps
-    too short and the error too small. The product of the two cameras' gradients does not, but in a region without
-    texture it need not be positive; so the former are scaled by the ratio of the two over 5 by 5 cells. ``slope`` is the
-    factor by which the discrete derivative falls short (see `erlif.registration.whitening.slope_gain`).
+    The gradient of the mean image holds half the noise of each camera, which makes its products
+    too large, the steps too short and the standard deviation too small. The product of the two
+    cameras' gradients does not, but in a region without texture it need not be positive. So the
+    former are scaled by the ratio of the two over 5 by 5 cells.
+
+    Parameters
+    ----------
+    sums : array, (row, column, 11)
+        From `cell_sums`.
+    slope : float
+        Factor by which the discrete derivative falls short of the true slope
+        (see `erlif.registration.whitening.slope_gain`).
+
+    Returns
+    -------
+    array, (row, column, 11)
+        The sums with their gradient products scaled.
     """
-    total = ndimage.uniform_filter(sums[..., GXX] + sums[..., GYY], 5, mode="constant")
-    cross = ndimage.uniform_filter(sums[..., CROSS], 5, mode="constant")
-    ratio = np.clip(cross / np.maximum(total, 1e-30 + 1e-12 * float(total.max())), 0.05, 1.0)
+    total = ndimage.uniform_filter(sums[..., GXX] + sums[..., GYY], NOISE_CELLS, mode="constant")
+    cross = ndimage.uniform_filter(sums[..., CROSS], NOISE_CELLS, mode="constant")
+
+    # the small terms only keep empty regions from dividing by zero
+    ratio = np.clip(
+        cross / np.maximum(total, 1e-30 + 1e-12 * float(total.max())), LEAST_COMMON, 1.0
+    )
     cleaned = sums.copy()
-    cleaned[..., : GYY + 1] *= slope * ratio[..., None]
+    cleaned[..., GRADIENT_PRODUCTS] *= slope * ratio[..., None]
     return cleaned
 
 
@@ -191,20 +259,38 @@ def correlation(sums: AnyArray) -> float:
 
 
 def solve_shift(sums: AnyArray) -> tuple[float, float]:
-    """Displacement ``(dx, dy)`` [px] that one translation of everything summed still needs."""
+    """Displacement ``(dx, dy)`` that one translation of everything summed still needs. [px]
+
+    (0, 0) where the texture does not determine both components.
+    """
     gxx, gxy, gyy, bx, by = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY, BX, BY))
     det = gxx * gyy - gxy * gxy
-    if not det > 1e-6 * (gxx + gyy) ** 2:
+    if not det > SINGULAR * (gxx + gyy) ** 2:
         return 0.0, 0.0
     return (gyy * bx - gxy * by) / det, (gxx * by - gxy * bx) / det
 
 
 def move_sums(sums: AnyArray, delta_x: AnyArray | float, delta_y: AnyArray | float) -> AnyArray:
-    """Sums as they would be after a further displacement (delta_x, delta_y) of every cell, to first order. [px]"""
+    """Sums as they would be after a further displacement of every cell, to first order.
+
+    Parameters
+    ----------
+    sums : array, (row, column, 11)
+        From `cell_sums`.
+    delta_x, delta_y : float or array, (row, column)
+        The further displacement. [px]
+
+    Returns
+    -------
+    array, (row, column, 11)
+        Scores and squared differences at the new displacement; the other sums as they were.
+    """
     moved = sums.copy()
     gxx, gxy, gyy, bx, by = (sums[..., k] for k in (GXX, GXY, GYY, BX, BY))
     tx = gxx * delta_x + gxy * delta_y
     ty = gxy * delta_x + gyy * delta_y
+
+    # e becomes e - g delta
     moved[..., BX] -= tx
     moved[..., BY] -= ty
     moved[..., EE] += tx * delta_x + ty * delta_y - 2 * (bx * delta_x + by * delta_y)

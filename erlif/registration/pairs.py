@@ -1,7 +1,8 @@
-"""Pairs of frames as they come in, checked and turned the right way."""
+"""Pairs of frames: checked, turned into the orientation of camera 1, normalised."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -12,19 +13,34 @@ from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
 from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
 
+SMALLEST_SIDE: Final = 64
+"""Frames below this side hold too few blocks for the coarse alignment. [px]"""
+
+LEAST_REACH: Final = 3.0
+"""Smallest standard deviation of the local mean of a binned image. [binned px]"""
+
 PairOfArrays = tuple[AnyArray, AnyArray, AnyArray | None, AnyArray | None]
+"""``(reference, moving, weight_reference, weight_moving)`` of one frame."""
+
 Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
-"""(reference, moving, weight_reference, weight_moving) of each frame, read when needed."""
+"""The pairs of a run, read when needed: a sequence, or a callable that starts over each time."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """One frame of each camera; ``moving`` is oriented like ``reference``."""
+    """One frame of each camera, in the orientation of camera 1."""
 
     reference: AnyArray
+    """Camera 1, (y, x), uint16 or float32. [counts]"""
+
     moving: AnyArray
+    """Camera 2, (y, x), uint16 or float32. [counts]"""
+
     weight_reference: AnyArray | None = None
+    """0 for pixels of camera 1 that must not count, float32; None if all count. [1]"""
+
     weight_moving: AnyArray | None = None
+    """The same for camera 2. [1]"""
 
 
 def make_pair(
@@ -36,49 +52,97 @@ def make_pair(
 ) -> Pair:
     """Check a pair of frames and apply the orientation of the settings to camera 2.
 
+    Parameters
+    ----------
+    reference, moving : array, (y, x)
+        Camera 1 and camera 2, counts above the dark level. Pixels that are not finite get weight
+        0 if no weight is given.
+    weight_reference, weight_moving : array, (y, x), optional
+        0 for pixels that must not count, otherwise 1.
+    settings : RegistrationSettings
+        Gives the orientation.
+
+    Returns
+    -------
+    Pair
+        Contiguous arrays in the types that the kernels take.
+
     Raises
     ------
     RegistrationError
-        If the arrays are not images of at least 64 by 64 pixels, a weight does not fit its image, or the frames of
-        the two cameras differ too much in size to show the same field.
+        If the arrays are not images of at least 64 by 64 pixels, or a weight does not fit its
+        image.
     """
-    images = []
-    weights: list[AnyArray | None] = []
-    for camera, image, weight in ((1, reference, weight_reference), (2, moving, weight_moving)):
-        image = np.asarray(image)
-        if image.ndim != 2 or min(image.shape) < 64 or image.dtype.kind not in "uif":
-            raise RegistrationError(
-                f"Registration needs grey images (y, x) of at least 64 by 64 pixels; camera {camera} has "
-                f"{image.dtype} of shape {image.shape}. Pass one frame of each camera."
-            )
-        if weight is not None and np.shape(weight) != image.shape:
-            raise RegistrationError(
-                f"The weight of camera {camera} has shape {np.shape(weight)}, its image {image.shape}; "
-                "pass one weight for each pixel."
-            )
-        if camera == 2:
-            image = orient(image, settings.orientation)
-            weight = None if weight is None else orient(np.asarray(weight), settings.orientation)
-        if image.dtype.kind == "f" and weight is None and not np.isfinite(image).all():
-            weight = np.isfinite(image)
-        if image.dtype not in (np.uint16, np.float32):
-            image = image.astype(np.float32)
-        images.append(np.ascontiguousarray(image))
-        weights.append(None if weight is None else np.ascontiguousarray(weight, np.float32))
-    return Pair(images[0], images[1], weights[0], weights[1])
+    reference, weight_reference = _checked(1, reference, weight_reference)
+    moving, weight_moving = _checked(2, moving, weight_moving)
+
+    moving = orient(moving, settings.orientation)
+    if weight_moving is not None:
+        weight_moving = orient(weight_moving, settings.orientation)
+
+    return Pair(
+        _contiguous(reference),
+        _contiguous(moving),
+        _weight(reference, weight_reference),
+        _weight(moving, weight_moving),
+    )
+
+
+def _checked(
+    camera: int, image: AnyArray, weight: AnyArray | None
+) -> tuple[AnyArray, AnyArray | None]:
+    """Refuse what is not a grey image with its weight."""
+    image = np.asarray(image)
+    if image.ndim != 2 or min(image.shape) < SMALLEST_SIDE or image.dtype.kind not in "uif":
+        raise RegistrationError(
+            f"Registration needs grey images (y, x) of at least {SMALLEST_SIDE} by {SMALLEST_SIDE} "
+            f"pixels; camera {camera} has {image.dtype} of shape {image.shape}. "
+            "Pass one frame of each camera."
+        )
+    if weight is None:
+        return image, None
+
+    weight = np.asarray(weight)
+    if weight.shape != image.shape:
+        raise RegistrationError(
+            f"The weight of camera {camera} has shape {weight.shape}, its image {image.shape}; "
+            "pass one weight for each pixel."
+        )
+    return image, weight
+
+
+def _contiguous(image: AnyArray) -> AnyArray:
+    """The image in a type for which the kernels are compiled."""
+    if image.dtype not in (np.uint16, np.float32):
+        image = image.astype(np.float32)
+    return np.ascontiguousarray(image)
+
+
+def _weight(image: AnyArray, weight: AnyArray | None) -> AnyArray | None:
+    """The weight in single precision; made from the image where that is not finite."""
+    if weight is None and image.dtype.kind == "f" and not np.isfinite(image).all():
+        weight = np.isfinite(image)
+    return None if weight is None else np.ascontiguousarray(weight, np.float32)
 
 
 @dataclass(frozen=True)
 class Textures:
-    """A pair of frames ready to be matched: what is left after illumination, and camera 2 as a spline."""
+    """A pair of frames without illumination, ready to be matched."""
 
     a: AnyArray
+    """Texture of camera 1, (y, x), mean 0, rms about 1. [1]"""
+
     weight: AnyArray
+    """Its weight, 0 where the texture is unknown. [1]"""
+
     b: AnyArray
+    """Texture of camera 2 on its own pixels, (y, x). [1]"""
+
     weight_b: AnyArray
+    """Its weight. [1]"""
 
     def spline(self, threads: int) -> tuple[AnyArray, AnyArray]:
-        """Spline coefficients of camera 2 and its marked pixels."""
+        """Spline coefficients of camera 2, and its pixels without weight as a mask."""
         bad = NOTHING_BAD if (self.weight_b > 0).all() else self.weight_b == 0
         return spline_coefficients(self.b, threads=threads), bad
 
@@ -88,14 +152,16 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
     if binning == 1:
         a, wa = normalise(pair.reference, pair.weight_reference, threads=threads)
         b, wb = normalise(pair.moving, pair.weight_moving, threads=threads)
-    else:
-        reach = max(REACH / binning, 3.0)
-        a, wa = normalise(
-            *binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads
-        )
-        b, wb = normalise(
-            *binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads
-        )
+        return Textures(a, wa, b, wb)
+
+    # the window covers the same field of view, but enough binned pixels for a mean
+    reach = max(REACH / binning, LEAST_REACH)
+    a, wa = normalise(
+        *binned(pair.reference, pair.weight_reference, binning), reach=reach, threads=threads
+    )
+    b, wb = normalise(
+        *binned(pair.moving, pair.weight_moving, binning), reach=reach, threads=threads
+    )
     return Textures(a, wa, b, wb)
 
 
@@ -106,7 +172,24 @@ def laid_over(
     drift: tuple[float, float],
     threads: int,
 ) -> AnyArray:
-    """Texture of camera 2 at the pixels of camera 1; NaN where there is none."""
+    """Read the texture of camera 2 at the pixels of camera 1.
+
+    Parameters
+    ----------
+    spline : (array, array)
+        From `Textures.spline`.
+    dx, dy : array, (y, x), float32
+        Displacement at each pixel of camera 1. [px]
+    drift : (float, float)
+        Translation (x, y) that is added to the displacement. [px]
+    threads : int
+        Threads to use.
+
+    Returns
+    -------
+    array, (y, x), float32
+        The texture; NaN where camera 2 has none.
+    """
     out = np.empty(dx.shape, np.float32)
     coefficients, bad = spline
     x, y = float(drift[0]), float(drift[1])
@@ -118,13 +201,19 @@ def laid_over(
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames that can be gone through again and again, one pair in memory at a time."""
+    """Frames that can be read again and again, one pair in memory at a time."""
 
     source: Pairs
+    """Where the pairs come from."""
+
     count: int
+    """Number of pairs."""
+
     chosen: tuple[int, ...]
-    """Those from which the map is made."""
+    """Numbers of the pairs from which the map is made, ascending."""
+
     settings: RegistrationSettings
+    """Settings under which each pair is checked and turned."""
 
     def pick(self, wanted: Sequence[int]) -> Iterator[Pair]:
         """Read the pairs with these numbers, which must ascend."""
@@ -139,10 +228,18 @@ class Frames:
 
 
 def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
-    """Count the frames and choose those for the map, evenly spaced."""
+    """Count the frames and choose those for the map, evenly spaced.
+
+    Raises
+    ------
+    RegistrationError
+        If there are none.
+    """
     count = sum(1 for _ in source()) if callable(source) else len(source)
     if count == 0:
         raise RegistrationError("Registration needs at least one pair of frames, got none.")
+
+    # the middle of each of equal parts of the run
     most = min(count, settings.frames_for_map)
     chosen = tuple(sorted({round((i + 0.5) * count / most - 0.5) for i in range(most)}))
     return Frames(source, count, chosen, settings)

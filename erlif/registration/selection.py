@@ -1,10 +1,11 @@
 """How fine a surface the data support.
 
-A finer surface always fits better. Takeuchi's criterion says by how much it would still fit better on data that it has
-not seen: the gain less twice the trace of M^-1 K, M the normal matrix and K the scatter of the scores (K. Takeuchi,
-Suri-Kagaku 153 (1976) 12; for independent blocks it equals leave-one-out cross-validation, M. Stone, J. R. Stat. Soc. B
-39 (1977) 44). Hold-out blocks gave the same answers where they could test a surface, but not for elements of the size
-of a block, and they cost four fits each.
+A finer surface always fits better. Takeuchi's criterion estimates by how much it would still fit
+better on data that took no part in the fit: the gain less twice the trace of M^-1 K, with M the
+normal matrix and K the scatter of the scores (Takeuchi, 1976; for independent blocks it equals
+leave-one-out cross-validation: Stone, 1977). Hold-out blocks gave the same results where they
+could test a surface, but they cannot test elements of the size of a block, and they cost four fits
+each.
 """
 
 from dataclasses import dataclass
@@ -13,20 +14,51 @@ from typing import Final
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, merge_cells, move_sums
+from erlif.registration.matching import (
+    BX,
+    BY,
+    EE,
+    GXX,
+    GXY,
+    GYY,
+    SYSTEM,
+    merge_cells,
+    move_sums,
+)
 from erlif.registration.surface import Box, Cells, Surface, degree_basis, equations, solve_surface
 
 LADDER: Final = (1, 2, 3, 4, 6, 8)
+"""Elements along the longer side of the frame, tried always."""
+
 FINE_LADDER: Final = (12, 16, 20, 24, 32)
-"""Elements along the longer side of the frame; the fine ones are tried only where the coarse ones leave something."""
-LEAST_ELEMENT: Final = 36.0
+"""The same, tried only where the best of `LADDER` leaves a displacement."""
+
+SHORTEST_ELEMENT: Final = 36.0
 """No element is made shorter than this. [px]"""
+
 CLEAR: Final = 2.0
-"""The gain of a finer surface must exceed what it needs by this many standard deviations of a gain by chance."""
+"""Standard deviations of a gain by chance that the gain of a finer surface must add to its need."""
+
+CELLS_PER_COEFFICIENT: Final = 4
+"""Finer models are tried only while each coefficient has this many cells."""
+
 LEFT_OVER: Final = 4.0
-"""Finer surfaces are tried where the best of the coarse leaves something of this many standard errors."""
+"""Finer surfaces are tried where the excess of the tiles is this many standard errors."""
+
 LEFT_BETWEEN: Final = 0.6
-"""The same for neighbouring cells: excess of their joint disagreement, which reaches 3 if they move together."""
+"""The same for pairs of cells: excess of their joint disagreement, 3 if they move together. [1]"""
+
+TILES: Final = (2, 4, 8)
+"""Sides of the tiles whose disagreement is compared with that of single cells. [cells]"""
+
+FEWEST_TILES: Final = 8
+"""Fewer tiles than this give no mean worth a comparison."""
+
+LEAST_TEXTURE: Final = 0.1
+"""Tiles with less than this part of the median gradient product are left out. [1]"""
+
+SINGULAR: Final = 1e-4
+"""Tiles with a determinant below this part of their squared trace have one direction only. [1]"""
 
 
 @dataclass(frozen=True)
@@ -34,7 +66,10 @@ class Model:
     """A family of surfaces: polynomials of a total degree, or splines of some elements."""
 
     elements: tuple[int, int]
+    """Spline elements along x and along y."""
+
     degree: int | None = None
+    """Total degree of the polynomials on one element; None for the splines themselves."""
 
     @property
     def basis(self) -> AnyArray | None:
@@ -43,13 +78,11 @@ class Model:
 
     @property
     def coefficients(self) -> int:
-        """Coefficients for each component."""
+        """Number of coefficients of each component."""
+        if self.degree is not None:
+            return (self.degree + 1) * (self.degree + 2) // 2
         nx, ny = self.elements
-        return (
-            (nx + 3) * (ny + 3)
-            if self.degree is None
-            else (self.degree + 1) * (self.degree + 2) // 2
-        )
+        return (nx + 3) * (ny + 3)
 
     def __str__(self) -> str:
         if self.degree is not None:
@@ -67,11 +100,11 @@ def elements_of(longer: int, box: Box) -> tuple[int, int]:
 
 
 def candidates(box: Box, ladder: tuple[int, ...]) -> list[Model]:
-    """Models in the order of their coefficients; polynomials first if the ladder begins with one element."""
+    """Models from coarse to fine; polynomials first if the ladder begins with one element."""
     longer = max(box[1] - box[0], box[3] - box[2])
     models = [Model((1, 1), 1), Model((1, 1), 2), Model((1, 1), 3)] if ladder[0] == 1 else []
     return models + [
-        Model(elements_of(n, box)) for n in ladder if n == 1 or longer / n >= LEAST_ELEMENT
+        Model(elements_of(n, box)) for n in ladder if n == 1 or longer / n >= SHORTEST_ELEMENT
     ]
 
 
@@ -83,31 +116,53 @@ def moved_to(cells: Cells, surface: Surface) -> Cells:
 
 
 def disagreement(cells: Cells, factor: int) -> AnyArray:
-    """s' M^-1 s of every tile of ``factor`` by ``factor`` cells, s its scores and M its normal matrix."""
-    weighted = merge_cells(cells.sums[..., : BY + 1] * cells.weight[..., None], factor)
+    """How much the tiles of ``factor`` by ``factor`` cells ask for a displacement of their own.
+
+    Parameters
+    ----------
+    cells : Cells
+        Sums on a surface.
+    factor : int
+        Side of the tiles. [cells]
+
+    Returns
+    -------
+    array, (tile,)
+        s' M^-1 s of every tile with enough texture, s its scores and M its normal matrix: the
+        squared displacement that the tile asks for, in units of the weight of the cells.
+    """
+    weighted = merge_cells(cells.sums[..., SYSTEM] * cells.weight[..., None], factor)
     gxx, gxy, gyy, bx, by = (weighted[..., k] for k in (GXX, GXY, GYY, BX, BY))
     det = gxx * gyy - gxy**2
     trace = gxx + gyy
     if not (trace > 0).any():
         return np.zeros(0)
-    ok = (trace > 0.1 * np.median(trace[trace > 0])) & (det > 1e-4 * trace**2)
+
+    ok = (trace > LEAST_TEXTURE * np.median(trace[trace > 0])) & (det > SINGULAR * trace**2)
     return np.asarray((gyy * bx**2 - 2 * gxy * bx * by + gxx * by**2)[ok] / det[ok])
 
 
 def left_over(cells: Cells) -> float:
-    """How clearly something remains to be moved; 1 where finer surfaces are worth a trial.
+    """How clearly a displacement remains that the surface has missed.
 
-    The scores of noise add up like noise, so s' M^-1 s has one mean whatever the size of a tile; what a surface has
-    missed adds up in proportion. Tiles of four and eight cells are compared with the single cells, where chance alone
-    decides, and tiles of two for distortion too fine for those, where the texture may reach from cell to cell.
+    The scores of noise add up like noise, so s' M^-1 s has one mean whatever the size of a tile;
+    the scores of a missed displacement add up in proportion. Tiles of four and eight cells are
+    compared with the single cells, with chance as the only limit. Tiles of two are for distortion
+    too fine for those; their limit is fixed, because texture may reach from cell to cell.
+
+    Returns
+    -------
+    float
+        The largest excess over its limit; finer surfaces are worth a trial from 1 on. [1]
     """
     small = disagreement(cells, 1)
     if not len(small) or not small.mean() > 0:
         return 0.0
+
     largest = 0.0
-    for factor in (2, 4, 8):
+    for factor in TILES:
         large = disagreement(cells, factor)
-        if len(large) < 8:
+        if len(large) < FEWEST_TILES:
             continue
         excess = float(large.mean() / small.mean()) - 1
         limit = LEFT_BETWEEN if factor == 2 else LEFT_OVER / float(np.sqrt(len(large)))
@@ -116,9 +171,20 @@ def left_over(cells: Cells) -> float:
 
 
 def noise_of_scores(cells: Cells, used_up: int) -> float:
-    """Mean of s' M^-1 s for one degree of freedom, of cells or of tiles of two by two, whichever is larger.
+    """Mean of s' M^-1 s for one degree of freedom.
 
-    ``used_up`` degrees of freedom went into the surface on which the cells stand.
+    Parameters
+    ----------
+    cells : Cells
+        Sums on a fitted surface.
+    used_up : int
+        Degrees of freedom of that surface.
+
+    Returns
+    -------
+    float
+        That of single cells or of tiles of two by two, whichever is larger: texture that reaches
+        from cell to cell shows in the tiles.
     """
     values = []
     for factor in (1, 2):
@@ -132,7 +198,7 @@ def noise_of_scores(cells: Cells, used_up: int) -> float:
 def choose_model(
     cells: Cells, ladder: tuple[int, ...] = LADDER, best: Model | None = None
 ) -> Model:
-    """The coarsest model on which no finer one is a clear gain. All are tried: a ripple shows only at its own scale.
+    """Choose the coarsest model on which no finer one is a clear gain.
 
     Parameters
     ----------
@@ -142,28 +208,35 @@ def choose_model(
         Elements along the longer side.
     best : Model, optional
         A model to begin with; the first of the ladder if missing.
+
+    Returns
+    -------
+    Model
     """
     models = candidates(cells.box, ladder)
     if best is not None:
         models.insert(0, best)
-    best_gain = 0.0
-    system = None
     count = int((cells.weight > 0).sum())
+
+    # all are tried, for a ripple shows only at its own scale
+    best, best_gain = models[0], 0.0
+    system = None
     for number, model in enumerate(models):
-        if 4 * model.coefficients > count and number > 0:
+        if CELLS_PER_COEFFICIENT * model.coefficients > count and number > 0:
             break
+
         if system is None or system.elements != model.elements:
             system = equations(cells, model.elements)
         surface = solve_surface(system, basis=model.basis)
         moved = moved_to(cells, surface)
         gain = float((cells.weight * (cells.sums[..., EE] - moved.sums[..., EE])).sum())
         if number == 0:
-            best, best_gain = model, gain
+            best_gain = gain
             continue
-        assert best is not None
+
+        # noise alone gives each coefficient a gain of one, which data not fitted lose once more
         more = 2 * (model.coefficients - best.coefficients)
         noise = noise_of_scores(moved, 2 * model.coefficients)
         if more > 0 and gain - best_gain > noise * (2 * more + CLEAR * np.sqrt(2 * more)):
             best, best_gain = model, gain
-    assert best is not None
     return best

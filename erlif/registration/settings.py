@@ -1,4 +1,4 @@
-"""What a user may choose about registration, and how camera 2 may be turned against camera 1."""
+"""Settings of the registration, and the orientations of camera 2 against camera 1."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,47 +32,63 @@ _TURNS: Final[dict[str, Callable[[AnyArray], AnyArray]]] = {
 }
 
 ORIENTATIONS: Final[tuple[str, ...]] = tuple(_TURNS)
-"""The eight ways in which a camera 2 behind mirrors or turned in its mount can see the scene."""
+"""The eight ways in which camera 2, behind mirrors or turned in its mount, can see the scene."""
+
+SMALLEST_STEP: Final = 4
+"""Smallest side of a cell: the five-point derivative reaches as far. [px]"""
+
+LARGEST_WINDOW: Final = 256
+"""Largest side of a window; broader distortion is left to a surface. [px]"""
+
+LARGEST_SEARCH: Final = 0.4
+"""At larger offsets the cameras share too little of the field. [1]"""
 
 
 @dataclass(frozen=True)
 class RegistrationSettings:
-    """How camera 2 is laid over camera 1. Every default suits an ordinary run.
+    """Settings of the registration. Every default suits an ordinary run.
 
-    Parameters
-    ----------
-    window : int
-        Side of the square window that has the same noise as the Gaussian one used for local displacements. [px]
-    step : int
-        Distance of the nodes of the local field, and side of the cells whose sums every estimate starts from. [px]
-    passes : int
-        Gauss-Newton passes of the local field at full resolution.
-    model : {"auto", "surface", "local"}
-        ``"surface"``: a smooth surface whose fineness is chosen by cross-validation; ``"local"``: one displacement
-        for each window; ``"auto"``: the surface unless the distortion is finer than any surface resolves.
-    orientation : str
-        How the image of camera 2 must be turned before it looks like that of camera 1, one of ``ORIENTATIONS``.
-        ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as `numpy.rot90` does.
-    whiten : bool
-        Weight the spatial frequencies by the coherence of the two cameras.
-    search : float
-        Largest offset of camera 2 that is looked for, as a part of the frame.
-    frames_for_map : int
-        Largest number of frames, evenly spaced over the run, from which the fixed map is made. The drift is
-        measured for all frames.
-    threads : int
-        Threads for one pair of frames. The result does not depend on it.
+    Raises
+    ------
+    RegistrationError
+        If a value lies outside its range.
+
+    Examples
+    --------
+    >>> RegistrationSettings(model="local", window=48).step
+    8
     """
 
     window: int = 32
+    """Side of the square window with the noise of the Gaussian one used for local vectors. [px]"""
+
     step: int = 8
+    """Distance of the nodes of the local field, and side of the cells that are summed. [px]"""
+
     passes: int = 3
+    """Gauss-Newton passes of the local field at full resolution."""
+
     model: Literal["auto", "surface", "local"] = "auto"
+    """``"surface"``: a smooth surface, as fine as the data support; ``"local"``: one displacement
+    for each window; ``"auto"``: the surface, unless the distortion is finer than any surface."""
+
     orientation: Orientation = "normal"
+    """How the image of camera 2 is turned before it looks like that of camera 1, one of
+    ``ORIENTATIONS``. ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as
+    `numpy.rot90` does."""
+
     whiten: bool = True
+    """Weight the spatial frequencies by the coherence of the two cameras."""
+
     search: float = 0.27
+    """Largest offset of camera 2 that is searched, as a part of the frame. [1]"""
+
     frames_for_map: int = 32
+    """Largest number of frames, evenly spaced over the run, from which the fixed map is made. The
+    drift is measured for all frames."""
+
     threads: int = 2
+    """Threads for one pair of frames. The result does not depend on it."""
 
     def __post_init__(self) -> None:
         if self.orientation not in _TURNS:
@@ -84,14 +100,20 @@ class RegistrationSettings:
             raise RegistrationError(
                 f"model must be auto, surface or local; got {self.model!r}. Correct the settings."
             )
-        if not 4 <= self.step <= self.window / 2 or self.window > 256 or self.step % 2:
+
+        # a window spans at least two cells
+        narrow = not SMALLEST_STEP <= self.step <= self.window / 2
+        if narrow or self.window > LARGEST_WINDOW or self.step % 2:
             raise RegistrationError(
-                "window must lie between twice the step and 256 px, and step must be even and at least 4 px; "
-                f"got window {self.window} and step {self.step}. Keep 32 and 8 if in doubt."
+                f"window must lie between twice the step and {LARGEST_WINDOW} px, and step must be "
+                f"even and at least {SMALLEST_STEP} px; got window {self.window} and step "
+                f"{self.step}. Keep 32 and 8 if in doubt."
             )
-        if not 0 < self.search <= 0.4:
+
+        if not 0 < self.search <= LARGEST_SEARCH:
             raise RegistrationError(
-                f"search must lie above 0 and at most at 0.4 of the frame; got {self.search}."
+                f"search must lie above 0 and at most at {LARGEST_SEARCH} of the frame; "
+                f"got {self.search}."
             )
         if self.passes < 1 or self.frames_for_map < 1 or self.threads < 1:
             raise RegistrationError(
@@ -114,5 +136,15 @@ def orient(image: AnyArray, orientation: str) -> AnyArray:
     -------
     array, (y, x)
         A view where possible; (x, y) of the original for the orientations that exchange the axes.
+
+    Examples
+    --------
+    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "rotated_90")
+    array([[3, 6],
+           [2, 5],
+           [1, 4]])
+    >>> orient(np.array([[1, 2, 3], [4, 5, 6]]), "mirrored_x")
+    array([[3, 2, 1],
+           [6, 5, 4]])
     """
     return _TURNS[orientation](image)

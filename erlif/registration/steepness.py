@@ -2,31 +2,52 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from scipy import ndimage
 
 from erlif.core.arrays import Image, Mask
 from erlif.core.neighbourhood import _BLOCK, _block_light
 
+DARKEST: Final = 1e-3
+"""Light from which on the logarithm is taken; dark blocks are set to it. [counts]"""
+
 
 def is_steep(signal: Image, *, limit: float = 0.04) -> Mask:
     """Find where the film itself makes the light steep, as at the thin end of a wedge.
 
-    There the two bands rise differently, because the ratio does, and a registration that took the rise for texture would
-    shift one camera against the other.
+    There the ratio of the two bands varies as well, so their light rises differently, and a
+    registration that took the rise for texture would shift one camera against the other.
 
     Parameters
     ----------
     signal : array, (y, x)
-        Light of one camera.
+        Light of one camera; NaN where nothing is known.
     limit : float
         Relative rise over blocks of 8 px above which a block counts as steep. [1/px]
 
     Returns
     -------
     array of bool, (y, x)
+        True on the pixels of steep blocks.
+
+    Examples
+    --------
+    Exponential light rises everywhere by the same part of itself:
+
+    >>> x = np.broadcast_to(np.arange(64, dtype=np.float32), (48, 64))
+    >>> bool(is_steep(np.exp(0.06 * x))[:, 8:-8].all())
+    True
+    >>> bool(is_steep(np.exp(0.02 * x)).any())
+    False
     """
-    blocks = np.log(np.maximum(np.nan_to_num(_block_light(signal, signal, _BLOCK)), 1e-3))
-    rise = np.hypot(*np.gradient(ndimage.median_filter(blocks, size=3, mode="nearest"))) / _BLOCK
+    light = np.nan_to_num(_block_light(signal, signal, _BLOCK))
+    blocks = np.log(np.maximum(light, DARKEST))
+
+    # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
+    smooth = ndimage.median_filter(blocks, size=3, mode="nearest")
+    rise = np.hypot(*np.gradient(smooth)) / _BLOCK
+
     steep = np.repeat(np.repeat(rise > limit, _BLOCK, axis=0), _BLOCK, axis=1)
     return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
