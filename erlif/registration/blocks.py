@@ -1,0 +1,274 @@
+"""Blocks of one image matched to another, and the affine map that most of them agree with.
+
+Each block of camera 1 is compared with camera 2 at every integer offset within a few pixels; a
+parabola through the highest correlation and its neighbours gives the fraction. Blocks without
+texture give wrong vectors, so the affine map comes from random triples of blocks and the number of
+others that agree (random sample consensus: Fischler and Bolles, 1981).
+"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from erlif.core.arrays import AnyArray
+
+BLOCK: Final = 32
+"""Side of a block. [px]"""
+
+STRIDE: Final = 16
+"""Distance of the blocks. [px]"""
+
+SEEN: Final = 0.3
+"""A block needs this part of its area in camera 2 at an offset. [1]"""
+
+UNSEEN: Final = -2.0
+"""Stands for the correlation at offsets without enough overlap; below every coefficient."""
+
+KNOWN: Final = -1.5
+"""Correlations above this are coefficients, not `UNSEEN`."""
+
+OFFSETS_NEEDED: Final = 0.6
+"""A block counts if this part of its offsets has a correlation. [1]"""
+
+LEAST_CHANCE: Final = 1e-6
+"""Smallest scatter of the correlation of a block, to divide by. [1]"""
+
+NORMAL_MEDIAN: Final = 0.6745
+"""Median of the magnitude of a normal variable over its standard deviation."""
+
+FEWEST: Final = 4
+"""Blocks that must agree: three always do."""
+
+TRIPLES: Final = 300
+"""Triples of blocks that are drawn: with half of the blocks wrong, one in eight is right."""
+
+LEAST_WEIGHT: Final = 0.1
+"""Smallest strength of a block in the draw. [1]"""
+
+LEAST_TRIANGLE: Final = 400.0
+"""Twice the area of the smallest triple; smaller ones have noisy slopes. [px^2]"""
+
+AGREED: Final = 1.0
+"""Largest distance of a vector from a map with which it agrees. [px]"""
+
+STEEPEST: Final = 0.12
+"""Largest slope of a map; a rotation by 5 degrees has 0.09, a scale of 5 % has 0.05. [1]"""
+
+REFITS: Final = 3
+"""Least-squares fits to the blocks that agree, each of which may change their number."""
+
+
+class Blocks(NamedTuple):
+    """Blocks that overlap enough."""
+
+    centres: AnyArray
+    """(block, 2): x and y. [px]"""
+
+    vectors: AnyArray
+    """(block, 2): offset (x, y) of camera 2. [px]"""
+
+    strength: AnyArray
+    """(block,): height of the correlation peak over its scatter by chance. [1]"""
+
+
+class Agreement(NamedTuple):
+    """An affine field of vectors, ``matrix @ x + offset``, and how many blocks share it."""
+
+    matrix: AnyArray
+    """(2, 2). [1]"""
+
+    offset: AnyArray
+    """(2,). [px]"""
+
+    part: float
+    """Part of the blocks within a pixel of it; 0 if there is none. [1]"""
+
+
+NONE_AGREE: Final = Agreement(np.zeros((2, 2)), np.zeros(2), 0.0)
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
+def integral(values: AnyArray, other: AnyArray, out: AnyArray) -> None:
+    """Sums of values * other over every rectangle from the origin.
+
+    ``out`` has one row and one column more than the image.
+    """
+    h, w = values.shape
+    for x in range(w + 1):
+        out[0, x] = 0.0
+    for y in range(h):
+        line = 0.0
+        out[y + 1, 0] = 0.0
+        for x in range(w):
+            line += values[y, x] * other[y, x]
+            out[y + 1, x + 1] = out[y, x + 1] + line
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
+def _match_blocks(
+    a: AnyArray,
+    b: AnyArray,
+    energy_a: AnyArray,
+    energy_b: AnyArray,
+    area: AnyArray,
+    block: int,
+    stride: int,
+    reach: int,
+    out: AnyArray,
+) -> None:
+    """Normalised correlation of each block of ``a`` with ``b`` at the offsets within ``reach``.
+
+    ``out`` is (row, column, offset y, offset x), `UNSEEN` where less than a third of the block is
+    seen. Energies and area are integral images.
+    """
+    h, w = a.shape
+    n = 2 * reach + 1
+    for r in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            y0 = r * stride
+            x0 = c * stride
+            y1 = min(y0 + block, h)
+            x1 = min(x0 + block, w)
+            saa = energy_a[y1, x1] - energy_a[y0, x1] - energy_a[y1, x0] + energy_a[y0, x0]
+
+            for j in range(n):
+                for i in range(n):
+                    # the part of the block whose counterpart lies inside the image
+                    dy = j - reach
+                    dx = i - reach
+                    ya, yb = max(y0, -dy), min(y1, h - dy)
+                    xa, xb = max(x0, -dx), min(x1, w - dx)
+                    out[r, c, j, i] = UNSEEN
+                    if yb <= ya or xb <= xa:
+                        continue
+
+                    p, q, s, t = ya + dy, yb + dy, xa + dx, xb + dx
+                    count = area[q, t] - area[p, t] - area[q, s] + area[p, s]
+                    sbb = energy_b[q, t] - energy_b[p, t] - energy_b[q, s] + energy_b[p, s]
+                    if count < SEEN * block * block or saa <= 0 or sbb <= 0:
+                        continue
+
+                    total = np.float32(0)
+                    for y in range(ya, yb):
+                        for x in range(xa, xb):
+                            total += a[y, x] * b[y + dy, x + dx]
+                    out[r, c, j, i] = total / np.sqrt(saa * sbb)
+
+
+def match_blocks(a: AnyArray, b: AnyArray, weight: AnyArray, reach: int) -> Blocks:
+    """Match the blocks of camera 1 to camera 2.
+
+    Parameters
+    ----------
+    a, b : array, (y, x), float32
+        Textures of camera 1 and camera 2, 0 where unknown. [1]
+    weight : array, (y, x), float32
+        0 where ``b`` is unknown, otherwise 1.
+    reach : int
+        Largest offset along each axis. [px]
+
+    Returns
+    -------
+    Blocks
+        Those for which most offsets have enough overlap.
+    """
+    h, w = a.shape
+    rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
+    n = 2 * reach + 1
+    scores = np.empty((rows, cols, n, n), np.float32)
+    energy_a, energy_b, area = (np.empty((h + 1, w + 1)) for _ in range(3))
+    integral(a, a, energy_a)
+    integral(b, b, energy_b)
+    integral(weight, weight, area)
+    _match_blocks(a, b, energy_a, energy_b, area, BLOCK, STRIDE, reach, scores)
+
+    # the highest correlation of each block, and the scatter of the others by chance
+    flat = scores.reshape(rows, cols, n * n)
+    usable = (flat > KNOWN).mean(-1) > OFFSETS_NEEDED
+    best = np.argmax(flat, axis=-1)
+    j, i = np.divmod(best, n)
+    height = np.take_along_axis(flat, best[..., None], -1)[..., 0]
+    valid = np.where(flat > KNOWN, flat, np.nan)[usable]
+    if usable.any():
+        chance = np.sqrt(np.nanmedian(valid**2, axis=-1)) / NORMAL_MEDIAN
+    else:
+        chance = np.zeros(0)
+
+    vectors = np.stack([i - reach, j - reach], axis=-1) + _fractions(scores, j, i)
+    y, x = np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij")
+    half = (min(BLOCK, w, h) - 1) / 2
+    centres = np.stack([x * STRIDE + half, y * STRIDE + half], axis=-1).astype(float)
+    strength = height[usable] / np.maximum(chance, LEAST_CHANCE)
+    return Blocks(centres[usable], vectors[usable], strength)
+
+
+def _fractions(scores: AnyArray, j: AnyArray, i: AnyArray) -> AnyArray:
+    """Fraction (row, column, 2), x first, of the peak of each block by a parabola. [px]
+
+    0 for a peak on the rim of the search, whose neighbours are not all known.
+    """
+    rows, cols, n, _ = scores.shape
+    y, x = np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij")
+    inner = (i > 0) & (i < n - 1) & (j > 0) & (j < n - 1)
+    jj, ii = np.clip(j, 1, n - 2), np.clip(i, 1, n - 2)
+
+    fractions = np.zeros((rows, cols, 2))
+    for axis, (down, right) in enumerate(((0, 1), (1, 0))):
+        low = scores[y, x, jj - down, ii - right]
+        high = scores[y, x, jj + down, ii + right]
+        middle = scores[y, x, jj, ii]
+        bend = 2 * middle - low - high
+        ok = inner & (bend > 0) & (low > KNOWN) & (high > KNOWN)
+        vertex = (high - low) / (2 * np.where(bend > 0, bend, 1))
+        fractions[..., axis] = np.where(ok, np.clip(vertex, -0.5, 0.5), 0)
+    return fractions
+
+
+def agree(centres: AnyArray, vectors: AnyArray, strength: AnyArray) -> Agreement:
+    """Find the affine field that most blocks agree with.
+
+    Triples of blocks are drawn, strong ones more often, from a generator of fixed seed. Then least
+    squares over the blocks that agree with the best triple, repeated as their number changes.
+
+    Parameters
+    ----------
+    centres, vectors, strength : array
+        As in `Blocks`; the centres from any origin.
+
+    Returns
+    -------
+    Agreement
+        About the origin of the centres.
+    """
+    n = len(centres)
+    if n < FEWEST:
+        return NONE_AGREE
+
+    # triples that span a triangle
+    terms = np.concatenate([centres, np.ones((n, 1))], axis=1)
+    rng = np.random.default_rng(0)
+    chance = np.maximum(strength, LEAST_WEIGHT) ** 2
+    chance /= chance.sum()
+    pick = rng.choice(n, (TRIPLES, 3), p=chance)
+    triangle = terms[pick]
+    area = np.linalg.det(triangle)
+    pick, triangle = pick[np.abs(area) > LEAST_TRIANGLE], triangle[np.abs(area) > LEAST_TRIANGLE]
+    if not len(pick):
+        return NONE_AGREE
+
+    # the field of the triple with which most blocks agree
+    fields = np.linalg.solve(triangle, vectors[pick])
+    near = np.hypot(*np.moveaxis(terms @ fields - vectors, -1, 0)) < AGREED
+    near[np.abs(fields[:, :2]).max((1, 2)) > STEEPEST] = False
+    best = near[np.argmax(near.sum(1))]
+    if best.sum() < FEWEST:
+        return NONE_AGREE
+
+    field = np.zeros((3, 2))
+    for _ in range(REFITS):
+        field = np.linalg.lstsq(terms[best], vectors[best], rcond=None)[0]
+        best = np.hypot(*(terms @ field - vectors).T) < AGREED
+        if best.sum() < FEWEST:
+            return NONE_AGREE
+    return Agreement(field[:2].T, field[2], float(best.mean()))
