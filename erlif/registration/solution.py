@@ -1,0 +1,238 @@
+"""The dense displacement, from a surface or from windows, and the camera map made of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numba import njit
+
+from erlif.core.arrays import AnyArray
+from erlif.core.errors import RegistrationError
+from erlif.registration import local
+from erlif.registration.camera_map import CameraMap, MapKind
+from erlif.registration.matching import EE, WEIGHT, cell_centres, without_noise
+from erlif.registration.selection import Model
+from erlif.registration.surface import Cells, Surface, bilinear
+from erlif.registration.uncertainty import surface_covariance, surface_std
+from erlif.registration.views import Views
+
+BEYOND: Final = 8.0
+"""The displacement is given this far beyond the frame of camera 2, for frames that drift. [px]"""
+
+POOR_STD: Final = 0.25
+"""Standard deviation of the displacement from which on a pixel is poorly registered. [px]"""
+
+POOR_RESIDUAL: Final = 0.3
+"""Remaining displacement of a neighbourhood from which on it is poorly registered. [px]"""
+
+MOST_POOR: Final = 0.5
+"""A map is refused if a larger part of the common field is poorly registered. [1]"""
+
+CLEARLY_LESS: Final = 0.9
+"""Windows replace a surface if they leave less than this part of its squared difference. [1]"""
+
+STD_ROWS: Final = 65
+"""Rows at which the standard deviation of a surface is evaluated, bilinear between them."""
+
+STD_COLUMNS: Final = 81
+"""Columns of the same."""
+
+UNKNOWN_STD: Final = 1e3
+"""Standard deviation of a window without texture, finite so that it can be interpolated. [px]"""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A dense displacement with its standard deviation, on every pixel of camera 1."""
+
+    dx: AnyArray
+    """(y, x), along x. [px]"""
+
+    dy: AnyArray
+    """(y, x), along y. [px]"""
+
+    std: AnyArray
+    """(y, x), standard deviation of one component. [px]"""
+
+    kind: MapKind
+    """Surface or local windows."""
+
+    resolution: str
+    """How fine the surface or the windows are, for the reader."""
+
+    def moved(self, dx: float, dy: float) -> Solution:
+        """The solution with a translation added. [px]"""
+        return replace(self, dx=self.dx + np.float32(dx), dy=self.dy + np.float32(dy))
+
+
+def describe_surface(
+    cells: Cells, surface: Surface, model: Model, shape: tuple[int, int]
+) -> Solution:
+    """Evaluate a surface on every pixel, with the uncertainty of its coefficients.
+
+    Parameters
+    ----------
+    cells : Cells
+        The sums on the surface, whose scatter gives the uncertainty.
+    surface : Surface
+        The surface. [px]
+    model : Model
+        The family to which it belongs.
+    shape : (int, int)
+        Rows and columns of camera 1.
+
+    Returns
+    -------
+    Solution
+    """
+    # the standard deviation is smooth: a coarse grid and interpolation between
+    covariance = surface_covariance(cells, model, surface.box)
+    x, y = np.linspace(0, shape[1] - 1, STD_COLUMNS), np.linspace(0, shape[0] - 1, STD_ROWS)
+    std = surface_std(covariance, model, surface.box, x, y)
+    zoom = ((shape[0] - 1) / (STD_ROWS - 1), (shape[1] - 1) / (STD_COLUMNS - 1))
+    row, column = (
+        np.arange(n, dtype=np.float32) / np.float32(z) for n, z in zip(shape, zoom, strict=True)
+    )
+    std = bilinear(std.astype(np.float32), row, column)
+
+    dx, dy = surface.on_pixels(shape)
+    return Solution(dx, dy, std, MapKind.SURFACE, str(model))
+
+
+def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -> Solution:
+    """Find one displacement for each window, in passes that start from the surface.
+
+    Parameters
+    ----------
+    views : Views
+        The frames.
+    surface : Surface
+        The start. [px]
+    slope : float
+        See `erlif.registration.whitening.slope_gain`. [1]
+    scale : array, (row, column)
+        Expected rms difference of each cell. [1]
+
+    Returns
+    -------
+    Solution
+    """
+    settings = views.settings
+    sigma = local.window_sigma(settings.window, settings.step)
+    base_x, base_y = surface.on_pixels(views.shape)
+    y, x = (cell_centres(n, settings.step) for n in views.shape)
+
+    def dense(field: AnyArray) -> tuple[AnyArray, AnyArray]:
+        return (
+            base_x + local.to_pixels(field[0], y, x, views.shape),
+            base_y + local.to_pixels(field[1], y, x, views.shape),
+        )
+
+    # one round more than passes: the last one only takes the sums where the field has ended
+    field = np.zeros((2, len(y), len(x)))
+    dx, dy = base_x, base_y
+    sums = np.zeros(0)
+    for number in range(settings.passes + 1):
+        sums, _, mean = views.sums(dx, dy, scale)
+        field += mean.reshape(2, 1, 1)
+        sums = without_noise(sums, slope)
+        if number == settings.passes:
+            break
+
+        # smoothing between the passes keeps them stable; the last field stays as it is
+        step, _, sound = local.solve_windows(sums, sigma)
+        field = field + np.clip(step, -local.LARGEST_STEP, local.LARGEST_STEP)
+        field = local.replace_outliers(field, sound)
+        if number < settings.passes - 1:
+            field = local.smooth(field)
+        dx, dy = dense(field)
+
+    # the interpolation overshoots next to windows without texture; no std falls below the least
+    std = np.minimum(local.window_std(sums, sigma, settings.passes), UNKNOWN_STD)
+    dense_std = local.to_pixels(std, y, x, views.shape)
+    dense_std = np.maximum(dense_std, np.float32(std.min()))
+    return Solution(*dense(field), dense_std, MapKind.LOCAL, f"{settings.window} px")
+
+
+def fits_better(views: Views, windows: Solution, surface: Solution) -> bool:
+    """Whether windows leave clearly less difference between the textures than a fine surface does.
+
+    Distortion finer than the surface shows in the difference, whatever its scale. Windows always
+    take off a little noise as well, some per cent at 32 px; more than a tenth is distortion.
+    """
+    left = []
+    for solution in (windows, surface):
+        sums, _, _ = views.sums(solution.dx, solution.dy, None)
+        left.append(float(sums[..., EE].sum()) / float(sums[..., WEIGHT].sum()))
+    return left[0] < CLEARLY_LESS * left[1]
+
+
+def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -> CameraMap:
+    """Make the camera map: mark what camera 2 does not see and what is poorly registered.
+
+    Parameters
+    ----------
+    solution : Solution
+        The displacement.
+    views : Views
+        The frames, for their shapes and settings.
+    cells : Cells
+        The sums on the surface.
+    quality : float
+        Correlation coefficient of the textures. [1]
+
+    Returns
+    -------
+    CameraMap
+
+    Raises
+    ------
+    RegistrationError
+        If most of the overlap is poorly registered.
+    """
+    h, w = views.shape
+    height, width = views.shape_moving
+    dx, dy, std = solution.dx.copy(), solution.dy.copy(), solution.std.copy()
+    overlap = np.empty((h, w), np.bool_)
+    find_overlap(dx, dy, std, height, width, overlap)
+
+    # a surface may pass by what its cells ask for, which its standard deviation does not show
+    poor = std > POOR_STD
+    if solution.kind is MapKind.SURFACE:
+        pitch = round(float(cells.x[1] - cells.x[0]))
+        off = local.still_off(cells.sums * cells.weight[..., None], pitch, tolerance=POOR_RESIDUAL)
+        row = np.minimum(np.arange(h) // pitch, len(cells.y) - 1)
+        column = np.minimum(np.arange(w) // pitch, len(cells.x) - 1)
+        poor |= off[np.ix_(row, column)]
+
+    part = float(poor[overlap].mean()) if overlap.any() else 1.0
+    if part > MOST_POOR:
+        raise RegistrationError(
+            f"The cameras could not be laid over each other: {part:.0%} of their common field is "
+            f"uncertain by more than {POOR_STD} px or does not agree with its neighbourhood. Give "
+            "more frames, more light or a wall with more texture, and check the focus."
+        )
+    kind, resolution = solution.kind, solution.resolution
+    return CameraMap(dx, dy, std, overlap, poor, quality, kind, resolution, views.settings)
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def find_overlap(
+    dx: AnyArray, dy: AnyArray, std: AnyArray, height: int, width: int, overlap: AnyArray
+) -> None:
+    """Mark the pixels whose point camera 2 sees; the fields become NaN far beyond its frame.
+
+    ``height`` and ``width`` are those of camera 2. The arrays are changed in place.
+    """
+    for y in range(dx.shape[0]):
+        for x in range(dx.shape[1]):
+            px = x + dx[y, x]
+            py = y + dy[y, x]
+            beyond = max(max(-px, px - (width - 1)), max(-py, py - (height - 1)))
+            overlap[y, x] = beyond <= 0
+            if not beyond <= BEYOND:
+                dx[y, x] = np.nan
+                dy[y, x] = np.nan
+                std[y, x] = np.nan
