@@ -5,15 +5,15 @@ from erlif.registration.background import divide_by_light
 from erlif.registration.camera_map import CameraMap, MapKind, describe_map, move_map
 from erlif.registration.drift import Drift, check_map, estimate_drift
 from erlif.registration.estimate import register, register_frames
-from erlif.registration.inverse import InverseComparison, compare_with_inverse
-from erlif.registration.settings import RegistrationSettings, orient
-from erlif.registration.steepness import is_steep
-from erlif.registration.warp import (
+from erlif.registration.interpolation import (
     interpolation_variance_factor,
     sample_spline,
     spline_coefficients,
     warp,
 )
+from erlif.registration.inverse import InverseComparison, compare_with_inverse
+from erlif.registration.settings import RegistrationSettings, orient
+from erlif.registration.steepness import is_steep
 
 __all__ = [
     "CameraMap",

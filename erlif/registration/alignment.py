@@ -10,8 +10,8 @@ from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
+from erlif.registration.interpolation import interpolation_variance_factor, warp
 from erlif.registration.settings import orient
-from erlif.registration.warp import interpolation_variance_factor, warp
 
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
 

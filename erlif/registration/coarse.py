@@ -18,10 +18,10 @@ from scipy import fft
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration.blocks import FEWEST, agree, match_blocks
+from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
 from erlif.registration.normalise import binned, normalise
 from erlif.registration.settings import ORIENTATIONS, RegistrationSettings, orient
 from erlif.registration.surface import Box, Surface, affine_surface
-from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
 
 COARSE_SIZE: Final = 256
 """The frames are binned by powers of two until their longer side is at most this. [px]"""

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from erlif.core.arrays import AnyArray
 from erlif.registration.bands import in_bands
-from erlif.registration.warp import FAST
+from erlif.registration.interpolation import FAST
 
 # Layout of the cell sums, the last axis of an array (row, column, SUMS).
 

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from erlif.core.arrays import AnyArray
 from erlif.registration.bands import in_bands
-from erlif.registration.warp import FAST
+from erlif.registration.interpolation import FAST
 
 NO_WEIGHT: Final = np.zeros((0, 0), np.float32)
 """Stands for a weight of 1 on every pixel; the kernels take no None."""

@@ -9,9 +9,9 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
+from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
 from erlif.registration.normalise import REACH, binned, normalise
 from erlif.registration.settings import RegistrationSettings, orient
-from erlif.registration.warp import NOTHING_BAD, sample_spline, spline_coefficients
 
 SMALLEST_SIDE: Final = 64
 """Frames below this side hold too few blocks for the coarse alignment. [px]"""

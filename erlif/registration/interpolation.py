@@ -1,7 +1,8 @@
-"""Camera 2 on the pixels of camera 1 by cubic B-spline interpolation, and what that does to the noise.
+"""Camera 2 on the pixels of camera 1 by cubic B-spline interpolation, and the noise afterwards.
 
-The cubic B-spline interpolates exactly (unlike a smoothing kernel) and moves a linear ramp by nothing at all. See
-M. Unser, A. Aldroubi, M. Eden, IEEE Trans. Signal Process. 41 (1993) 821 and 834.
+The cubic B-spline passes through the pixels (unlike a smoothing kernel) and reproduces polynomials
+up to the third degree. Its coefficients come from a recursive filter along each axis (Unser,
+Aldroubi and Eden 1993).
 """
 
 from functools import cache
@@ -18,21 +19,32 @@ FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
 """Floating-point freedoms that keep NaN a NaN."""
 
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
-_MARGIN: Final = 2  # mirrored coefficients on every side, so that no tap needs a bounds check
+"""Pole of the filter that turns samples into cubic B-spline coefficients."""
+_START: Final = 16
+"""Samples that start the causal filter: the power of the pole falls below 1e-9."""
+_MARGIN: Final = 2
+"""Mirrored coefficients on every side, so that the sixteen taps need no check of bounds."""
 _LANES: Final = 16
+"""Rows that are filtered together, one in each lane of a vector register."""
+_FARTHEST: Final = 1e6
+"""Displacements beyond this lie outside any image and beyond the precision of float32. [px]"""
+_REACH: Final = 9
+"""Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> None:
-    """B-spline coefficients along y for the columns ``start`` to ``stop``, mirrored about the outer pixels."""
+    """Filter the columns ``start`` to ``stop`` along y, mirrored about the outer pixels."""
     n = image.shape[0]
     z = _POLE
     m = _MARGIN
     period = 2 * n - 2
+
+    # the causal filter starts with the sum over the mirrored samples before the first
     for x in range(start, stop):
         out[m, x] = image[0, x]
     power = z
-    for k in range(1, 16):  # |z|^16 < 1e-9
+    for k in range(1, _START):
         j = k % period
         if j >= n:
             j = period - j
@@ -42,6 +54,8 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
     for y in range(1, n):
         for x in range(start, stop):
             out[m + y, x] = image[y, x] + z * out[m + y - 1, x]
+
+    # the anticausal filter runs back; the gain of 6 makes the sum of the weights 1
     gain = z / (z * z - np.float32(1))
     for x in range(start, stop):
         out[m + n - 1, x] = np.float32(6) * gain * (out[m + n - 1, x] + z * out[m + n - 2, x])
@@ -52,7 +66,7 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None:
-    """B-spline coefficients along x for the rows ``start`` to ``stop``; sixteen rows at a time, for the vector unit."""
+    """Filter the rows ``start`` to ``stop`` along x, sixteen at a time, and mirror the margins."""
     n = columns.shape[1]
     z = _POLE
     m = _MARGIN
@@ -60,16 +74,20 @@ def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None
     lanes = np.empty((n, _LANES), np.float32)
     gain = z / (z * z - np.float32(1))
     first = np.empty(_LANES, np.float32)
+
     for top in range(start, stop, _LANES):
+        # the last rows are repeated where fewer than sixteen are left
         rows = min(_LANES, stop - top)
         for r in range(_LANES):
             row = m + top + min(r, rows - 1)
             for x in range(n):
                 lanes[x, r] = columns[row, x]
+
+        # causal and anticausal filter as in `filter_columns`
         for r in range(_LANES):
             first[r] = lanes[0, r]
         power = z
-        for k in range(1, 16):
+        for k in range(1, _START):
             j = k % period
             if j >= n:
                 j = period - j
@@ -86,6 +104,7 @@ def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None
         for x in range(n - 2, -1, -1):
             for r in range(_LANES):
                 lanes[x, r] = z * (lanes[x + 1, r] - np.float32(6) * lanes[x, r])
+
         for r in range(rows):
             row = m + top + r
             for x in range(n):
@@ -97,7 +116,7 @@ def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None
 
 
 def spline_coefficients(image: AnyArray, *, threads: int = 1) -> AnyArray:
-    """Cubic B-spline coefficients of an image, mirrored about its outer pixels.
+    """Return the cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
     ----------
@@ -110,6 +129,20 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> AnyArray:
     -------
     array, (y + 4, x + 4), float32
         Coefficients with a margin of two mirrored ones on every side, ready for `sample_spline`.
+
+    Examples
+    --------
+    The B-spline has the values 4/6 at its centre and 1/6 at its neighbours, so an even image is its
+    own spline, and a single coefficient of 36 is an image of 16, 4 and 1.
+
+    >>> bool(np.allclose(spline_coefficients(np.full((5, 6), 7.0)), 7.0))
+    True
+    >>> image = np.zeros((9, 9))
+    >>> image[3:6, 3:6] = np.outer([1, 4, 1], [1, 4, 1])
+    >>> np.round(spline_coefficients(image)[5:8, 5:8], 3) + 0.0
+    array([[ 0.,  0.,  0.],
+           [ 0., 36.,  0.],
+           [ 0.,  0.,  0.]], dtype=float32)
     """
     h, w = image.shape
     image = np.ascontiguousarray(image, np.float32)
@@ -134,10 +167,34 @@ def sample_spline(
     start: int,
     stop: int,
 ) -> None:
-    """Evaluate the spline at x + displacement + drift for the rows ``start`` to ``stop`` of ``out``.
+    """Evaluate the spline at x + displacement + drift in the rows ``start`` to ``stop``.
 
-    NaN where the point falls outside the image or, unless ``bad`` is of size 0, where one of the four pixels around
-    the point is marked in it.
+    Parameters
+    ----------
+    coefficients : array, (y2 + 4, x2 + 4), float32
+        As `spline_coefficients` makes them from the image of camera 2.
+    displacement_x, displacement_y : array, (y, x), float32
+        Camera-2 pixel minus camera-1 pixel. [px]
+    drift_x, drift_y : float
+        Translation of this frame, added to the displacement. [px]
+    bad : array, (y2, x2), bool
+        Marked pixels of camera 2, or an array of size 0.
+    out : array, (y, x), float32
+        Receives the values; NaN where the point falls outside the image, or where one of the four
+        pixels around it is marked in ``bad``.
+    start, stop : int
+        Rows to evaluate.
+
+    Examples
+    --------
+    A ramp of 2 per column, half a pixel to the right:
+
+    >>> ramp = spline_coefficients(np.tile(2.0 * np.arange(60), (40, 1)))
+    >>> half = np.full((40, 60), 0.5, np.float32)
+    >>> out = np.empty((40, 60), np.float32)
+    >>> sample_spline(ramp, half, 0 * half, 0.0, 0.0, np.zeros((0, 0), np.bool_), out, 0, 40)
+    >>> round(float(out[20, 30]), 4)
+    61.0
     """
     h = coefficients.shape[0] - 2 * _MARGIN
     w = coefficients.shape[1] - 2 * _MARGIN
@@ -149,20 +206,24 @@ def sample_spline(
     four = np.float32(4)
     three = np.float32(3)
     six = np.float32(6)
+
     for y in range(start, stop):
         for x in range(out.shape[1]):
             dx = displacement_x[y, x] + sx
             dy = displacement_y[y, x] + sy
-            if not (abs(dx) < 1e6 and abs(dy) < 1e6):
+            if not (abs(dx) < _FARTHEST and abs(dy) < _FARTHEST):
                 out[y, x] = np.nan
                 continue
-            # the fraction is taken from the displacement alone, which float32 holds to a millionth of a pixel
+
+            # the fraction is taken from the displacement alone, which float32 holds to a
+            # millionth of a pixel; the sum with x would lose three digits
             fx = np.floor(dx)
             fy = np.floor(dy)
             u = dx - fx
             v = dy - fy
             i = x + int(fx)
             j = y + int(fy)
+
             if (
                 i < 0
                 or j < 0
@@ -179,6 +240,8 @@ def sample_spline(
                 if bad[j, i] or bad[j, i1] or bad[j1, i] or bad[j1, i1]:
                     out[y, x] = np.nan
                     continue
+
+            # the four B-splines that reach the point, along x and, with both sixths, along y
             u2 = u * u
             u3 = u2 * u
             v2 = v * v
@@ -191,6 +254,8 @@ def sample_spline(
             b1 = (four - six * v2 + three * v3) * sixth * sixth
             b2 = (one + three * v + three * v2 - three * v3) * sixth * sixth
             b3 = v3 * sixth * sixth
+
+            # pixel i has its coefficient at i + 2, so the first of the four taps is at i + 1
             i += 1
             j += 1
             s0 = b0 * coefficients[j, i] + b1 * coefficients[j + 1, i]
@@ -206,9 +271,10 @@ def sample_spline(
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def fill_gaps(image: AnyArray, bad: AnyArray, out: AnyArray) -> None:
-    """Copy ``image`` and replace marked pixels by the mean of their nearest sound neighbours (up to 9 px away).
+    """Copy ``image`` and replace marked pixels by the mean of their nearest valid neighbours.
 
-    The B-spline filter reaches beyond its taps, so an unsound value must not enter it, nor a hole with a sharp edge.
+    The B-spline filter reaches beyond its taps, so an invalid value must not enter it, nor a hole
+    with a sharp edge. A pixel without a valid neighbour within 9 px becomes 0.
     """
     h, w = image.shape
     for y in range(h):
@@ -216,8 +282,10 @@ def fill_gaps(image: AnyArray, bad: AnyArray, out: AnyArray) -> None:
             if not bad[y, x]:
                 out[y, x] = image[y, x]
                 continue
+
+            # the square around the pixel grows until it holds a valid one
             value = np.float32(0)
-            for reach in range(1, 10):
+            for reach in range(1, _REACH + 1):
                 total = 0.0
                 count = 0
                 for j in range(max(0, y - reach), min(h, y + reach + 1)):
@@ -244,6 +312,7 @@ def spread(bad: AnyArray, out: AnyArray) -> None:
 
 
 NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
+"""Mask for `sample_spline` if all pixels are valid."""
 
 
 def warp(
@@ -259,8 +328,8 @@ def warp(
     Parameters
     ----------
     image : array, (y2, x2)
-        Camera 2, oriented like camera 1. A pixel that is not finite is left out, together with every result that
-        one of its sixteen taps would reach.
+        Camera 2, oriented like camera 1. A pixel that is not finite is left out, and so are all
+        results that have it among their sixteen taps.
     displacement_x, displacement_y : array, (y, x)
         Camera-2 pixel minus camera-1 pixel. [px]
     drift : (float, float)
@@ -277,16 +346,28 @@ def warp(
     ------
     RegistrationError
         If the displacements do not have one shape, or the image is smaller than 3 by 3.
+
+    Examples
+    --------
+    Camera 2 sees a point three columns to the right of camera 1 and one row higher.
+
+    >>> camera_2 = np.zeros((8, 8))
+    >>> camera_2[3, 6] = 100.0
+    >>> flat = np.zeros((8, 8))
+    >>> found = warp(camera_2, flat + 3, flat - 1)
+    >>> np.argwhere(found > 50).tolist()
+    [[4, 3]]
     """
     if displacement_x.shape != displacement_y.shape or displacement_x.ndim != 2:
         raise RegistrationError(
-            f"Warping needs two displacement maps (y, x) of one shape, got {displacement_x.shape} and "
-            f"{displacement_y.shape}; take both from one CameraMap."
+            "Warping needs two displacement maps (y, x) of one shape, got "
+            f"{displacement_x.shape} and {displacement_y.shape}; take both from one CameraMap."
         )
     if image.ndim != 2 or min(image.shape) < 3:
         raise RegistrationError(
             f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}."
         )
+
     bad = NOTHING_BAD
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         holes = ~np.isfinite(image)
@@ -295,6 +376,7 @@ def warp(
         image = filled
         bad = np.zeros(image.shape, np.bool_)
         spread(holes, bad)  # with the four pixels around the point this covers all sixteen taps
+
     coefficients = spline_coefficients(image, threads=threads)
     dx = np.ascontiguousarray(displacement_x, np.float32)
     dy = np.ascontiguousarray(displacement_y, np.float32)
@@ -308,20 +390,22 @@ def warp(
 
 @cache
 def _noise_table(size: int = 1024) -> AnyArray:
-    """s(f), the sum of the squared values of the cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
-    n = 64
+    """Sum over k of the squared cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
+    n = 64  # taps on either side; the pole to this power is 1e-37
     f = np.linspace(0.0, 1.0, size + 1)
     taps = (
         np.stack([(1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3]) / 6
     )
+
+    # the cardinal spline is the B-spline after the prefilter, whose impulse response is
+    # 6 z/(z^2 - 1) z^|k| = sqrt(3) z^|k|
     z = float(np.sqrt(3.0) - 2.0)
     k = np.arange(-n, n + 1)
-    inverse = np.sqrt(3.0) * z ** np.abs(
-        k
-    )  # impulse response of the prefilter, 6 z/(1 - z^2) z^|k| with sign
+    inverse = np.sqrt(3.0) * z ** np.abs(k)
     response = np.zeros((2 * n + 4, f.size))
     for i in range(4):
         response[i : i + 2 * n + 1] += inverse[:, None] * taps[i]
+
     table: AnyArray = np.sum(response**2, axis=0)
     table.setflags(write=False)
     return table
@@ -330,10 +414,11 @@ def _noise_table(size: int = 1024) -> AnyArray:
 def interpolation_variance_factor(
     displacement_x: AnyArray, displacement_y: AnyArray, drift: tuple[float, float] = (0.0, 0.0)
 ) -> AnyArray:
-    """Variance of a warped pixel over that of the camera's own, for noise that is independent from pixel to pixel.
+    """Return the variance of a warped pixel over that of a pixel of camera 2.
 
-    The cardinal cubic spline eta weighs the pixels, so the factor is s(fx) s(fy) with s(f) = sum over k of
-    eta(f - k)^2 and f the sub-pixel part of the position: 1 on a pixel, 0.57 half-way between four of them.
+    The noise is independent from pixel to pixel. The cardinal cubic spline eta weighs the pixels,
+    so the factor is s(fx) s(fy) with s(f) = sum over k of eta(f - k)^2 and f the sub-pixel part of
+    the position: 1 on a pixel, 0.57 half-way between four of them.
 
     Parameters
     ----------
@@ -346,6 +431,14 @@ def interpolation_variance_factor(
     -------
     array, (y, x), float32
         Factor for the variance. [1]
+
+    Examples
+    --------
+    >>> half = np.full((1, 1), 0.5)
+    >>> round(float(interpolation_variance_factor(half, half)[0, 0]), 2)
+    0.57
+    >>> float(interpolation_variance_factor(half, half, (0.5, -2.5))[0, 0])  # on a pixel
+    1.0
     """
     table = _noise_table()
     out = np.empty(displacement_x.shape, np.float32)
@@ -359,12 +452,13 @@ def interpolation_variance_factor(
 def _look_up(
     fx: AnyArray, fy: AnyArray, sx: float, sy: float, table: AnyArray, out: AnyArray
 ) -> None:
+    """Product of the table at both sub-pixel parts, interpolated linearly; NaN stays NaN."""
     n = table.size - 1
     for y in range(out.shape[0]):
         for x in range(out.shape[1]):
             u = fx[y, x] + sx
             v = fy[y, x] + sy
-            if not (abs(u) < 1e6 and abs(v) < 1e6):
+            if not (abs(u) < _FARTHEST and abs(v) < _FARTHEST):
                 out[y, x] = np.nan
                 continue
             u = (u - np.floor(u)) * n

@@ -1,0 +1,268 @@
+"""Warping by cubic B-splines: against scipy's, against straight lines, and what it does to noise."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+from scipy.interpolate import make_interp_spline
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import (
+    interpolation_variance_factor,
+    sample_spline,
+    spline_coefficients,
+    warp,
+)
+from erlif.registration.interpolation import NOTHING_BAD, fill_gaps, spread
+
+
+def grid(shape):
+    y, x = np.mgrid[: shape[0], : shape[1]].astype(float)
+    return x, y
+
+
+# the coefficients ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(40, 57), (17, 33), (3, 5), (5, 3), (3, 3)])
+def test_coefficients_are_those_of_scipy_with_mirrored_margins(shape):
+    image = np.random.default_rng(7).normal(size=shape)
+    found = spline_coefficients(image)
+    truth = ndimage.spline_filter(image, 3, mode="mirror")
+    assert found.dtype == np.float32
+    npt.assert_allclose(found[2:-2, 2:-2], truth, atol=2e-5)
+    npt.assert_array_equal(found, np.pad(found[2:-2, 2:-2], 2, mode="reflect"))
+
+
+def test_coefficients_reproduce_the_pixels():
+    """The B-spline has the values 1/6, 4/6 and 1/6 at the pixels."""
+    image = np.random.default_rng(8).normal(size=(30, 41))
+    c = spline_coefficients(image).astype(float)
+    down = (c[1:-3] + 4 * c[2:-2] + c[3:-1]) / 6
+    both = (down[:, 1:-3] + 4 * down[:, 2:-2] + down[:, 3:-1]) / 6
+    npt.assert_allclose(both, image, atol=5e-6)
+
+
+# the warp -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(61, 83), (16, 200), (5, 4), (3, 3)])
+def test_warp_is_the_cubic_spline_of_scipy(shape):
+    image = np.random.default_rng(1).normal(size=shape)
+    x, y = grid(shape)
+    dx, dy = 0.31 + 0.02 * x - 0.01 * y, -0.74 + 0.03 * y
+    truth = ndimage.map_coordinates(image, [y + dy, x + dx], order=3, mode="mirror")
+    inside = (x + dx >= 0) & (x + dx <= shape[1] - 1) & (y + dy >= 0) & (y + dy <= shape[0] - 1)
+    found = warp(image, dx, dy)
+    assert found.dtype == np.float32
+    npt.assert_array_equal(np.isfinite(found), inside)
+    npt.assert_allclose(found[inside], truth[inside], atol=5e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-9, 9), st.floats(-9, 9))
+def test_a_ramp_is_moved_exactly(dx, dy):
+    shape = (48, 64)
+    x, y = grid(shape)
+    found = warp(3 * x - 2 * y, np.full(shape, dx), np.full(shape, dy))
+    inner = np.isfinite(found)
+    # the mirrored edge bends a ramp; the bend dies out by 0.27 a pixel
+    inner[:14] = inner[-14:] = False
+    inner[:, :14] = inner[:, -14:] = False
+    npt.assert_allclose(found[inner], (3 * (x + dx) - 2 * (y + dy))[inner], atol=1e-3)
+
+
+@pytest.mark.parametrize("powers", [(2, 0), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2)])
+def test_polynomials_of_the_third_degree_are_reproduced(powers):
+    shape = (60, 70)
+    x, y = grid(shape)
+    x, y = (x - 35) / 35, (y - 30) / 30
+    image = x ** powers[0] * y ** powers[1]
+    found = warp(image, np.full(shape, 0.35), np.full(shape, -1.6))[20:-20, 20:-20]
+    truth = (x + 0.35 / 35) ** powers[0] * (y - 1.6 / 30) ** powers[1]
+    npt.assert_allclose(found, truth[20:-20, 20:-20], atol=2e-6)
+
+
+def test_pixels_are_kept_at_whole_displacements():
+    image = np.random.default_rng(9).normal(size=(20, 25)).astype(np.float32)
+    flat = np.zeros(image.shape)
+    npt.assert_allclose(warp(image, flat, flat), image, atol=2e-6)
+    moved = warp(image, flat + 2, flat - 3)
+    npt.assert_allclose(moved[3:, :-2], image[:-3, 2:], atol=2e-6)
+    assert np.isnan(moved[:3]).all()
+    assert np.isnan(moved[:, -2:]).all()
+
+
+def test_outermost_pixel_is_the_last_point_of_the_image():
+    image = np.random.default_rng(10).normal(size=(12, 15))
+    flat = np.zeros(image.shape)
+    for step, column in ((1e-3, -1), (-1e-3, 0)):
+        inner = np.delete(np.arange(15), column)
+        found = warp(image, flat + step, flat)
+        assert np.isnan(found[:, column]).all()
+        assert np.isfinite(found[:, inner]).all()
+        found = warp(image.T, flat.T, flat.T + step)
+        assert np.isnan(found[column]).all()
+        assert np.isfinite(found[inner]).all()
+
+
+def test_camera_2_may_have_another_size():
+    image = np.random.default_rng(11).normal(size=(30, 50))
+    flat = np.zeros((10, 20))
+    found = warp(image, flat + 29, flat + 20)
+    npt.assert_allclose(found, image[20:, 29:49], atol=2e-6)
+
+
+def test_only_the_rows_asked_for_are_evaluated():
+    image = np.random.default_rng(12).normal(size=(20, 25))
+    flat = np.zeros(image.shape, np.float32)
+    out = np.full(image.shape, -1, np.float32)
+    sample_spline(spline_coefficients(image), flat, flat, 0.0, 0.0, NOTHING_BAD, out, 4, 9)
+    npt.assert_allclose(out[4:9], image[4:9], atol=2e-6)
+    assert (out[:4] == -1).all()
+    assert (out[9:] == -1).all()
+
+
+def test_point_beside_a_marked_pixel_is_nan():
+    """The four pixels around the point count, also in the last row and column."""
+    image = np.random.default_rng(13).normal(size=(12, 14))
+    coefficients = spline_coefficients(image)
+    for row, column in ((5, 6), (11, 13), (0, 0)):
+        bad = np.zeros(image.shape, bool)
+        bad[row, column] = True
+        half = np.full(image.shape, 0.5, np.float32)
+        out = np.empty(image.shape, np.float32)
+        sample_spline(coefficients, half, half, 0.0, 0.0, bad, out, 0, 12)
+        x, y = grid(image.shape)
+        inside = (x + 0.5 <= 13) & (y + 0.5 <= 11)
+        near = (np.abs(x + 0.5 - column) < 1) & (np.abs(y + 0.5 - row) < 1)
+        npt.assert_array_equal(np.isnan(out), ~inside | near)
+
+
+def test_drift_is_added_to_the_displacement():
+    image = np.random.default_rng(2).normal(size=(40, 50))
+    zero = np.zeros(image.shape)
+    npt.assert_allclose(
+        warp(image, zero, zero, (1.25, -0.5)), warp(image, zero + 1.25, zero - 0.5), atol=1e-6
+    )
+
+
+def test_displacement_points_from_camera_1_to_camera_2():
+    image = np.zeros((20, 30))
+    image[7, 12] = 1.0  # a point that camera 2 sees at x = 12, y = 7
+    found = warp(image, np.full(image.shape, 3.0), np.full(image.shape, -2.0))
+    assert np.unravel_index(np.nanargmax(found), found.shape) == (9, 9)
+
+
+def test_result_does_not_depend_on_integers_or_threads():
+    counts = np.random.default_rng(3).integers(0, 4096, (90, 110)).astype(np.uint16)
+    x, y = grid(counts.shape)
+    dx, dy = 0.01 * x, -0.013 * y
+    alone = warp(counts, dx, dy, threads=1)
+    npt.assert_array_equal(alone, warp(counts, dx, dy, threads=3))
+    npt.assert_array_equal(alone, warp(counts.astype(float), dx, dy))
+    npt.assert_array_equal(spline_coefficients(counts), spline_coefficients(counts, threads=3))
+
+
+def test_a_hole_spreads_to_its_sixteen_taps_only():
+    image = np.random.default_rng(4).normal(size=(40, 40))
+    holed = image.copy()
+    holed[20, 15] = np.nan
+    shift = np.full(image.shape, 0.5)
+    whole, found = warp(image, shift, shift), warp(holed, shift, shift)
+    lost = np.isnan(found) & np.isfinite(whole)
+    rows, cols = np.nonzero(lost)
+    assert (rows.min(), rows.max(), cols.min(), cols.max()) == (18, 21, 13, 16)
+    sound = np.isfinite(found)
+    # the prefilter reaches further, but the hole was filled from its neighbours
+    assert np.abs(found - whole)[sound].max() < 0.5 * np.nanstd(image)
+
+
+def test_gap_is_filled_by_the_mean_of_its_nearest_neighbours():
+    image = np.arange(30.0).reshape(5, 6).astype(np.float32)
+    bad = np.zeros(image.shape, bool)
+    bad[0, 0] = True  # neighbours 1, 6 and 7
+    bad[3, 4] = True  # eight neighbours about 22
+    image[bad] = np.nan
+    out = np.empty_like(image)
+    fill_gaps(image, bad, out)
+    npt.assert_allclose(out[0, 0], 14 / 3, rtol=1e-6)
+    npt.assert_allclose(out[3, 4], 22)
+    npt.assert_array_equal(out[~bad], image[~bad])
+
+
+def test_wide_gap_is_filled_up_to_nine_pixels():
+    image = np.full((3, 40), 5.0, np.float32)
+    bad = np.zeros(image.shape, bool)
+    bad[:, 10:] = True
+    image[bad] = np.nan
+    out = np.empty_like(image)
+    fill_gaps(image, bad, out)
+    npt.assert_array_equal(out[:, :19], 5)
+    npt.assert_array_equal(out[:, 19:], 0)
+
+
+@pytest.mark.parametrize("place", [(4, 5), (0, 0), (8, 10), (0, 10), (8, 0)])
+def test_mark_spreads_to_its_eight_neighbours(place):
+    bad = np.zeros((9, 11), bool)
+    bad[place] = True
+    out = np.zeros_like(bad)
+    spread(bad, out)
+    npt.assert_array_equal(out, ndimage.binary_dilation(bad, np.ones((3, 3))))
+
+
+def test_value_outside_camera_2_is_nan():
+    image = np.ones((20, 20))
+    far = np.full(image.shape, 1e12)
+    assert np.isnan(warp(image, far, far)).all()
+    assert np.isnan(warp(image, np.full(image.shape, np.nan), 0 * far)).all()
+
+
+def test_images_and_displacements_must_be_usable():
+    with pytest.raises(RegistrationError, match="one shape"):
+        warp(np.ones((9, 9)), np.zeros((9, 9)), np.zeros((9, 8)))
+    with pytest.raises(RegistrationError, match="at least 3 by 3"):
+        warp(np.ones((2, 9)), np.zeros((9, 9)), np.zeros((9, 9)))
+
+
+# the noise ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.1, 0.37, 0.5, 0.82])
+def test_variance_factor_is_the_sum_of_squared_cardinal_splines(fraction):
+    nodes = np.arange(81)
+    weights = [make_interp_spline(nodes, np.eye(81)[k], k=3)(40 + fraction) for k in range(81)]
+    one = np.sum(np.square(weights))
+    x = np.full((4, 5), fraction)
+    npt.assert_allclose(interpolation_variance_factor(x, 0 * x), one, rtol=1e-5)
+    npt.assert_allclose(interpolation_variance_factor(x - 7, x + 3), one**2, rtol=1e-5)
+    npt.assert_allclose(
+        interpolation_variance_factor(0 * x, 0 * x, (fraction, fraction)), one**2, rtol=1e-5
+    )
+
+
+@pytest.mark.parametrize(("dx", "dy"), [(0.5, 0.5), (0.25, 0.0), (-3.3, 8.7)])
+def test_noise_of_a_warped_image_has_the_variance_of_the_factor(dx, dy):
+    noise = np.random.default_rng(5).normal(size=(700, 700))
+    shift_x, shift_y = np.full(noise.shape, dx), np.full(noise.shape, dy)
+    found = warp(noise, shift_x, shift_y)[20:-20, 20:-20]
+    ratio = np.nanvar(found) / interpolation_variance_factor(shift_x, shift_y)[0, 0]
+    # warped pixels are correlated with few neighbours
+    assert abs(ratio - 1) < 4 * np.sqrt(2 / (found.size / 3))
+
+
+def test_variance_factor_is_symmetric_and_smallest_half_way():
+    f = np.linspace(0, 1, 101)[None, :]
+    factor = interpolation_variance_factor(f, 0 * f)[0]
+    npt.assert_allclose(factor, factor[::-1], rtol=1e-5)
+    assert np.argmin(factor) == 50
+    npt.assert_allclose(interpolation_variance_factor(0 * f, f)[0], factor, rtol=1e-6)
+
+
+def test_variance_factor_is_not_known_where_the_displacement_is_not():
+    flat = np.zeros((2, 2))
+    for unknown in (np.nan, np.inf, 1e7, -1e7):
+        assert np.isnan(interpolation_variance_factor(flat + unknown, flat)).all()
+        assert np.isnan(interpolation_variance_factor(flat, flat + unknown)).all()
