@@ -1,15 +1,37 @@
 """Film formulas for line and elliptical contacts, the regime map and the film parameter.
 
-The formulas hold for steady motion, one temperature, smooth surfaces and enough oil at the inlet. The entrainment speed
-is the mean of the two surface speeds towards the inlet, so half the sliding speed of a pin in a fixed bushing; its sign
-does not matter. The formulas of Dowson and Higginson and their descendants use E' = 2 E*.
+The formulas hold for steady motion, one temperature, smooth surfaces and a flooded inlet. The
+entrainment speed is the mean of the two surface speeds towards the inlet, that is, half the sliding
+speed of a pin in a fixed bushing; its sign does not matter. The formulas of Dowson and Higginson
+and their descendants use E' = 2 E*.
+
+Sources: Martin (1916), Blok (1950), Herrebrugh (1968), Dowson and Higginson (1966) and Hamrock and
+Dowson (1977) for the films, Johnson (1970) for the regime map, Farzaneh (2002) for the pin joint.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from erlif.models.arguments import Values, require_not_negative, require_positive
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_film,
+    check_length,
+    check_line_load,
+    check_load,
+    check_modulus,
+    check_pressure_viscosity,
+    check_reduced_radius,
+    check_speed,
+    check_viscosity,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_single,
+)
 from erlif.models.contact import hertz_line
 
 FILM_REGIMES = (
@@ -28,57 +50,122 @@ LUBRICATION_REGIMES = {
 }
 """Ranges of the film parameter, overlapping as printed in Farzaneh (2002), section 2.2.2."""
 
+MARTIN_CONSTANT = 4.894968
+"""h W / (R U) of rigid cylinders with Reynolds' exit condition; 4.0 with that of Guembel."""
 
+BLOK_CONSTANT = 1.666297
+"""h / R over (G U)^(2/3) of rigid cylinders where the pressure on the Barus oil is unbounded."""
+
+BARUS_LIMIT = 0.5e9
+"""Pressure above which the law of Barus makes mineral oils too stiff. [Pa]"""
+
+BORDER = 0.9
+"""Share of the largest asymptote from which a second one lies at a border of the regime map."""
+
+
+@broadcasting
 def isoviscous_rigid_film(
     entrainment_speed: Values, *, load_per_length: Values, viscosity: Values, radius: Values
 ) -> Values:
-    """Film thickness [m] of rigid cylinders in an oil of constant viscosity: h/R = 4.895 U/W. Martin (1916).
+    """Film thickness of rigid cylinders in an oil of constant viscosity: h/R = 4.895 U/W.
+
+    Martin (1916).
 
     Parameters
     ----------
     entrainment_speed : float or array
-        Mean of the two surface speeds. [m/s]
+        Mean u of the two surface speeds, of either sign. [m/s]
     load_per_length : float or array
-        Line load. [N/m]
+        Line load q, positive. [N/m]
     viscosity : float or array
-        Dynamic viscosity at the inlet. [Pa s]
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
     radius : float or array
         Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
 
+    Returns
+    -------
+    float or array
+        Film thickness at the line of centres, the minimum. [m]
+
+    Raises
+    ------
+    ModelError
+        A load, viscosity or radius that is not positive, or an infinite value.
+
     Notes
     -----
-    U/W = eta u / q: the moduli cancel. The constant is 4.894968 with Reynolds' exit condition, 4.0 in Guembel's form;
-    handbooks that count the sum of the speeds print half of it.
+    U/W = eta u / q: the moduli cancel. The constant is 4.894968 with Reynolds' exit condition, 4.0
+    in Guembel's form; handbooks that use the sum of the speeds print half of it, 2.45.
+
+    Examples
+    --------
+    The acrylic pin joint of Farzaneh (2002) under 50 lbf on 237 mm, in micrometres:
+
+    >>> film = isoviscous_rigid_film(
+    ...     0.0421, load_per_length=222.411 / 0.237, viscosity=0.12, radius=4.87201
+    ... )
+    >>> round(film * 1e6, 1)
+    128.4
     """
-    require_positive(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
-    return 4.894968 * radius * viscosity * np.abs(entrainment_speed) / load_per_length
+    _require_speed(entrainment_speed=entrainment_speed)
+    _require_contact(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
+    return MARTIN_CONSTANT * radius * viscosity * np.abs(entrainment_speed) / load_per_length
 
 
+@broadcasting
 def piezoviscous_rigid_film(
     entrainment_speed: Values, *, viscosity: Values, pressure_viscosity: Values, radius: Values
 ) -> Values:
-    """Film thickness [m] of rigid cylinders in a Barus oil at high load: h/R = 1.666 (G U)^(2/3). Blok (1950).
+    """Film thickness of rigid cylinders in a Barus oil at high load: h/R = 1.666 (G U)^(2/3).
+
+    Blok (1950).
 
     Parameters
     ----------
-    entrainment_speed, viscosity, radius
-        As in `isoviscous_rigid_film`.
+    entrainment_speed : float or array
+        Mean u of the two surface speeds, of either sign. [m/s]
+    viscosity : float or array
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
     pressure_viscosity : float or array
-        Barus coefficient alpha. [1/Pa]
+        Barus coefficient alpha, not negative. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
+
+    Raises
+    ------
+    ModelError
+        A viscosity or radius that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
-    G U = alpha eta u / R: the moduli cancel and the load does not enter.
+    G U = alpha eta u / R: the moduli cancel, and the film does not depend on the load.
+
+    Examples
+    --------
+    The pin joint of Farzaneh (2002), in micrometres:
+
+    >>> film = piezoviscous_rigid_film(
+    ...     0.0421, viscosity=0.12, pressure_viscosity=2e-8, radius=4.87201
+    ... )
+    >>> round(film * 1e6, 3)
+    0.613
     """
-    require_positive(viscosity=viscosity, radius=radius)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
+    _require_speed(entrainment_speed=entrainment_speed)
+    _require_contact(viscosity=viscosity, radius=radius)
+    _require_pressure_viscosity(pressure_viscosity)
     return (
-        1.666297
+        BLOK_CONSTANT
         * radius
         * (pressure_viscosity * viscosity * np.abs(entrainment_speed) / radius) ** (2 / 3)
     )
 
 
+@broadcasting
 def isoviscous_elastic_film(
     entrainment_speed: Values,
     *,
@@ -87,15 +174,48 @@ def isoviscous_elastic_film(
     radius: Values,
     contact_modulus: Values,
 ) -> Values:
-    """Film thickness [m] of soft cylinders in an oil of constant viscosity: h/R = 3.10 U^0.6 W^-0.2. Herrebrugh (1968).
+    """Film thickness of soft cylinders in an oil of constant viscosity: h/R = 3.10 U^0.6 W^-0.2.
+
+    Herrebrugh (1968).
 
     Parameters
     ----------
-    entrainment_speed, load_per_length, viscosity, radius
-        As in `isoviscous_rigid_film`.
+    entrainment_speed : float or array
+        Mean u of the two surface speeds, of either sign. [m/s]
+    load_per_length : float or array
+        Line load q, positive. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
     contact_modulus : float or array
-        E*; U and W are made with 2 E*. [Pa]
+        E*, see `erlif.models.contact.contact_modulus`; U and W are formed with 2 E*. [Pa]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, or an infinite value.
+
+    Examples
+    --------
+    The acrylic pin joint of Farzaneh (2002) under 1333 lbf, in micrometres:
+
+    >>> film = isoviscous_elastic_film(
+    ...     0.0421,
+    ...     load_per_length=5929.5 / 0.237,
+    ...     viscosity=0.12,
+    ...     radius=4.87201,
+    ...     contact_modulus=1.5641e9,
+    ... )
+    >>> round(film * 1e6, 2)
+    7.05
     """
+    _require_speed(entrainment_speed=entrainment_speed)
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -106,6 +226,7 @@ def isoviscous_elastic_film(
     return 3.10 * radius * U**0.6 * W**-0.2
 
 
+@broadcasting
 def dowson_higginson_film(
     entrainment_speed: Values,
     *,
@@ -115,31 +236,59 @@ def dowson_higginson_film(
     radius: Values,
     contact_modulus: Values,
 ) -> Values:
-    """Least film thickness [m] of a heavily loaded elastic line contact: h/R = 2.65 G^0.54 U^0.7 W^-0.13.
+    """Minimum film thickness of a loaded elastic line contact: h/R = 2.65 G^0.54 U^0.7 W^-0.13.
 
-    G = alpha E', U = eta u / (E' R), W = q / (E' R), with E' = 2 E* and the mean speed u. Dowson and Higginson (1966);
-    Farzaneh (2002), eq. 2.8, in its own symbols: see `thesis_film`.
+    G = alpha E', U = eta u / (E' R), W = q / (E' R), with E' = 2 E* and the mean speed u.
+    Dowson and Higginson (1966); `thesis_film` is the form of Farzaneh (2002), eq. 2.8, in its own
+    symbols.
 
     Parameters
     ----------
     entrainment_speed : float or array
-        Mean of the two surface speeds. [m/s]
+        Mean u of the two surface speeds, of either sign. [m/s]
     load_per_length : float or array
-        Line load q. [N/m]
+        Line load q, positive. [N/m]
     viscosity : float or array
-        Dynamic viscosity at the inlet. [Pa s]
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
     pressure_viscosity : float or array
-        Barus coefficient alpha. [1/Pa]
+        Barus coefficient alpha, not negative. [1/Pa]
     radius : float or array
-        Reduced radius R. [m]
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
     contact_modulus : float or array
-        E*. [Pa]
+        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
-    Holds in the piezoviscous-elastic regime only; `line_contact_film` says where that is. For the acrylic optical joint
-    at 50 lbf it is 67 times too small.
+    Holds in the piezoviscous-elastic regime only; `line_contact_film` finds the regime. For the
+    acrylic optical joint at 50 lbf it is 67 times too small.
+
+    Examples
+    --------
+    The steel pin joint of Farzaneh (2002) under 444.8 kN, in micrometres:
+
+    >>> film = dowson_higginson_film(
+    ...     0.042,
+    ...     load_per_length=444.8e3 / 0.237,
+    ...     viscosity=0.12,
+    ...     pressure_viscosity=2e-8,
+    ...     radius=4.87201,
+    ...     contact_modulus=109.8901e9,
+    ... )
+    >>> round(film * 1e6, 4)
+    0.6272
     """
+    _require_speed(entrainment_speed=entrainment_speed)
+    _require_pressure_viscosity(pressure_viscosity)
     U, W = _speed_and_load_groups(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -147,11 +296,11 @@ def dowson_higginson_film(
         radius=radius,
         contact_modulus=contact_modulus,
     )
-    require_not_negative(pressure_viscosity=pressure_viscosity)
     G = pressure_viscosity * 2 * contact_modulus
     return 2.65 * radius * G**0.54 * U**0.7 * W**-0.13
 
 
+@broadcasting
 def thesis_film(
     sliding_speed: Values,
     *,
@@ -161,21 +310,65 @@ def thesis_film(
     radius: Values,
     contact_modulus: Values,
 ) -> Values:
-    """Least film thickness [m] of Farzaneh (2002), eq. 2.8 as printed: E* in the place of E', full sliding speed.
+    """Minimum film thickness by Farzaneh (2002), eq. 2.8, as printed: E* and full sliding speed.
 
     h/R = 2.65 G^0.54 V^0.7 W^-0.13 with G = alpha E*, V = eta v / (2 E* R), W = q / (E* R).
 
-    Parameters as in `dowson_higginson_film`, with the full sliding speed v of the pin [m/s] in the place of the mean.
+    Parameters
+    ----------
+    sliding_speed : float or array
+        Full sliding speed v of the pin in its bushing, of either sign. [m/s]
+    load_per_length : float or array
+        Line load q, positive. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha, not negative. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+
+    Returns
+    -------
+    float or array
+        Minimum film thickness. [m]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
-    The slips nearly cancel: this is 1.0210 times the standard form with u = v/2. The thesis works its example with
-    w = 222.5 kN for 100,000 lbf, which is 444.8 kN, and states no alpha, so its 0.54 um fits alphas of 1.23e-8 to
-    1.52e-8 1/Pa.
+    The two slips nearly cancel: this is 2^0.03 = 1.0210 times the standard form with u = v/2. The
+    thesis computes its example with w = 222.5 kN for 100,000 lbf, which is 444.8 kN, and states no
+    alpha, so its 0.54 um fits alphas of 1.23e-8 to 1.52e-8 1/Pa.
+
+    Examples
+    --------
+    The printed 0.54 um with the load of the thesis, in micrometres:
+
+    >>> film = thesis_film(
+    ...     0.084,
+    ...     load_per_length=222.5e3 / 0.237,
+    ...     viscosity=0.12,
+    ...     pressure_viscosity=1.2345e-8,
+    ...     radius=4.87201,
+    ...     contact_modulus=109.8901e9,
+    ... )
+    >>> round(film * 1e6, 3)
+    0.54
     """
-    require_positive(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
-    require_positive(contact_modulus=contact_modulus)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
+    _require_speed(sliding_speed=sliding_speed)
+    _require_pressure_viscosity(pressure_viscosity)
+    _require_contact(
+        load_per_length=load_per_length,
+        viscosity=viscosity,
+        radius=radius,
+        contact_modulus=contact_modulus,
+    )
+
     G = pressure_viscosity * contact_modulus
     V = viscosity * np.abs(sliding_speed) / (2 * contact_modulus * radius)
     W = load_per_length / (contact_modulus * radius)
@@ -184,24 +377,29 @@ def thesis_film(
 
 @dataclass(frozen=True)
 class LineContactFilm:
-    """Film of a line contact with the four asymptotes it was chosen from and what limits its meaning."""
+    """Film of a line contact, the four asymptotes it was chosen from, and its limits."""
 
     film: Values
-    """The largest of the four. [m]"""
+    """Film thickness, the largest of the four asymptotes. [m]"""
     regime: Values
-    """Name of the largest, from `FILM_REGIMES`; empty where the film is NaN."""
+    """Name of the largest asymptote, from `FILM_REGIMES`; empty where the film is NaN."""
     isoviscous_rigid: Values
+    """Film thickness by `isoviscous_rigid_film`. [m]"""
     piezoviscous_rigid: Values
+    """Film thickness by `piezoviscous_rigid_film`. [m]"""
     isoviscous_elastic: Values
+    """Film thickness by `isoviscous_elastic_film`. [m]"""
     piezoviscous_elastic: Values
+    """Film thickness by `dowson_higginson_film`. [m]"""
     gV: Values  # noqa: N815
     """Viscosity parameter G W^1.5 U^-0.5. [1]"""
     gE: Values  # noqa: N815
     """Elasticity parameter W U^-0.5. [1]"""
     notes: tuple[str, ...]
-    """Limits to state beside the number."""
+    """Limits of the formulas, to be stated beside the film thickness."""
 
 
+@broadcasting
 def line_contact_film(
     entrainment_speed: Values,
     *,
@@ -212,25 +410,369 @@ def line_contact_film(
     contact_modulus: Values,
     stroke: float | None = None,
 ) -> LineContactFilm:
-    """Film of a line contact in whichever of the four regimes governs: the largest of the asymptotes.
+    """Film of a line contact in the regime that governs: the largest of the four asymptotes.
 
     Parameters
     ----------
-    entrainment_speed, load_per_length, viscosity, pressure_viscosity, radius, contact_modulus
-        As in `dowson_higginson_film`.
+    entrainment_speed : float or array
+        Mean u of the two surface speeds, of either sign. [m/s]
+    load_per_length : float or array
+        Line load q, positive. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha, not negative. [1/Pa]
+    radius : float or array
+        Reduced radius R, see `erlif.models.contact.conformal_radius`. [m]
+    contact_modulus : float or array
+        E*, see `erlif.models.contact.contact_modulus`. [Pa]
     stroke : float, optional
-        Peak-to-peak travel of the entrained oil, the integral of the entrainment speed over half a cycle: pin radius
-        times half the swing. Given, the notes say whether a film formed at the inlet crosses the contact. [m]
+        Peak-to-peak travel of the entrained oil, the integral of the entrainment speed over half a
+        cycle: pin radius times half the swing. With it the notes state whether a film formed at the
+        inlet crosses the contact. [m]
 
     Returns
     -------
     LineContactFilm
         Film, regime, asymptotes, regime parameters and notes.
 
+    Raises
+    ------
+    ModelError
+        A value that is not positive, a negative coefficient or stroke, or an infinite value.
+
     Notes
     -----
-    Johnson's regime map in the variables of Moes: gV = G W^1.5 U^-0.5 and gE = W U^-0.5.
+    Johnson's regime map in the variables of Moes, gV = G W^1.5 U^-0.5 and gE = W U^-0.5.
+
+    Examples
+    --------
+    The pin joint of Farzaneh (2002), acrylic under 50 lbf and steel under 100,000 lbf:
+
+    >>> joint = {"viscosity": 0.12, "pressure_viscosity": 2e-8, "radius": 4.87201}
+    >>> optical = line_contact_film(
+    ...     0.0421, load_per_length=938.4, contact_modulus=1.5641e9, **joint
+    ... )
+    >>> optical.regime, round(optical.film * 1e6, 1)
+    ('isoviscous-rigid', 128.4)
+    >>> machine = line_contact_film(
+    ...     0.0421, load_per_length=1.8769e6, contact_modulus=109.8901e9, **joint
+    ... )
+    >>> machine.regime, round(machine.film * 1e6, 3)
+    ('piezoviscous-elastic', 0.628)
     """
+    if stroke is not None:
+        require_single(stroke=stroke)
+        require_not_negative(stroke=stroke)
+
+    asymptotes = _asymptotes(
+        entrainment_speed,
+        load_per_length=load_per_length,
+        viscosity=viscosity,
+        pressure_viscosity=pressure_viscosity,
+        radius=radius,
+        contact_modulus=contact_modulus,
+    )
+    rigid, viscous, elastic, both = asymptotes
+    film = np.maximum(np.maximum(rigid, viscous), np.maximum(elastic, both))
+    governing = _number_of_largest(film, asymptotes)
+
+    # at a standstill both parameters are infinite
+    U, W = _speed_and_load_groups(
+        entrainment_speed,
+        load_per_length=load_per_length,
+        viscosity=viscosity,
+        radius=radius,
+        contact_modulus=contact_modulus,
+    )
+    with np.errstate(divide="ignore"):
+        gE = W / np.sqrt(U)
+    gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
+
+    half_width, pressure = hertz_line(
+        load_per_length, radius=radius, contact_modulus=contact_modulus
+    )
+    notes = (
+        "The film formulas assume steady motion, one temperature, smooth surfaces and a flooded "
+        "inlet.",
+        *_regime_notes(governing, film, asymptotes),
+        *_motion_notes(entrainment_speed, half_width, stroke),
+        *_pressure_notes(pressure),
+    )
+    return LineContactFilm(film, _named(governing), *asymptotes, gV=gV, gE=gE, notes=notes)
+
+
+class EllipticalFilm(NamedTuple):
+    """Film thicknesses of an elliptical contact."""
+
+    minimum: Values
+    """Minimum film thickness. [m]"""
+    central: Values
+    """Film thickness at the centre of the contact. [m]"""
+
+
+@broadcasting
+def hamrock_dowson_film(
+    entrainment_speed: Values,
+    *,
+    load: Values,
+    viscosity: Values,
+    pressure_viscosity: Values,
+    radius_along: Values,
+    radius_across: Values,
+    contact_modulus: Values,
+) -> EllipticalFilm:
+    """Minimum and central film thickness of an elliptical contact. Hamrock and Dowson (1977).
+
+    h_min/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k)),
+    h_c/Rx = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 k)),  k = 1.03 (Ry/Rx)^0.64,
+    with G = alpha E', U = eta u / (E' Rx), W = w / (E' Rx^2) and E' = 2 E*.
+
+    Parameters
+    ----------
+    entrainment_speed : float or array
+        Mean u of the two surface speeds, of either sign. [m/s]
+    load : float or array
+        Load w on the contact, positive. [N]
+    viscosity : float or array
+        Dynamic viscosity eta at the inlet, positive. [Pa s]
+    pressure_viscosity : float or array
+        Barus coefficient alpha, not negative. [1/Pa]
+    radius_along, radius_across : float or array
+        Reduced radii Rx along and Ry across the motion. [m]
+    contact_modulus : float or array
+        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+
+    Returns
+    -------
+    EllipticalFilm
+        Minimum and central film thickness. [m]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, a negative coefficient, or an infinite value.
+
+    Notes
+    -----
+    Fitted for hard contacts with k from 1 to 8, entrained along the minor axis. The lobed bushing
+    of Farzaneh (2002) slides along the major axis of its contact (Rx 4.87 m, Ry 0.2 m): k is far
+    below 1, outside the fit.
+
+    Examples
+    --------
+    The minimum film of a ball is 1 - exp(-0.68 x 1.03) = 0.504 of that of a long roller:
+
+    >>> contact = {"load": 100.0, "viscosity": 0.05, "pressure_viscosity": 2e-8}
+    >>> contact |= {"radius_along": 0.01, "contact_modulus": 110e9}
+    >>> ball = hamrock_dowson_film(1.0, radius_across=0.01, **contact)
+    >>> roller = hamrock_dowson_film(1.0, radius_across=100.0, **contact)
+    >>> round(ball.minimum / roller.minimum, 3)
+    0.504
+    """
+    _require_speed(entrainment_speed=entrainment_speed)
+    _require_pressure_viscosity(pressure_viscosity)
+    require_positive(load=load, radius_along=radius_along, radius_across=radius_across)
+    check_load(load=load)
+    check_reduced_radius(radius_along=radius_along, radius_across=radius_across)
+    _require_contact(viscosity=viscosity, contact_modulus=contact_modulus)
+
+    G = pressure_viscosity * 2 * contact_modulus
+    U = viscosity * np.abs(entrainment_speed) / (2 * contact_modulus * radius_along)
+    W = load / (2 * contact_modulus * radius_along**2)
+    k = 1.03 * (radius_across / radius_along) ** 0.64
+
+    minimum = 3.63 * radius_along * U**0.68 * G**0.49 * W**-0.073 * (1 - np.exp(-0.68 * k))
+    central = 2.69 * radius_along * U**0.67 * G**0.53 * W**-0.067 * (1 - 0.61 * np.exp(-0.73 * k))
+    return EllipticalFilm(minimum, central)
+
+
+@broadcasting
+def squeeze_time(
+    film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values
+) -> Values:
+    """Time in which a load squeezes a parallel film down to a thickness: t = 4 eta b^3 / (q h^2).
+
+    From a thick start; long strip of width 2b, constant viscosity, ambient pressure at both edges.
+    It estimates how long the middle of a contact that the motion does not sweep keeps its oil.
+    Reynolds' equation integrated for parallel plates.
+
+    Parameters
+    ----------
+    film : float or array
+        Film thickness h at the end, positive. [m]
+    half_width : float or array
+        Half width b of the strip, see `erlif.models.contact.hertz_line`. [m]
+    load_per_length : float or array
+        Line load q, positive. [N/m]
+    viscosity : float or array
+        Dynamic viscosity eta, positive. [Pa s]
+
+    Returns
+    -------
+    float or array
+        Time from an infinitely thick film. [s]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, or an infinite value.
+
+    Examples
+    --------
+    The steel joint of Farzaneh (2002) under 100,000 lbf keeps 0.64 um for 0.68 s:
+
+    >>> round(squeeze_time(
+    ...     0.64e-6, half_width=10.2932e-3, load_per_length=1.8769e6, viscosity=0.12
+    ... ), 2)
+    0.68
+    """
+    require_positive(film=film, half_width=half_width)
+    check_film(film=film)
+    check_length(half_width=half_width)
+    _require_contact(load_per_length=load_per_length, viscosity=viscosity)
+    return 4 * viscosity * half_width**3 / (load_per_length * film**2)
+
+
+@broadcasting
+def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) -> Values:
+    """Film thickness over combined roughness: Lambda = h / sqrt(Ra^2 + Rb^2).
+
+    Farzaneh (2002), eq. 2.7.
+
+    Parameters
+    ----------
+    film : float or array
+        Minimum film thickness h, not negative. [m]
+    roughness_a, roughness_b : float or array
+        Root-mean-square roughness of the two surfaces, not negative and not both zero. [m]
+
+    Returns
+    -------
+    float or array
+        Film parameter Lambda, see `lubrication_regimes`. [1]
+
+    Raises
+    ------
+    ModelError
+        A negative or infinite value, or two surfaces without roughness.
+
+    Notes
+    -----
+    The thesis prints 1.52e-6, metres divided by micrometres; its 0.54 um with 0.25 um on each
+    surface gives 1.53, partial lubrication by its own list and not boundary lubrication. Its
+    footnote defines the root mean square and calls it R_a.
+
+    Examples
+    --------
+    >>> round(film_parameter(0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6), 2)
+    1.53
+    """
+    require_not_negative(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
+    check_film(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
+
+    combined = np.sqrt(roughness_a**2 + roughness_b**2)
+    if np.any(np.equal(combined, 0)):
+        raise ModelError("roughness_a and roughness_b must not both be zero.")
+    return film / combined
+
+
+@broadcasting
+def lubrication_regimes(film_parameter: Values) -> Values:
+    """List the regimes of `LUBRICATION_REGIMES` whose range contains a film parameter.
+
+    The ranges overlap, as printed in Farzaneh (2002), section 2.2.2. A range contains its lower end
+    and not its upper one.
+
+    Parameters
+    ----------
+    film_parameter : float or array
+        Film parameter Lambda, not negative. [1]
+
+    Returns
+    -------
+    tuple of str, or array of tuples
+        Names of the regimes, in the order of the table; empty above 100 and for NaN.
+
+    Raises
+    ------
+    ModelError
+        A negative or infinite value.
+
+    Examples
+    --------
+    >>> lubrication_regimes(1.52)
+    ('partial',)
+    >>> lubrication_regimes(7.0)
+    ('hydrodynamic', 'elastohydrodynamic')
+    """
+    require_not_negative(film_parameter=film_parameter)
+    flat = np.ravel(np.asarray(film_parameter))
+    regimes = np.empty(flat.size, object)
+    for i, value in enumerate(flat):
+        regimes[i] = tuple(
+            name for name, (low, high) in LUBRICATION_REGIMES.items() if low <= value < high
+        )
+
+    if hasattr(film_parameter, "dims"):  # a DataArray keeps its coordinates
+        return film_parameter.copy(data=regimes.reshape(film_parameter.shape))
+    return regimes.reshape(np.shape(film_parameter)) if np.ndim(film_parameter) else regimes[0]
+
+
+def _require_speed(**speed: Values) -> None:
+    require_finite(**speed)
+    check_speed(**speed)
+
+
+def _require_pressure_viscosity(pressure_viscosity: Values) -> None:
+    require_not_negative(pressure_viscosity=pressure_viscosity)
+    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
+
+
+_CHECKS = {
+    "load_per_length": check_line_load,
+    "viscosity": check_viscosity,
+    "radius": check_reduced_radius,
+    "contact_modulus": check_modulus,
+}
+
+
+def _require_contact(**arguments: Values) -> None:
+    """Refuse values of a contact that are not positive, and warn of implausible ones."""
+    require_positive(**arguments)
+    for name, value in arguments.items():
+        _CHECKS[name](**{name: value})
+
+
+def _speed_and_load_groups(
+    entrainment_speed: Values,
+    *,
+    load_per_length: Values,
+    viscosity: Values,
+    radius: Values,
+    contact_modulus: Values,
+) -> tuple[Values, Values]:
+    """U = eta u / (E' R) and W = q / (E' R) with E' = 2 E*."""
+    _require_contact(
+        load_per_length=load_per_length,
+        viscosity=viscosity,
+        radius=radius,
+        contact_modulus=contact_modulus,
+    )
+    stiffness = 2 * contact_modulus * radius
+    return viscosity * np.abs(entrainment_speed) / stiffness, load_per_length / stiffness
+
+
+def _asymptotes(
+    entrainment_speed: Values,
+    *,
+    load_per_length: Values,
+    viscosity: Values,
+    pressure_viscosity: Values,
+    radius: Values,
+    contact_modulus: Values,
+) -> tuple[Values, Values, Values, Values]:
+    """Film thicknesses of the four regimes, in the order of `FILM_REGIMES`."""
     rigid = isoviscous_rigid_film(
         entrainment_speed, load_per_length=load_per_length, viscosity=viscosity, radius=radius
     )
@@ -252,153 +794,23 @@ def line_contact_film(
         radius=radius,
         contact_modulus=contact_modulus,
     )
-    film = np.maximum(np.maximum(rigid, viscous), np.maximum(elastic, both))
-    # ties, and the zero film of a standstill, go to the first of the four
-    governing = (film != rigid) * (
+    return rigid, viscous, elastic, both
+
+
+def _number_of_largest(film: Values, asymptotes: tuple[Values, ...]) -> Values:
+    """Number of the first of the four asymptotes that equals the film, 4 where the film is NaN.
+
+    Ties, and the zero film of a standstill, belong to the first of them. Written with products
+    because these broadcast over DataArrays as over floats.
+    """
+    rigid, viscous, elastic, both = asymptotes
+    return (film != rigid) * (
         1 + (film != viscous) * (1 + (film != elastic) * (1 + (film != both) * 1))
     )
-    U, W = _speed_and_load_groups(
-        entrainment_speed,
-        load_per_length=load_per_length,
-        viscosity=viscosity,
-        radius=radius,
-        contact_modulus=contact_modulus,
-    )
-    with np.errstate(divide="ignore"):  # at a standstill both parameters are infinite
-        gE = W / np.sqrt(U)
-    gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
-    half_width, pressure = hertz_line(
-        load_per_length, radius=radius, contact_modulus=contact_modulus
-    )
-    asymptotes = (rigid, viscous, elastic, both)
-    notes = (
-        "Steady motion, one temperature, smooth surfaces and a flooded inlet are assumed.",
-        *_regime_notes(governing, film, asymptotes),
-        *_motion_notes(entrainment_speed, half_width, stroke),
-        *_pressure_notes(pressure),
-    )
-    return LineContactFilm(film, _named(governing), *asymptotes, gV=gV, gE=gE, notes=notes)
-
-
-def hamrock_dowson_film(
-    entrainment_speed: Values,
-    *,
-    load: Values,
-    viscosity: Values,
-    pressure_viscosity: Values,
-    radius_along: Values,
-    radius_across: Values,
-    contact_modulus: Values,
-) -> tuple[Values, Values]:
-    """Least and central film thickness [m] of an elliptical contact. Hamrock and Dowson (1977).
-
-    h_min/Rx = 3.63 U^0.68 G^0.49 W^-0.073 (1 - exp(-0.68 k)),
-    h_c/Rx = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 k)),  k = 1.03 (Ry/Rx)^0.64,
-    with G = alpha E', U = eta u / (E' Rx), W = w / (E' Rx^2) and E' = 2 E*.
-
-    Parameters
-    ----------
-    entrainment_speed, viscosity, pressure_viscosity, contact_modulus
-        As in `dowson_higginson_film`.
-    load : float or array
-        Load w on the contact. [N]
-    radius_along, radius_across : float or array
-        Reduced radii Rx along and Ry across the motion. [m]
-
-    Notes
-    -----
-    Fitted for hard contacts with k from 1 to 8, entrained along the minor axis. The lobed bushing of Farzaneh (2002)
-    slides along the major axis of its contact (Rx 4.87 m, Ry 0.2 m): k is far below 1, outside the fit.
-    """
-    require_positive(
-        load=load, viscosity=viscosity, radius_along=radius_along, radius_across=radius_across
-    )
-    require_positive(contact_modulus=contact_modulus)
-    require_not_negative(pressure_viscosity=pressure_viscosity)
-    G = pressure_viscosity * 2 * contact_modulus
-    U = viscosity * np.abs(entrainment_speed) / (2 * contact_modulus * radius_along)
-    W = load / (2 * contact_modulus * radius_along**2)
-    k = 1.03 * (radius_across / radius_along) ** 0.64
-    least = 3.63 * radius_along * U**0.68 * G**0.49 * W**-0.073 * (1 - np.exp(-0.68 * k))
-    central = 2.69 * radius_along * U**0.67 * G**0.53 * W**-0.067 * (1 - 0.61 * np.exp(-0.73 * k))
-    return least, central
-
-
-def squeeze_time(
-    film: Values, *, half_width: Values, load_per_length: Values, viscosity: Values
-) -> Values:
-    """Time [s] in which a load squeezes a parallel film down to a thickness: t = 4 eta b^3 / (q h^2).
-
-    From a thick start; long strip of width 2b, constant viscosity, ambient pressure at both edges. Says how long the middle
-    of a contact that the motion does not sweep keeps its oil.
-
-    Parameters
-    ----------
-    film : float or array
-        Thickness h at the end. [m]
-    half_width : float or array
-        b, as of `erlif.models.contact.hertz_line`. [m]
-    load_per_length : float or array
-        q. [N/m]
-    viscosity : float or array
-        Dynamic viscosity. [Pa s]
-    """
-    require_positive(
-        film=film, half_width=half_width, load_per_length=load_per_length, viscosity=viscosity
-    )
-    return 4 * viscosity * half_width**3 / (load_per_length * film**2)
-
-
-def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) -> Values:
-    """Film thickness over combined roughness [1]: Lambda = h / sqrt(Ra^2 + Rb^2). Farzaneh (2002), eq. 2.7.
-
-    Parameters
-    ----------
-    film : float or array
-        Least film thickness. [m]
-    roughness_a, roughness_b : float or array
-        Root-mean-square roughness of the two surfaces. [m]
-
-    Notes
-    -----
-    The thesis prints 1.52e-6, metres divided by micrometres; its 0.54 um with 0.25 um on each surface gives 1.53,
-    partial lubrication by its own list and not boundary lubrication. Its footnote defines the root mean square and
-    calls it R_a.
-    """
-    require_not_negative(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
-    combined = np.sqrt(roughness_a**2 + roughness_b**2)
-    require_positive(roughness=combined)
-    return film / combined
-
-
-def lubrication_regimes(film_parameter: float) -> tuple[str, ...]:
-    """Every regime of `LUBRICATION_REGIMES` whose range holds a film parameter; the ranges overlap, as printed.
-
-    Each range holds its lower end and not its upper one. Beyond 100 no regime is listed.
-    """
-    require_not_negative(film_parameter=film_parameter)
-    return tuple(
-        name for name, (low, high) in LUBRICATION_REGIMES.items() if low <= film_parameter < high
-    )
-
-
-def _speed_and_load_groups(
-    entrainment_speed: Values,
-    *,
-    load_per_length: Values,
-    viscosity: Values,
-    radius: Values,
-    contact_modulus: Values,
-) -> tuple[Values, Values]:
-    """U = eta u / (E' R) and W = q / (E' R) with E' = 2 E*."""
-    require_positive(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
-    require_positive(contact_modulus=contact_modulus)
-    stiffness = 2 * contact_modulus * radius
-    return viscosity * np.abs(entrainment_speed) / stiffness, load_per_length / stiffness
 
 
 def _named(governing: Values) -> Values:
-    """Names of regimes given by number, in an array of the same kind; none for a missing film."""
+    """Names of regimes given by number, in an array of the same kind; empty for a missing film."""
     names = np.asarray([*FILM_REGIMES, ""])
     if hasattr(governing, "dims"):  # a DataArray keeps its coordinates
         return governing.copy(data=names[governing.data])
@@ -409,12 +821,16 @@ def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...
     notes = []
     if np.any(np.less(governing, 3)):
         notes.append(
-            "The formula of Dowson and Higginson (piezoviscous-elastic) does not hold where another regime governs."
+            "The formula of Dowson and Higginson (piezoviscous-elastic) does not hold where "
+            "another regime governs."
         )
-    close = sum((asymptote > 0.9 * film) * 1 for asymptote in asymptotes)
+
+    # near a border two effects act together and neither asymptote holds alone
+    close = sum((asymptote > BORDER * film) * 1 for asymptote in asymptotes)
     if np.any(np.greater(close, 1)):
         notes.append(
-            "Two or more asymptotes lie within 10 %: near a border of the regime map, where a single one is least accurate."
+            f"Two or more asymptotes lie within {100 * (1 - BORDER):.0f} %: near a border of the "
+            "regime map a single asymptote is least accurate."
         )
     return notes
 
@@ -425,25 +841,28 @@ def _motion_notes(entrainment_speed: Values, half_width: Values, stroke: float |
         np.greater_equal(entrainment_speed, 0)
     ):
         notes.append(
-            "Entrainment reverses: steady formulas give no film there, a real film lives on squeeze and depends on the "
-            "acceleration."
+            "Entrainment reverses: the steady formulas give zero film there, while a real film is "
+            "maintained by squeeze and depends on the acceleration."
         )
+
     if stroke is None:
         notes.append("No stroke given: whether the motion sweeps the contact was not checked.")
     elif np.any(np.greater(half_width, stroke)):
+        widest = float(np.nanmax(np.asarray(half_width)))
         notes.append(
             f"The stroke of {stroke * 1e3:.3g} mm is less than the contact half width of "
-            f"{float(np.max(half_width)) * 1e3:.3g} mm: oil entrained at the inlet never reaches the centre."
+            f"{widest * 1e3:.3g} mm: oil entrained at the inlet never reaches the centre."
         )
     elif np.any(np.greater(2 * half_width, stroke)):
+        widest = float(np.nanmax(np.asarray(2 * half_width)))
         notes.append(
             f"The stroke of {stroke * 1e3:.3g} mm is less than the contact width of "
-            f"{float(np.max(2 * half_width)) * 1e3:.3g} mm: oil entrained at the inlet never crosses the contact."
+            f"{widest * 1e3:.3g} mm: oil entrained at the inlet never crosses the contact."
         )
     return notes
 
 
 def _pressure_notes(pressure: Values) -> list[str]:
-    if np.any(np.greater(pressure, 0.5e9)):
-        return ["The Hertz pressure exceeds 0.5 GPa, where the Barus law is too stiff."]
+    if np.any(np.greater(pressure, BARUS_LIMIT)):
+        return ["The Hertz pressure exceeds 0.5 GPa, above which the law of Barus is too stiff."]
     return []
