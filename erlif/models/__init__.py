@@ -1,17 +1,68 @@
 """Theory of the joint: SI numbers in, SI numbers out.
 
-Every function takes floats, numpy arrays or xarray DataArrays, broadcasts, and gives back what it was given. Angles are
-in radians, temperatures in kelvin. A value for which an equation means nothing (a negative modulus, a bushing smaller
-than its pin, an angle that the linkage never takes) raises `erlif.core.errors.ModelError` naming the argument; NaN
-stands for a missing value and passes through.
+Every formula takes floats, lists, numpy arrays or xarray DataArrays, broadcasts, and returns the
+same kind: a float for floats. Angles are in radians, temperatures in kelvin. A value at which an
+equation has no meaning (a negative modulus, an infinite load, a bushing smaller than its pin, an
+angle outside the motion of the linkage) raises `erlif.core.errors.ModelError` with the name of the
+argument; a value that is probably in another unit (a modulus in GPa) warns with
+`erlif.core.errors.UnitWarning`. NaN stands for a missing value and is passed on.
 
 The four sources are cited by author:
 
 - Farzaneh (2002): Failure Analysis and Design of a Heavily Loaded Pin Joint, MSc thesis, MIT.
-- Strand (2005): Design, Testing and Analysis of Journal Bearings for Construction Equipment, thesis, KTH Stockholm.
+- Strand (2005): Design, Testing and Analysis of Journal Bearings for Construction Equipment,
+  thesis, KTH Stockholm.
 - Mukras et al. (2008): Modeling a Slider-Crank Mechanism With Joint Wear, SAE International.
-- Colbert et al. (2009): Edges, clearances, and wear: little things that make big differences in bushing friction, Wear.
+- Colbert et al. (2009): Edges, clearances, and wear: little things that make big differences in
+  bushing friction, Wear.
 
-Where a source is misprinted the function holds the corrected form and its note says what was printed;
-docs/sources.md sets every published number beside the one computed here.
+Where a source is misprinted, the function holds the corrected form and its note quotes the print;
+docs/sources.md compares each published number with the one computed here.
+
+>>> import erlif
+>>> erlif.models.film.lubrication_regimes(1.52)
+('partial',)
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__all__ = [
+    "arguments",
+    "bearing",
+    "contact",
+    "film",
+    "fluorescence",
+    "friction",
+    "mechanism",
+    "oil",
+    "reaction",
+    "sources",
+    "wear",
+]
+
+if TYPE_CHECKING:
+    from erlif.models import (
+        arguments,
+        bearing,
+        contact,
+        film,
+        fluorescence,
+        friction,
+        mechanism,
+        oil,
+        reaction,
+        sources,
+        wear,
+    )
+
+
+def __getattr__(name: str) -> Any:
+    """Load a module when it is first used, so that ``import erlif`` stays quick."""
+    if name in __all__:
+        return import_module(f"erlif.models.{name}")
+    raise AttributeError(f"module 'erlif.models' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,92 +1,170 @@
 """Two-band emission of a dyed film of given thickness, and the ratio of the bands.
 
-Thickness and attenuation may be in any unit whose product is dimensionless (m and 1/m, or um and 1/um).
+Thickness and attenuation may be in any units whose product is dimensionless (m and 1/m, or um and
+1/um). Attenuations are napierian; decadic coefficients are multiplied by ln 10. Farzaneh (2002),
+section 5.1, with reabsorption in both bands; Hidrovo and Hart (2001).
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
 from erlif.core.arrays import Array
+from erlif.models.arguments import Values, broadcasting, require_not_negative, require_positive
+
+SERIES_BELOW = 1e-5
+"""Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there."""
+
+SLOPE_SERIES_BELOW = 1e-3
+"""The same for the logarithmic slope, whose closed form subtracts two numbers of size 1/x."""
+
+LARGEST_DEPTH = 700.0
+"""Optical depth at which exp(x) is still finite and the slope has long been -1/x."""
 
 
-def mean_transmission(depth: npt.ArrayLike) -> Any:
-    """Mean over a layer of the light that its depth lets through, (1 - exp(-x))/x.
+@broadcasting
+def mean_transmission(depth: Values) -> Values:
+    """Mean over a layer of the light transmitted from each depth, (1 - exp(-x))/x.
 
     Parameters
     ----------
-    depth : array
+    depth : float or array
         Optical depth x of the layer, attenuation times thickness. [1]
 
     Returns
     -------
-    array
+    float or array
         1 at x = 0, falling as 1/x for a thick layer. [1]
+
+    Examples
+    --------
+    >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
+    array([1.    , 0.7213, 0.001 ])
     """
-    x = np.asarray(depth, float)
-    small = np.abs(x) < 1e-5
-    safe = np.where(small, 1.0, x)
-    return np.where(small, 1 - x / 2 + x * x / 6, -np.expm1(-safe) / safe)
+    x = _float64(depth)
+    if hasattr(x, "dims"):
+        return x.copy(data=_mean_transmission(x.data))
+    return _mean_transmission(x)
 
 
-def mean_transmission_log_slope(depth: npt.ArrayLike) -> Any:
-    """Derivative of the logarithm of `mean_transmission` by the optical depth, 1/(exp(x) - 1) - 1/x. [1]"""
-    x = np.asarray(depth, float)
-    small = np.abs(x) < 1e-3
-    safe = np.where(small, 1.0, np.minimum(x, 700.0))
-    return np.where(small, -0.5 + x / 12 - x**3 / 720, 1 / np.expm1(safe) - 1 / safe)
-
-
-def band_signal(thickness: npt.ArrayLike, *, attenuation: float, brightness: float = 1.0) -> Any:
-    """Light of a film in one narrow band, reabsorbed on its way out.
-
-    Excitation and emission are attenuated together by `attenuation`, the sum A + B of the absorption at the laser and in
-    the band: I = C t (1 - exp(-(A + B) t)) / ((A + B) t). Eq. 5.5 of the pin-joint thesis, for all light of a narrow band
-    whichever dye emitted it.
+@broadcasting
+def mean_transmission_log_slope(depth: Values) -> Values:
+    """Derivative of ln `mean_transmission` with respect to the optical depth, 1/(exp(x) - 1) - 1/x.
 
     Parameters
     ----------
-    thickness : array
-        Film thickness t.
-    attenuation : float
-        A + B of the band, inverse of the unit of thickness (napierian; decadic coefficients times ln 10).
-    brightness : float
-        C, light of a very thin film per thickness.
+    depth : float or array
+        Optical depth x of the layer. [1]
+
+    Returns
+    -------
+    float or array
+        -1/2 at x = 0, rising to -1/x for a thick layer. [1]
+
+    Examples
+    --------
+    >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
+    (-0.5, -0.01)
     """
-    t = np.asarray(thickness, float)
+    x = _float64(depth)
+    if hasattr(x, "dims"):
+        return x.copy(data=_mean_transmission_log_slope(x.data))
+    return _mean_transmission_log_slope(x)
+
+
+@broadcasting
+def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 1.0) -> Values:
+    """Light of a film in one narrow band, reabsorbed on its way out.
+
+    Excitation and emission are attenuated together by `attenuation`, the sum A + B of the
+    absorption at the laser and in the band: I = C t (1 - exp(-(A + B) t)) / ((A + B) t).
+    Farzaneh (2002), eq. 5.5, for all light of a narrow band, whichever dye emitted it.
+
+    Parameters
+    ----------
+    thickness : float or array
+        Film thickness t. [unit of length]
+    attenuation : float or array
+        A + B of the band, not negative. [inverse of the unit of thickness]
+    brightness : float or array
+        C, light per thickness of a very thin film.
+
+    Returns
+    -------
+    float or array
+        Light of the film, in the unit of `brightness` times thickness.
+
+    Raises
+    ------
+    ModelError
+        A negative or infinite attenuation.
+
+    Examples
+    --------
+    A thick film shows the light of one attenuation length:
+
+    >>> band_signal(1000.0, attenuation=0.25)
+    4.0
+    """
+    require_not_negative(attenuation=attenuation)
+    t = _float64(thickness)
     return brightness * t * mean_transmission(attenuation * t)
 
 
+@broadcasting
 def log_band_ratio(
-    thickness: npt.ArrayLike,
+    thickness: Values,
     *,
-    ratio_at_zero: float,
-    attenuation_camera1: float,
-    attenuation_camera2: float,
-) -> Any:
+    ratio_at_zero: Values,
+    attenuation_camera1: Values,
+    attenuation_camera2: Values,
+) -> Values:
     """Natural logarithm of the camera 2 / camera 1 ratio of a film.
 
-    r(t) = K (p/q) (1 - exp(-q t)) / (1 - exp(-p t)), the inverse of eq. 5.7 of the pin-joint thesis with reabsorption in both
-    bands. It rises from K at t = 0 to K p/q, with slope (p - q)/2 of its logarithm at t = 0.
+    r(t) = K (p/q) (1 - exp(-q t)) / (1 - exp(-p t)), the inverse of Farzaneh (2002), eq. 5.7, with
+    reabsorption in both bands. The ratio rises from K at t = 0 to K p/q, and the slope of its
+    logarithm at t = 0 is (p - q)/2.
 
     Parameters
     ----------
-    thickness : array
-        Film thickness t.
-    ratio_at_zero : float
-        K, the ratio of a vanishing film. [1]
-    attenuation_camera1, attenuation_camera2 : float
-        p and q, attenuation in the band of camera 1 and of camera 2; p > q > 0 for a ratio that rises with thickness.
+    thickness : float or array
+        Film thickness t. [unit of length]
+    ratio_at_zero : float or array
+        K, the ratio of a vanishing film, positive. [1]
+    attenuation_camera1, attenuation_camera2 : float or array
+        p and q, attenuation in the band of camera 1 and of camera 2, not negative; p > q for a
+        ratio that rises with thickness. [inverse of the unit of thickness]
+
+    Returns
+    -------
+    float or array
+        ln r. [1]
+
+    Raises
+    ------
+    ModelError
+        A ratio that is not positive, a negative attenuation, or an infinite parameter.
 
     Notes
     -----
-    The thesis's eq. 5.7 is camera 1 / camera 2; its processed images are camera 2 / camera 1, as here. Eqs 5.5 and 5.6
-    lack the filter bandwidth; it cancels in the ratio up to K.
+    Eq. 5.7 of the source is camera 1 / camera 2; its processed images are camera 2 / camera 1, as
+    here. Eqs. 5.5 and 5.6 lack the filter bandwidth; it cancels in the ratio except for K.
+
+    Examples
+    --------
+    The ratio of a thick film is K p/q:
+
+    >>> thick = log_band_ratio(
+    ...     1e3, ratio_at_zero=0.65, attenuation_camera1=0.40, attenuation_camera2=0.25
+    ... )
+    >>> round(float(np.exp(thick)), 6)
+    1.04
     """
-    t = np.asarray(thickness, float)
+    require_positive(ratio_at_zero=ratio_at_zero)
+    require_not_negative(
+        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
+    )
+    t = _float64(thickness)
     return (
         np.log(ratio_at_zero)
         + np.log(mean_transmission(attenuation_camera2 * t))
@@ -94,29 +172,89 @@ def log_band_ratio(
     )
 
 
+@broadcasting
 def log_band_ratio_slope(
-    thickness: npt.ArrayLike, *, attenuation_camera1: float, attenuation_camera2: float
-) -> Any:
-    """Derivative of `log_band_ratio` by thickness, q/(exp(q t) - 1) - p/(exp(p t) - 1), at fixed K; inverse of its unit."""
-    t = np.asarray(thickness, float)
+    thickness: Values, *, attenuation_camera1: Values, attenuation_camera2: Values
+) -> Values:
+    """Derivative of `log_band_ratio` with respect to thickness, at fixed K.
+
+    q/(exp(q t) - 1) - p/(exp(p t) - 1).
+
+    Parameters
+    ----------
+    thickness : float or array
+        Film thickness t. [unit of length]
+    attenuation_camera1, attenuation_camera2 : float or array
+        p and q, as in `log_band_ratio`. [inverse of the unit of thickness]
+
+    Returns
+    -------
+    float or array
+        Slope, (p - q)/2 at t = 0. [inverse of the unit of thickness]
+
+    Raises
+    ------
+    ModelError
+        A negative or infinite attenuation.
+
+    Examples
+    --------
+    Eq. 5.7 of Farzaneh (2002) with A = 0.03 and B = 0.06 1/um at 10 um, recomputed by hand:
+
+    >>> slope = log_band_ratio_slope(10.0, attenuation_camera1=0.09, attenuation_camera2=0.03)
+    >>> round(slope, 8)
+    0.02408828
+    """
+    require_not_negative(
+        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
+    )
+    t = _float64(thickness)
     p, q = attenuation_camera1, attenuation_camera2
     return q * mean_transmission_log_slope(q * t) - p * mean_transmission_log_slope(p * t)
 
 
+@broadcasting
 def log_band_ratio_gradient(
-    thickness: npt.ArrayLike,
+    thickness: Values,
     *,
     ratio_at_zero: float,
     attenuation_camera1: float,
     attenuation_camera2: float,
 ) -> Array:
-    """Derivatives of `log_band_ratio` by its parameters.
+    """Derivatives of `log_band_ratio` with respect to its parameters.
+
+    Parameters
+    ----------
+    thickness : float or array
+        Film thickness t. [unit of length]
+    ratio_at_zero : float
+        K, positive. [1]
+    attenuation_camera1, attenuation_camera2 : float
+        p and q, as in `log_band_ratio`. [inverse of the unit of thickness]
 
     Returns
     -------
     array, (3, ...)
-        By K, p and q, in this order.
+        With respect to K, p and q, in this order. [1, unit of thickness twice]
+
+    Raises
+    ------
+    ModelError
+        A ratio that is not positive, a negative attenuation, or an infinite parameter.
+
+    Examples
+    --------
+    At t = 0 only K matters, and ln K has the derivative 1/K:
+
+    >>> log_band_ratio_gradient(
+    ...     0.0, ratio_at_zero=0.5, attenuation_camera1=0.40, attenuation_camera2=0.25
+    ... )
+    array([ 2.,  0., -0.])
     """
+    require_positive(ratio_at_zero=ratio_at_zero)
+    require_not_negative(
+        attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
+    )
     t = np.asarray(thickness, float)
     p, q = attenuation_camera1, attenuation_camera2
     return np.stack(
@@ -126,3 +264,20 @@ def log_band_ratio_gradient(
             t * mean_transmission_log_slope(q * t),
         ]
     )
+
+
+def _float64(value: Values) -> Values:
+    """In double precision, because the formulas subtract nearly equal numbers."""
+    return value.astype(float) if hasattr(value, "dims") else np.asarray(value, float)
+
+
+def _mean_transmission(x: Array) -> Array:
+    small = np.abs(x) < SERIES_BELOW
+    safe = np.where(small, 1.0, x)
+    return np.where(small, 1 - x / 2 + x * x / 6, -np.expm1(-safe) / safe)
+
+
+def _mean_transmission_log_slope(x: Array) -> Array:
+    small = np.abs(x) < SLOPE_SERIES_BELOW
+    safe = np.where(small, 1.0, np.minimum(x, LARGEST_DEPTH))
+    return np.where(small, -0.5 + x / 12 - x**3 / 720, 1 / np.expm1(safe) - 1 / safe)

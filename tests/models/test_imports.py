@@ -1,24 +1,69 @@
-"""The models stand on numpy and scipy alone, and are all called alike."""
+"""The models load on first use, need numpy and scipy alone, and share one form of call."""
 
+import ast
 import importlib
 import inspect
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import erlif.models
 
 MODULES = [f"erlif.models.{module.name}" for module in pkgutil.iter_modules(erlif.models.__path__)]
-OURS = {"bearing", "contact", "film", "friction", "mechanism", "oil", "reaction", "wear"}
+THEORY = set(erlif.models.__all__) - {"arguments", "sources"}
 FUNCTIONS = [
     pytest.param(function, id=f"{name}.{function.__name__}")
     for name in MODULES
-    if name.rpartition(".")[2] in OURS
+    if name.rpartition(".")[2] in THEORY
     for _, function in inspect.getmembers(importlib.import_module(name), inspect.isfunction)
     if function.__module__ == name and not function.__name__.startswith("_")
 ]
+
+
+def run(code):
+    """Output of a fresh interpreter."""
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+NAMES = sorted(name.rpartition(".")[2] for name in MODULES)
+
+
+def test_every_module_loads_on_first_use():
+    uses = "".join(f"erlif.models.{name}\n" for name in NAMES)
+    code = f"import erlif\n{uses}print(erlif.models.film.film_parameter.__module__)"
+    assert run(code) == "erlif.models.film"
+
+
+def test_modules_are_not_loaded_before_their_use():
+    code = (
+        "import sys, erlif.models\n"
+        "print([name for name in sys.modules if name.startswith('erlif.models.')])\n"
+        "print('numpy' in sys.modules)"
+    )
+    assert run(code).split() == ["[]", "False"]
+
+
+def test_dir_and_star_import_show_every_module():
+    assert set(NAMES) <= set(dir(erlif.models))
+    assert set(NAMES) == set(erlif.models.__all__)
+    assert run("from erlif.models import *\nprint(oil.__name__)") == "erlif.models.oil"
+    assert run("import erlif.models\nprint(dir(erlif.models))") == str(dir(erlif.models))
+
+
+def test_type_checkers_see_every_module():
+    source = Path(erlif.models.__file__).read_text(encoding="utf-8")
+    (block,) = (node for node in ast.parse(source).body if isinstance(node, ast.If))
+    seen = [alias.name for node in block.body for alias in node.names]
+    assert sorted(seen) == NAMES
+
+
+def test_unknown_module_is_an_attribute_error():
+    with pytest.raises(AttributeError, match=r"module 'erlif\.models' has no attribute 'grease'"):
+        _ = erlif.models.grease
 
 
 def test_models_import_numpy_and_scipy_only():
@@ -40,13 +85,11 @@ def test_models_import_numpy_and_scipy_only():
         + "".join(f"import {name}\n" for name in ["erlif.models", *MODULES])
         + f"print([name for name in {heavy!r} if name in sys.modules])"
     )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
-    assert {f"erlif.models.{name}" for name in OURS} <= set(MODULES)
+    assert run(code) == "[]"
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_data_first_options_by_keyword_units_in_the_docstring(function):
     _, *options = inspect.signature(function).parameters.values()
     assert all(option.kind is option.KEYWORD_ONLY for option in options)
-    assert "[" in function.__doc__ or function.__name__ in {"lubrication_regimes", "design_report"}
+    assert "[" in function.__doc__ or function.__name__ in {"design_report"}
