@@ -1,22 +1,49 @@
-"""Viscosity and density of an oil against temperature and pressure."""
+"""Viscosity and density of an oil against temperature and pressure.
+
+Vogel (1921) and Walther (ASTM D341) for temperature, Barus (1893) and Roelands (1966) for pressure,
+Dowson and Higginson (1966) for the density under pressure; Farzaneh (2002), section 2.2.2, for the
+gear oil of the pin joint.
+"""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, require_not_negative, require_positive
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_density,
+    check_expansion,
+    check_kinematic_viscosity,
+    check_pressure_viscosity,
+    check_temperature,
+    check_viscosity,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
 
-WALTHER_SHIFT = 0.7  # mm2/s, of ASTM D341 for oils above 2 mm2/s
-ROELANDS_PRESSURE = 1.96e8  # Pa
-ROELANDS_CONSTANT = 9.67  # -ln of the viscosity of 6.31e-5 Pa s at which all isobars meet
+WALTHER_SHIFT = 0.7
+"""Constant in Walther's law, of ASTM D341 for oils above 2 mm2/s. [mm2/s]"""
+
+LOWEST_WALTHER_VISCOSITY = 2e-6
+"""Kinematic viscosity above which the constant of Walther's law is 0.7. [m2/s]"""
+
+ROELANDS_PRESSURE = 1.96e8
+"""Pressure scale p_r of Roelands' law. [Pa]"""
+
+ROELANDS_CONSTANT = 9.67
+"""Minus the logarithm of the viscosity of 6.31e-5 Pa s at which all isobars meet. [1]"""
 
 
 @dataclass(frozen=True)
 class Oil:
-    """What a source says about an oil at its own, single temperature."""
+    """Viscosities of an oil as a source gives them, at a single temperature."""
 
     name: str
+    """Name or grade."""
     viscosity: float
     """Dynamic viscosity. [Pa s]"""
     kinematic_viscosity: float
@@ -24,74 +51,135 @@ class Oil:
 
     @property
     def density(self) -> float:
-        """Density that makes the two viscosities agree. [kg/m3]"""
+        """Density with which the two viscosities agree. [kg/m3]"""
         return self.viscosity / self.kinematic_viscosity
 
 
 THESIS_80W90 = Oil("80W-90", viscosity=0.12, kinematic_viscosity=1.4e-4)
 """The gear oil of Farzaneh (2002), sections 2.2.2 and 5.2; its density is then 857.1 kg/m3.
 
-The thesis gives neither the temperature of these numbers nor a pressure-viscosity coefficient, and calls the kinematic
-viscosity "absolute". For mineral gear oils 2.0e-8 to 2.5e-8 1/Pa is a defensible coefficient.
+The thesis gives neither the temperature of these numbers nor a pressure-viscosity coefficient, and
+calls the kinematic viscosity "absolute". For mineral gear oils 2.0e-8 to 2.5e-8 1/Pa is a
+defensible coefficient.
 """
 
 
+@broadcasting
 def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> Values:
-    """Dynamic viscosity [Pa s] of an oil: eta = a exp(b / (T - c)). Farzaneh (2002), eq. 2.5.
+    """Dynamic viscosity of an oil at a temperature: eta = a exp(b / (T - c)).
+
+    Vogel (1921); Farzaneh (2002), eq. 2.5.
 
     Parameters
     ----------
     temperature : float or array
         Temperature T, above c. [K]
-    a, b, c : float or array
-        Constants of the oil, fitted to measurements: a [Pa s], b and c [K].
+    a : float or array
+        Viscosity that the oil approaches when hot, positive. [Pa s]
+    b, c : float or array
+        Constants of the oil, see `fit_vogel`. [K]
+
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
 
     Raises
     ------
     ModelError
-        a not positive, or a temperature not above c.
+        a not positive, a temperature not above c, or an infinite value.
+
+    Examples
+    --------
+    At T = b + c the viscosity is a times e:
+
+    >>> round(vogel_viscosity(1070.0, a=1e-4, b=900.0, c=170.0) / 1e-4, 5)
+    2.71828
     """
     require_positive(a=a)
-    if np.any(np.less_equal(temperature - c, 0)):
+    require_finite(temperature=temperature, b=b, c=c)
+    above = temperature - c
+    if np.any(np.less_equal(above, 0)):
+        coldest = np.nanmin(np.asarray(temperature))
         raise ModelError(
-            f"temperature must be above the Vogel constant c, got {np.nanmin(np.asarray(temperature)):g} K."
+            f"temperature must be above the Vogel constant c, got {coldest:g} K with c "
+            f"{np.nanmax(np.asarray(c)):g} K."
         )
-    return a * np.exp(b / (temperature - c))
+    check_temperature(temperature=temperature)
+    return a * np.exp(b / above)
 
 
-def fit_vogel(temperatures: Values, *, viscosities: Values) -> tuple[float, float, float]:
-    """Find the Vogel constants (a [Pa s], b [K], c [K]) through three measured viscosities; exact.
+class VogelConstants(NamedTuple):
+    """Constants of Vogel's law, in the order and under the names of `vogel_viscosity`."""
+
+    a: float
+    """Viscosity that the oil approaches when hot. [Pa s]"""
+    b: float
+    """Steepness. [K]"""
+    c: float
+    """Temperature at which the law diverges. [K]"""
+
+
+@broadcasting
+def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
+    """Find the constants of Vogel's law through three measured viscosities; the solution is exact.
 
     Parameters
     ----------
-    temperatures, viscosities : sequence of three
-        Temperatures [K], all different, and the dynamic viscosities measured there [Pa s].
+    temperatures : sequence of three
+        Temperatures, all different, in any order. [K]
+    viscosities : sequence of three
+        Dynamic viscosities measured there, positive. [Pa s]
+
+    Returns
+    -------
+    VogelConstants
+        a [Pa s], b [K] and c [K] of `vogel_viscosity`.
 
     Raises
     ------
     ModelError
-        Not three points, equal temperatures, or points through which no Vogel curve runs.
+        Not three points, equal temperatures, values that are not positive and finite, or points
+        through which no Vogel curve runs.
+
+    Examples
+    --------
+    An oil of 0.3, 0.12 and 0.0133 Pa s at 25, 40 and 100 degrees Celsius:
+
+    >>> constants = fit_vogel([298.15, 313.15, 373.15], viscosities=[0.3, 0.12, 0.0133])
+    >>> [round(vogel_viscosity(T, **constants._asdict()), 4) for T in (298.15, 313.15, 373.15)]
+    [0.3, 0.12, 0.0133]
     """
-    if len(temperatures) != 3 or len(viscosities) != 3:
+    if np.shape(temperatures) != (3,) or np.shape(viscosities) != (3,):
         raise ModelError(
-            f"temperatures and viscosities must be three each, got {len(temperatures)}, {len(viscosities)}."
+            "temperatures and viscosities must be three each, got shapes "
+            f"{np.shape(temperatures)} and {np.shape(viscosities)}."
         )
-    require_positive(viscosities=viscosities)
-    order = np.argsort(temperatures)
+    require_positive(temperatures=temperatures, viscosities=viscosities)
+    if np.any(np.isnan(temperatures)) or np.any(np.isnan(viscosities)):
+        raise ModelError("temperatures and viscosities must not be NaN.")
+    check_temperature(temperatures=temperatures)
+    check_viscosity(viscosities=viscosities)
+
+    order = np.argsort(np.asarray(temperatures))
     T, y = np.asarray(temperatures, float)[order], np.log(np.asarray(viscosities, float)[order])
     if T[0] == T[1] or T[1] == T[2]:
         raise ModelError(f"temperatures must differ, got {T} K.")
+
     # the mean slopes of b / (T - c) over two intervals are in the ratio (T2 - c) / (T0 - c)
     ratio = (y[1] - y[0]) / (T[1] - T[0]) * (T[2] - T[1]) / (y[2] - y[1])
     c = (T[2] - ratio * T[0]) / (1 - ratio)
     if not (ratio > 1 and c < T[0]):
         raise ModelError(
-            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through them."
+            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through "
+            "them."
         )
+
     b = (y[0] - y[2]) / (1 / (T[0] - c) - 1 / (T[2] - c))
-    return float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c)
+    return VogelConstants(float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c))
 
 
+@broadcasting
 def walther_viscosity(
     temperature: Values,
     *,
@@ -100,135 +188,283 @@ def walther_viscosity(
     viscosity_2: Values,
     temperature_2: Values,
 ) -> Values:
-    """Kinematic viscosity [m2/s] through two measured ones: log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s.
+    """Kinematic viscosity from two measured ones: log10 log10(nu + 0.7) = A - B log10 T, in mm2/s.
+
+    Walther's law as ASTM D341 uses it, for petroleum products above 2 mm2/s.
 
     Parameters
     ----------
     temperature : float or array
-        Where the viscosity is wanted. [K]
+        Temperature T of the result. [K]
     viscosity_1, viscosity_2 : float or array
         Kinematic viscosities measured at `temperature_1` and `temperature_2`. [m2/s]
     temperature_1, temperature_2 : float or array
         Two different temperatures, often 313.15 and 373.15. [K]
 
+    Returns
+    -------
+    float or array
+        Kinematic viscosity. [m2/s]
+
     Raises
     ------
     ModelError
-        A temperature or viscosity not positive, equal temperatures, or a viscosity below 2 mm2/s, where the constant
-        0.7 no longer holds.
+        A temperature that is not positive, equal temperatures, a viscosity below 2 mm2/s, where the
+        constant 0.7 no longer holds, or an infinite value.
 
-    Notes
-    -----
-    Walther's law as ASTM D341 uses it, for petroleum products above 2 mm2/s.
+    Examples
+    --------
+    A gear oil of 140 mm2/s at 40 and 13.5 mm2/s at 100 degrees Celsius, at 25 degrees, in mm2/s:
+
+    >>> at_25 = walther_viscosity(
+    ...     298.15,
+    ...     viscosity_1=140e-6,
+    ...     temperature_1=313.15,
+    ...     viscosity_2=13.5e-6,
+    ...     temperature_2=373.15,
+    ... )
+    >>> round(at_25 * 1e6)
+    360
     """
     require_positive(
         temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2
     )
+    require_finite(viscosity_1=viscosity_1, viscosity_2=viscosity_2)
     for name, value in {"viscosity_1": viscosity_1, "viscosity_2": viscosity_2}.items():
-        if np.any(np.less(value, 2e-6)):
+        if np.any(np.less(value, LOWEST_WALTHER_VISCOSITY)):
             raise ModelError(
                 f"{name} must be at least 2e-6 m2/s, got {np.nanmin(np.asarray(value)):g}."
             )
     if np.any(np.equal(temperature_1, temperature_2)):
         raise ModelError("temperature_1 and temperature_2 must differ.")
+    check_temperature(
+        temperature=temperature, temperature_1=temperature_1, temperature_2=temperature_2
+    )
+    check_kinematic_viscosity(viscosity_1=viscosity_1, viscosity_2=viscosity_2)
+
     w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
     slope = (w2 - w1) / (np.log10(temperature_2) - np.log10(temperature_1))
     w = w1 + slope * (np.log10(temperature) - np.log10(temperature_1))
     return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
 
 
+@broadcasting
 def barus_viscosity(pressure: Values, *, viscosity: Values, pressure_viscosity: Values) -> Values:
-    """Viscosity [Pa s] under pressure: eta = eta0 exp(alpha p). Farzaneh (2002), eq. 2.6.
+    """Viscosity under pressure: eta = eta0 exp(alpha p).
+
+    Barus (1893); Farzaneh (2002), eq. 2.6.
 
     Parameters
     ----------
     pressure : float or array
         Pressure above ambient. [Pa]
     viscosity : float or array
-        Viscosity eta0 at ambient pressure. [Pa s]
+        Dynamic viscosity eta0 at ambient pressure, positive. [Pa s]
     pressure_viscosity : float or array
-        Coefficient alpha. [1/Pa]
+        Coefficient alpha, not negative. [1/Pa]
+
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
+
+    Raises
+    ------
+    ModelError
+        A viscosity that is not positive, a negative coefficient, or an infinite value.
 
     Notes
     -----
-    Far too stiff above about 0.5 GPa; use `roelands_viscosity` there.
+    Far too high above about 0.5 GPa; `roelands_viscosity` holds there.
+
+    Examples
+    --------
+    At 116 MPa, the Hertz pressure of the steel joint of Farzaneh (2002), the viscosity is ten times
+    that at ambient pressure:
+
+    >>> round(barus_viscosity(116e6, viscosity=0.12, pressure_viscosity=2e-8) / 0.12, 1)
+    10.2
     """
+    require_finite(pressure=pressure)
     require_positive(viscosity=viscosity)
     require_not_negative(pressure_viscosity=pressure_viscosity)
+    check_viscosity(viscosity=viscosity)
+    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
     return viscosity * np.exp(pressure_viscosity * pressure)
 
 
+@broadcasting
 def roelands_viscosity(
     pressure: Values, *, viscosity: Values, pressure_viscosity: Values
 ) -> Values:
-    """Viscosity [Pa s] under pressure: ln(eta/eta0) = (ln eta0 + 9.67) [(1 + p/p_r)^Z - 1], p_r = 0.196 GPa.
+    """Viscosity under pressure: ln(eta/eta0) = (ln eta0 + 9.67) [(1 + p/p_r)^Z - 1].
 
-    Z = alpha p_r / (ln eta0 + 9.67) makes the slope at ambient pressure that of `barus_viscosity`.
+    p_r = 0.196 GPa; Z = alpha p_r / (ln eta0 + 9.67) gives the slope of `barus_viscosity` at
+    ambient pressure. Roelands (1966).
 
     Parameters
     ----------
     pressure : float or array
         Pressure above ambient, above -p_r. [Pa]
     viscosity : float or array
-        Viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
+        Dynamic viscosity eta0 at ambient pressure, above 6.31e-5. [Pa s]
     pressure_viscosity : float or array
-        Coefficient alpha at ambient pressure. [1/Pa]
+        Coefficient alpha at ambient pressure, not negative. [1/Pa]
+
+    Returns
+    -------
+    float or array
+        Dynamic viscosity. [Pa s]
+
+    Raises
+    ------
+    ModelError
+        A viscosity or pressure outside the range of the law, a negative coefficient, or an infinite
+        value.
 
     Notes
     -----
-    Roelands, thesis, Delft 1966, at constant temperature; usual for pressures up to about 1 GPa.
+    At constant temperature; usual for pressures up to about 1 GPa.
+
+    Examples
+    --------
+    At 1 GPa the law of Barus exceeds it thousands of times for an oil of 0.12 Pa s and 2e-8 1/Pa:
+    exp(20) over exp(7.5497 (6.1020^0.51921 - 1)).
+
+    >>> oil = {"viscosity": 0.12, "pressure_viscosity": 2e-8}
+    >>> round(barus_viscosity(1e9, **oil) / roelands_viscosity(1e9, **oil), -2)
+    3800.0
     """
-    scale = np.log(viscosity) + ROELANDS_CONSTANT
+    require_positive(viscosity=viscosity)
     require_not_negative(pressure_viscosity=pressure_viscosity)
+    require_finite(pressure=pressure)
+    scale = np.log(viscosity) + ROELANDS_CONSTANT
     if np.any(np.less_equal(scale, 0)):
         raise ModelError(
-            f"viscosity must exceed {np.exp(-ROELANDS_CONSTANT):.3g} Pa s for the Roelands law."
+            f"viscosity must exceed {np.exp(-ROELANDS_CONSTANT):.3g} Pa s for the law of Roelands, "
+            f"got {np.nanmin(np.asarray(viscosity)):g}."
         )
     if np.any(np.less_equal(pressure, -ROELANDS_PRESSURE)):
-        raise ModelError(f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the Roelands law.")
+        raise ModelError(
+            f"pressure must exceed {-ROELANDS_PRESSURE:g} Pa for the law of Roelands, "
+            f"got {np.nanmin(np.asarray(pressure)):g}."
+        )
+    check_viscosity(viscosity=viscosity)
+    check_pressure_viscosity(pressure_viscosity=pressure_viscosity)
+
     exponent = pressure_viscosity * ROELANDS_PRESSURE / scale
     return viscosity * np.exp(scale * ((1 + pressure / ROELANDS_PRESSURE) ** exponent - 1))
 
 
+@broadcasting
 def density_at_pressure(pressure: Values, *, density: Values) -> Values:
-    """Density [kg/m3] of a mineral oil: rho = rho0 [1 + 0.6 p / (1 + 1.7 p)], p in GPa. Dowson and Higginson (1966).
+    """Density of a mineral oil under pressure: rho = rho0 [1 + 0.6 p / (1 + 1.7 p)], p in GPa.
+
+    Dowson and Higginson (1966).
 
     Parameters
     ----------
     pressure : float or array
         Pressure above ambient, not negative. [Pa]
     density : float or array
-        Density rho0 at ambient pressure. [kg/m3]
+        Density rho0 at ambient pressure, positive. [kg/m3]
+
+    Returns
+    -------
+    float or array
+        Density. [kg/m3]
+
+    Raises
+    ------
+    ModelError
+        A density that is not positive, a negative pressure, or an infinite value.
+
+    Examples
+    --------
+    At 1 GPa the oil is denser by 0.6/2.7:
+
+    >>> round(density_at_pressure(1e9, density=900.0), 3)
+    1100.0
     """
     require_positive(density=density)
     require_not_negative(pressure=pressure)
+    check_density(density=density)
     return density * (1 + 0.6e-9 * pressure / (1 + 1.7e-9 * pressure))
 
 
+@broadcasting
 def density_at_temperature(
     temperature: Values, *, density: Values, reference_temperature: Values, expansion: Values
 ) -> Values:
-    """Density [kg/m3] of a warm oil: rho = rho0 [1 - beta (T - T0)].
+    """Density of a warm oil: rho = rho0 [1 - beta (T - T0)].
 
     Parameters
     ----------
     temperature, reference_temperature : float or array
-        Temperature T and the temperature T0 of the known density. [K]
+        Temperature T and the temperature T0 of the known density, positive. [K]
     density : float or array
-        Density rho0 at T0. [kg/m3]
+        Density rho0 at T0, positive. [kg/m3]
     expansion : float or array
         Coefficient of cubic expansion beta, about 7e-4 for mineral oils. [1/K]
+
+    Returns
+    -------
+    float or array
+        Density. [kg/m3]
+
+    Raises
+    ------
+    ModelError
+        A temperature or density that is not positive, or an infinite value.
+
+    Examples
+    --------
+    >>> round(density_at_temperature(
+    ...     323.15, density=860.0, reference_temperature=313.15, expansion=7e-4
+    ... ), 2)
+    853.98
     """
     require_positive(
         temperature=temperature, density=density, reference_temperature=reference_temperature
     )
+    require_finite(expansion=expansion)
+    check_temperature(temperature=temperature, reference_temperature=reference_temperature)
+    check_density(density=density)
+    check_expansion(expansion=expansion)
     return density * (1 - expansion * (temperature - reference_temperature))
 
 
+@broadcasting
 def kinematic_viscosity(viscosity: Values, *, density: Values) -> Values:
-    """Kinematic viscosity [m2/s] of a dynamic viscosity [Pa s] and a density [kg/m3]: nu = eta / rho.
+    """Kinematic viscosity from dynamic viscosity and density: nu = eta / rho.
 
-    Note: Farzaneh (2002), section 2.2.2, calls this the absolute viscosity.
+    Farzaneh (2002), eq. 2.4, which calls it the absolute viscosity.
+
+    Parameters
+    ----------
+    viscosity : float or array
+        Dynamic viscosity eta, positive. [Pa s]
+    density : float or array
+        Density rho, positive. [kg/m3]
+
+    Returns
+    -------
+    float or array
+        Kinematic viscosity. [m2/s]
+
+    Raises
+    ------
+    ModelError
+        A value that is not positive, or an infinite value.
+
+    Examples
+    --------
+    The gear oil of Farzaneh (2002), in mm2/s:
+
+    >>> round(kinematic_viscosity(0.12, density=857.1) * 1e6)
+    140
     """
     require_positive(viscosity=viscosity, density=density)
+    check_viscosity(viscosity=viscosity)
+    check_density(density=density)
     return viscosity / density

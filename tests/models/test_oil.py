@@ -1,12 +1,15 @@
 """Viscosity and density laws: their defining points, their limits and each other."""
 
+import inspect
+
 import numpy as np
 import numpy.testing as npt
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.oil import (
     THESIS_80W90,
     barus_viscosity,
@@ -45,12 +48,13 @@ def test_walther_passes_its_points_and_falls_between(nu, ratio, temperature):
         walther_viscosity(np.array([313.15, 373.15]), **points), [nu * ratio, nu], rtol=1e-9
     )
     assert walther_viscosity(temperature, **points) > walther_viscosity(temperature + 1, **points)
-    # ASTM D341 in its own words: W is linear in log T
+    # ASTM D341 in its own variables: W is linear in log T
     T = np.array([300.0, 330.0, 363.0])
     w = np.log10(np.log10(walther_viscosity(T, **points) * 1e6 + 0.7))
     npt.assert_allclose(w[0] - w[1], w[1] - w[2], rtol=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")  # oils thicker than any
 @given(st.floats(1e-5, 1e-3), st.floats(500, 1500), st.floats(140, 200))
 def test_vogel_constants_come_back_from_three_points(a, b, c):
     T = np.array([373.15, 298.15, 313.15])
@@ -74,7 +78,8 @@ def test_vogel_and_walther_agree_between_their_points():
     )
 
 
-def test_barus_exponents_of_the_thesis_joint():  # alpha p0 at 116 MPa of the steel joint and .31 MPa of the acrylic one
+def test_barus_exponents_of_the_thesis_joint():
+    # alpha p0 at 116 MPa in the steel joint and 0.31 MPa in the acrylic one
     npt.assert_allclose(
         np.log(barus_viscosity(116.083e6, viscosity=1.0, pressure_viscosity=2e-8)), 2.32, atol=5e-3
     )
@@ -98,8 +103,8 @@ def test_roelands_starts_like_barus_and_stays_below(viscosity, alpha):
 def test_density_under_pressure_and_heat():
     npt.assert_allclose(density_at_pressure(1e9, density=1000.0), 1000 * (1 + 0.6 / 2.7))
     npt.assert_allclose(
-        density_at_pressure(1e15, density=1.0), 1 + 0.6 / 1.7, rtol=1e-5
-    )  # the law's own ceiling
+        density_at_pressure(1e15, density=1000.0), 1000 * (1 + 0.6 / 1.7), rtol=1e-5
+    )  # the largest density of the law
     npt.assert_allclose(
         density_at_temperature(323.15, density=860.0, reference_temperature=313.15, expansion=7e-4),
         860 * 0.993,
@@ -116,6 +121,9 @@ def test_density_under_pressure_and_heat():
             "temperatures must differ",
         ),
         (lambda: fit_vogel([300.0, 310.0], viscosities=[1.0, 0.5]), "three each"),
+        (lambda: fit_vogel(300.0, viscosities=0.5), r"three each, got shapes \(\) and \(\)"),
+        (lambda: fit_vogel([300.0, 310.0, np.nan], viscosities=[1.0, 0.5, 0.3]), "not be NaN"),
+        (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1, 0.5, 0]), "viscosities must be"),
         (lambda: fit_vogel([300.0, 310.0, 320.0], viscosities=[1.0, 0.8, 0.2]), "Vogel curve"),
         (lambda: barus_viscosity(1e8, viscosity=0.0, pressure_viscosity=2e-8), "viscosity"),
         (
@@ -143,4 +151,94 @@ def test_density_under_pressure_and_heat():
 )
 def test_bad_values_are_named(call, named):
     with pytest.raises(ModelError, match=named):
+        call()
+
+
+WALTHER = {
+    "viscosity_1": 140e-6,
+    "temperature_1": 313.15,
+    "viscosity_2": 13.5e-6,
+    "temperature_2": 373.15,
+}
+LAWS = [  # law, two values of its first argument, the other arguments
+    (vogel_viscosity, (300.0, 350.0), {"a": 1e-4, "b": 900.0, "c": 170.0}),
+    (walther_viscosity, (300.0, 350.0), WALTHER),
+    (barus_viscosity, (1e7, 1e8), {"viscosity": 0.12, "pressure_viscosity": 2e-8}),
+    (roelands_viscosity, (1e7, 1e8), {"viscosity": 0.12, "pressure_viscosity": 2e-8}),
+    (density_at_pressure, (1e7, 1e8), {"density": 860.0}),
+    (
+        density_at_temperature,
+        (300.0, 350.0),
+        {"density": 860.0, "reference_temperature": 313.15, "expansion": 7e-4},
+    ),
+    (kinematic_viscosity, (0.1, 0.2), {"density": 860.0}),
+]
+
+
+@pytest.mark.parametrize(("law", "values", "others"), LAWS)
+def test_scalars_give_floats_and_arrays_give_the_same_values(law, values, others):
+    one, two = (law(value, **others) for value in values)
+    assert type(one) is type(two) is float
+    for sequence in (list(values), np.array(values)):
+        npt.assert_allclose(law(sequence, **others), [one, two], rtol=1e-13)
+    series = xr.DataArray(list(values), dims="trigger", coords={"trigger": [7, 8]})
+    found = law(series, **others)
+    xr.testing.assert_allclose(found, xr.DataArray([one, two], coords=series.coords), rtol=1e-13)
+    listed = law(values[0], **{name: [value, value] for name, value in others.items()})
+    npt.assert_allclose(listed, [one, one], rtol=1e-13)
+
+
+@pytest.mark.parametrize(("law", "values", "others"), LAWS)
+def test_infinite_values_are_refused_by_name(law, values, others):
+    first = next(iter(inspect.signature(law).parameters))
+    for name in (first, *others):
+        arguments = {first: values[0], **others, name: np.inf}
+        with pytest.raises(ModelError, match=f"{name} must be finite, got inf"):
+            law(arguments.pop(first), **arguments)
+
+
+def test_fitted_constants_have_the_names_of_vogels_law():
+    constants = fit_vogel((298.15, 313.15, 373.15), viscosities=(0.3, 0.12, 0.0133))
+    assert {type(value) for value in constants} == {float}
+    npt.assert_allclose(vogel_viscosity(313.15, **constants._asdict()), 0.12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: vogel_viscosity(40.0, a=1e-4, b=900.0, c=-130.0), "temperature = 40 K"),
+        (
+            lambda: fit_vogel([25.0, 40.0, 100.0], viscosities=[0.3, 0.12, 0.0133]),
+            "temperatures = 25 K",
+        ),
+        (
+            lambda: fit_vogel([298.15, 313.15, 373.15], viscosities=[300.0, 120.0, 13.3]),
+            "viscosities = 300 Pa s",
+        ),
+        (
+            lambda: walther_viscosity(300.0, **{**WALTHER, "viscosity_1": 140.0}),
+            "viscosity_1 = 140",
+        ),
+        (lambda: walther_viscosity(100.0, **WALTHER), "temperature = 100 K"),
+        (lambda: barus_viscosity(1e6, viscosity=120, pressure_viscosity=2e-8), "viscosity = 120"),
+        (
+            lambda: barus_viscosity(1e6, viscosity=0.12, pressure_viscosity=20),
+            "viscosity = 20 1/Pa",
+        ),
+        (
+            lambda: roelands_viscosity(1e6, viscosity=120, pressure_viscosity=2e-8),
+            "viscosity = 120",
+        ),
+        (lambda: density_at_pressure(1e6, density=0.857), "density = 0.857"),
+        (lambda: kinematic_viscosity(0.12, density=0.857), "density = 0.857"),
+        (
+            lambda: density_at_temperature(
+                313.0, density=860.0, reference_temperature=300.0, expansion=700.0
+            ),
+            "expansion = 700",
+        ),
+    ],
+)
+def test_slip_of_units_warns(call, message):
+    with pytest.warns(UnitWarning, match=message):
         call()
