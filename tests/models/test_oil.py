@@ -222,7 +222,7 @@ def test_fitted_constants_have_the_names_of_vogels_law():
         (lambda: walther_viscosity(100.0, **WALTHER), "temperature = 100 K"),
         (lambda: barus_viscosity(1e6, viscosity=120, pressure_viscosity=2e-8), "viscosity = 120"),
         (
-            lambda: barus_viscosity(1e6, viscosity=0.12, pressure_viscosity=20),
+            lambda: barus_viscosity(1, viscosity=0.12, pressure_viscosity=20),
             "viscosity = 20 1/Pa",
         ),
         (
