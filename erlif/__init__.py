@@ -21,6 +21,7 @@ _FUNCTIONS = {
     "budget": "erlif.pipeline",
     "calibrate": "erlif.pipeline",
     "check": "erlif.pipeline",
+    "init": "erlif.pipeline",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
     "process": "erlif.pipeline",
@@ -58,6 +59,7 @@ __all__ = [
     "correction",
     "files",
     "ingest",
+    "init",
     "kinematics",
     "models",
     "open_calibration",
@@ -99,7 +101,7 @@ if TYPE_CHECKING:
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.files import open_film
-    from erlif.pipeline import budget, calibrate, check, process
+    from erlif.pipeline import budget, calibrate, check, init, process
     from erlif.report import summarise
     from erlif.rig import simulate
 

@@ -13,6 +13,7 @@ from erlif.commands.budget import budget
 from erlif.commands.calibrate import calibrate
 from erlif.commands.check import check
 from erlif.commands.figures import figures
+from erlif.commands.init import init
 from erlif.commands.log import show_log
 from erlif.commands.process import process
 from erlif.commands.report import report
@@ -92,5 +93,5 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
-for command in (simulate, check, calibrate, process, budget, figures, report, sources):
+for command in (simulate, init, check, calibrate, process, budget, figures, report, sources):
     main.add_command(command)

@@ -1,6 +1,8 @@
-"""run.toml and fixture.toml as frozen, checked tables."""
+"""run.toml and fixture.toml as frozen, checked tables, and the descriptions of their keys."""
 
+from erlif.settings.keys import Key, Table, keys_of, tables_of
 from erlif.settings.reading import read_fixture_settings, read_run_settings
+from erlif.settings.schema import json_schema
 from erlif.settings.tables import (
     Angle,
     CameraSettings,
@@ -12,6 +14,7 @@ from erlif.settings.tables import (
     FixtureProfile,
     FixtureSettings,
     Force,
+    Form,
     Gain,
     Interval,
     JointSettings,
@@ -36,9 +39,11 @@ from erlif.settings.tables import (
     VogelSettings,
     Wavelength,
 )
+from erlif.settings.template import GAP, write_template
 from erlif.settings.toml import to_toml
 
 __all__ = [
+    "GAP",
     "Angle",
     "CameraSettings",
     "Counts",
@@ -49,9 +54,11 @@ __all__ = [
     "FixtureProfile",
     "FixtureSettings",
     "Force",
+    "Form",
     "Gain",
     "Interval",
     "JointSettings",
+    "Key",
     "Length",
     "MaterialSettings",
     "OilSettings",
@@ -65,6 +72,7 @@ __all__ = [
     "Settings",
     "SliderCrankSettings",
     "Speed",
+    "Table",
     "Temperature",
     "TemperatureDifference",
     "Text",
@@ -72,7 +80,11 @@ __all__ = [
     "Viscosity",
     "VogelSettings",
     "Wavelength",
+    "json_schema",
+    "keys_of",
     "read_fixture_settings",
     "read_run_settings",
+    "tables_of",
     "to_toml",
+    "write_template",
 ]

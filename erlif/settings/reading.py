@@ -1,15 +1,19 @@
-"""run.toml and fixture.toml read and checked; every fault named in one message."""
+"""run.toml and fixture.toml, read and checked: all faults and all gaps stand in one message."""
 
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from erlif.core.errors import ConfigError
+from erlif.settings.keys import Key, keys_of, tables_in
 from erlif.settings.tables import (
     CrankRockerSettings,
     FixtureSettings,
@@ -20,137 +24,224 @@ from erlif.settings.tables import (
 
 _Settings = TypeVar("_Settings", bound="Settings")
 
+_Location = tuple[str, ...]
+"""Names of tables and of the key, from the top of the file."""
+
+_GAP = re.compile(r"\?\?( .*)?")
+"""What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit."""
+
+_KINDS: dict[str, type[Settings]] = {
+    "crank-rocker": CrankRockerSettings,
+    "slider-crank": SliderCrankSettings,
+}
+"""Forms of [mechanism]; pydantic puts the kind into the location of a fault."""
+
 
 def read_run_settings(run_dir: Path) -> RunSettings:
     """Read and check ``run.toml`` of a run directory.
 
+    Parameters
+    ----------
+    run_dir : Path
+        Directory of the run.
+
+    Returns
+    -------
+    RunSettings
+
     Raises
     ------
     ConfigError
-        If the file is missing, is no TOML, or holds a value or key that cannot be used; all faults in one message.
+        If the file is missing or is not TOML, if a gap is left in it, or if a key or value cannot
+        be used. The message lists all gaps and faults.
+
+    Examples
+    --------
+    >>> read_run_settings(Path("no such run"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a directory with run.toml in it; no such run is not ...
     """
     return _read(run_dir, "run.toml", RunSettings)
 
 
 def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
-    """Read and check ``fixture.toml`` of a fixture directory; errors as for `read_run_settings`."""
+    """Read and check ``fixture.toml`` of a fixture directory.
+
+    Parameters
+    ----------
+    fixture_dir : Path
+        Directory of the fixture.
+
+    Returns
+    -------
+    FixtureSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as empty:
+    ...     read_fixture_settings(Path(empty))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected fixture.toml in ...; there is none. Make one from ...
+    """
     return _read(fixture_dir, "fixture.toml", FixtureSettings)
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     path = directory / name
+    raw = _read_toml(path)
+    gaps = list(_find_gaps(raw))
+    try:
+        settings = kind.model_validate(raw)
+    except ValidationError as error:
+        found: list[ErrorDetails] = error.errors()
+        faults = [fault for fault in found if _location(fault) not in gaps]
+    else:
+        if not gaps:
+            return settings
+        faults = []  # a gap in a text or a file name
+
+    if not gaps:
+        listed = "\n".join(f"  {_explain(fault, kind)}" for fault in faults)
+        raise ConfigError(f"Expected settings as documented in {path}; correct these:\n{listed}")
+
+    lines = [f"  {_explain_gap(gap, kind)}" for gap in gaps]
+    if faults:
+        lines += ["and correct these:", *(f"  {_explain(fault, kind)}" for fault in faults)]
+    gap_count = "1 gap is" if len(gaps) == 1 else f"{len(gaps)} gaps are"
+    listed = "\n".join(lines)
+    raise ConfigError(
+        f"Expected a value for every key of {path}; {gap_count} left. Replace each ??:\n{listed}"
+    )
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    """The file as TOML has it; ConfigError where it is missing or something else."""
+    directory, name = path.parent, path.name
     if not directory.is_dir():
-        hint = (
-            f" Name the directory that holds it: {directory.parent}"
-            if directory.name == name
-            else ""
-        )
+        hint = ""
+        if directory.name == name:
+            hint = f" Name the directory that holds it: {directory.parent}"
         raise ConfigError(
             f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
         )
     if not path.is_file():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
-        hint = (
-            f" It holds {other}: is it meant for the other command?"
-            if (directory / other).is_file()
-            else ""
-        )
-        raise ConfigError(
-            f"Expected {name} in {directory}; there is none.{hint or ' Write one, or name another directory.'}"
-        )
+        option = " --fixture" if name == "fixture.toml" else ""
+        hint = f"Make one from the files in it with: erlif init {directory}{option}"
+        if (directory / other).is_file():
+            hint = f"It holds {other}: is it meant for the other command?"
+        raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
+
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise ConfigError(
             f"Expected settings in {path}; it cannot be read: {error.strerror}."
         ) from error
     except (ValueError, RecursionError) as error:
         raise ConfigError(
-            f"Expected valid TOML in {path}; got {error}. Correct that place; text and quantities stand in double quotes."
-        ) from error
-    try:
-        return kind.model_validate(raw)
-    except ValidationError as error:
-        faults = "\n".join(f"  {_explain(fault, kind)}" for fault in error.errors())
-        raise ConfigError(
-            f"Expected settings as documented in {path}; correct these:\n{faults}"
+            f"Expected valid TOML in {path}; got {error}. "
+            "Correct that place; text and quantities stand in double quotes."
         ) from error
 
 
-def _explain(fault: Any, kind: type[Settings]) -> str:
-    """One line about one fault that pydantic found: table, key, what was expected and what came."""
-    location = [str(part) for part in fault["loc"] if part not in ("crank-rocker", "slider-crank")]
+def _find_gaps(table: dict[str, Any], path: _Location = ()) -> Iterator[_Location]:
+    """Places of the values that are still to be filled in."""
+    for name, value in table.items():
+        if isinstance(value, dict):
+            yield from _find_gaps(value, (*path, name))
+        elif isinstance(value, str) and _GAP.fullmatch(value.strip()):
+            yield (*path, name)
+
+
+def _location(fault: ErrorDetails) -> _Location:
+    return tuple(str(part) for part in fault["loc"] if part not in _KINDS)
+
+
+def _place(location: _Location) -> str:
+    """Table and key as they stand in the file."""
     table, key = ".".join(location[:-1]), location[-1] if location else ""
-    where = f"[{table}] {key}" if table else key
-    if fault["type"] == "extra_forbidden":
-        known = _known_keys(kind, fault["loc"][:-1])
-        near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
-        return f"{where}: unknown key; {hint}"
-    if fault["type"] == "missing":
-        what = "table" if _tables_in(_annotation(kind, fault["loc"])) else "key"
-        return (
-            f"[{key}]: missing table"
-            if what == "table" and not table
-            else f"{where}: missing {what}"
-        )
-    if fault["type"] in ("union_tag_not_found", "union_tag_invalid"):
-        got = (
-            fault["input"].get("kind", "nothing")
-            if isinstance(fault["input"], dict)
-            else fault["input"]
-        )
-        return f'[{key}] kind: expected "crank-rocker" or "slider-crank", got {got!r}'
-    if fault["type"] == "value_error":
-        message = fault["msg"].removeprefix("Value error, ")
-        return f"{where}: {message}" if where else message
-    if fault["type"] in ("model_type", "model_attributes_type"):
-        return f"{where}: expected a table, got {fault['input']!r}"
-    if fault["type"] == "string_too_short":
-        return f"{where}: expected a file name, got ''"
-    if fault["type"] == "string_pattern_mismatch":
-        return f"{where}: expected text without control characters, got {fault['input']!r}"
-    return f"{where}: {fault['msg'].replace('Input should', 'it should')}; got {fault['input']!r}"
+    return f"[{table}] {key}" if table else key
 
 
-def _annotation(kind: type[Settings], location: tuple[Any, ...]) -> Any:
-    """Type of the key at `location`."""
+def _explain_gap(gap: _Location, kind: type[Settings]) -> str:
+    """One line about one gap: table, key, expected form with its unit, and the meaning."""
+    key = _find_key(gap, kind)
+    if key is None:
+        return f"{_place(gap)}: unknown key"
+    return f"{_place(gap)}: {key.expected}. {key.meaning}"
+
+
+def _find_key(location: _Location, kind: type[Settings]) -> Key | None:
     tables = _tables_at(kind, location[:-1])
-    return next(
-        (
-            table.model_fields[key].annotation
-            for table in tables
-            if (key := location[-1]) in table.model_fields
-        ),
-        None,
-    )
+    keys = (key for table in tables for key in keys_of(table))
+    return next((key for key in keys if key.name == location[-1]), None)
 
 
-def _known_keys(kind: type[Settings], location: tuple[Any, ...]) -> list[str]:
-    return [name for table in _tables_at(kind, location) for name in table.model_fields]
+def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
+    """One line about one fault: table, key, what was expected and what came."""
+    location, where = _location(fault), _place(_location(fault))
+    key, got = location[-1] if location else "", fault["input"]
+    match fault["type"]:
+        # keys and tables
+        case "extra_forbidden":
+            return f"{where}: unknown key; {_suggest(key, kind, fault['loc'][:-1])}"
+        case "missing":
+            is_table = bool(tables_in(_annotation(kind, fault["loc"])))
+            if is_table and len(location) == 1:
+                return f"[{key}]: missing table"
+            return f"{where}: missing {'table' if is_table else 'key'}"
+        case "model_type" | "model_attributes_type":
+            return f"{where}: expected a table, got {got!r}"
+        case "union_tag_not_found" | "union_tag_invalid":
+            got = got.get("kind", "nothing") if isinstance(got, dict) else got
+            return f'[{key}] kind: expected "crank-rocker" or "slider-crank", got {got!r}'
+
+        # values
+        case "value_error":  # a check of ours, whose message is complete
+            message = fault["msg"].removeprefix("Value error, ")
+            return f"{where}: {message}" if where else message
+        case "string_too_short":
+            return f"{where}: expected a file name, got ''"
+        case "string_pattern_mismatch":
+            return f"{where}: expected text without control characters, got {got!r}"
+        case _:
+            return f"{where}: {fault['msg'].replace('Input should', 'it should')}; got {got!r}"
 
 
-def _tables_at(kind: type[Settings], location: tuple[Any, ...]) -> list[type[Settings]]:
+def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) -> str:
+    """The known key that is nearest to an unknown one, or all of them."""
+    known = [name for table in _tables_at(kind, location) for name in table.model_fields]
+    near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+    return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
+
+
+def _annotation(kind: type[Settings], location: tuple[int | str, ...]) -> Any:
+    """Type of the key at `location`."""
+    key = str(location[-1])
+    for table in _tables_at(kind, location[:-1]):
+        if key in table.model_fields:
+            return table.model_fields[key].annotation
+    return None
+
+
+def _tables_at(kind: type[Settings], location: tuple[int | str, ...]) -> list[type[Settings]]:
     """Tables that may stand at `location`, found by walking the nested settings."""
     tables: list[type[Settings]] = [kind]
     for part in location:
-        if part == "crank-rocker":
-            tables = [CrankRockerSettings]
-        elif part == "slider-crank":
-            tables = [SliderCrankSettings]
-        else:
-            annotations = [
-                table.model_fields[part].annotation
-                for table in tables
-                if part in table.model_fields
-            ]
-            tables = [found for annotation in annotations for found in _tables_in(annotation)]
+        if part in _KINDS:
+            tables = [_KINDS[str(part)]]
+            continue
+        fields = [table.model_fields.get(str(part)) for table in tables]
+        tables = [
+            found for field in fields if field is not None for found in tables_in(field.annotation)
+        ]
     return tables
-
-
-def _tables_in(annotation: Any) -> list[type[Settings]]:
-    if isinstance(annotation, type):
-        return [annotation] if issubclass(annotation, Settings) else []
-    return [
-        found for argument in getattr(annotation, "__args__", ()) for found in _tables_in(argument)
-    ]

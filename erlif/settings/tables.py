@@ -1,72 +1,87 @@
-"""run.toml and fixture.toml as frozen, checked settings.
+"""The tables of run.toml and fixture.toml as frozen, checked settings.
 
-Quantities arrive as text with a unit and are kept as floats in the unit that each field's description names
-(SI throughout, but nm for a band, electrons and DN for a camera, degC for Vogel's temperature).
+A quantity is written as text with a unit and kept as a float in the unit of its type (`Form.unit`):
+SI, but nm for a band, electrons and DN for a camera, degC for Vogel's temperature.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, model_validator
+from annotated_types import Ge, Gt
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WithJsonSchema,
+    model_validator,
+)
 
 from erlif.core.units import parse_quantity
 
 
-def _quantity(unit: str) -> Any:
+@dataclass(frozen=True)
+class Form:
+    """How a value is written in a settings file; part of the type of a field."""
+
+    name: str
+    """Kind of value, "length" or "file name"."""
+    example: Any
+    """Value as a user writes it."""
+    unit: str = ""
+    """Unit in which a quantity is kept, in pint's spelling; empty for other values."""
+
+
+QUANTITY_PATTERN = (
+    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?"  # the number
+    r"\s*(1\s*/\s*)?[^0-9\s.,?].*$"  # the unit, as in "mm" or "1/GPa"
+)
+"""A number and a unit, for the JSON schema; `erlif.core.units.parse_quantity` checks the unit."""
+
+
+def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`."""
+    schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
     return (
         BeforeValidator(lambda text: parse_quantity(text, unit)),
+        *bounds,
         PlainSerializer(lambda value: f"{value!r} {unit}", return_type=str),
+        WithJsonSchema(schema),
+        Form(name, example, unit),
     )
 
 
-Length = Annotated[float, *_quantity("m"), Field(gt=0)]
+Length = Annotated[float, *_quantity("length", "5.5 cm", "m", Gt(0))]
+Angle = Annotated[float, *_quantity("angle", "0 deg", "rad")]
+Speed = Annotated[float, *_quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
+Force = Annotated[float, *_quantity("force", "50 lbf", "N", Gt(0))]
+Pressure = Annotated[float, *_quantity("pressure", "2.7 GPa", "Pa", Gt(0))]
+Viscosity = Annotated[float, *_quantity("dynamic viscosity", "0.12 Pa s", "Pa s", Gt(0))]
+PressureViscosity = Annotated[
+    float, *_quantity("pressure-viscosity coefficient", "20 1/GPa", "1/Pa", Ge(0))
+]
+Wavelength = Annotated[float, *_quantity("wavelength", "580 nm", "nm", Gt(0))]
+Counts = Annotated[float, *_quantity("counts", "64 DN", "DN", Ge(0))]
+Gain = Annotated[float, *_quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
+Electrons = Annotated[float, *_quantity("electrons", "9 electron", "electron", Gt(0))]
+Temperature = Annotated[float, *_quantity("temperature", "-115 degC", "degC")]
+TemperatureDifference = Annotated[
+    float, *_quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
+]
 
+Interval = Annotated[tuple[float, float], Form("interval [low, high] in mm", [4, 15])]
 
-Angle = Annotated[float, *_quantity("rad")]
+NO_CONTROL_CHARACTERS = r"^[^\x00-\x1f\x7f]*$"
 
-
-Speed = Annotated[float, *_quantity("rad/s"), Field(gt=0)]
-
-
-Force = Annotated[float, *_quantity("N"), Field(gt=0)]
-
-
-Pressure = Annotated[float, *_quantity("Pa"), Field(gt=0)]
-
-
-Viscosity = Annotated[float, *_quantity("Pa s"), Field(gt=0)]
-
-
-PressureViscosity = Annotated[float, *_quantity("1/Pa"), Field(ge=0)]
-
-
-Wavelength = Annotated[float, *_quantity("nm"), Field(gt=0)]
-
-
-Counts = Annotated[float, *_quantity("DN"), Field(ge=0)]
-
-
-Gain = Annotated[float, *_quantity("electron/DN"), Field(gt=0)]
-
-
-Electrons = Annotated[float, *_quantity("electron"), Field(gt=0)]
-
-
-Temperature = Annotated[float, *_quantity("degC")]
-
-
-TemperatureDifference = Annotated[float, *_quantity("delta_degC"), Field(gt=0)]
-
-
-Interval = tuple[float, float]
-
-
-Text = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$")]
-
-
-FileName = Annotated[str, Field(min_length=1, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Text = Annotated[str, Field(pattern=NO_CONTROL_CHARACTERS), Form("text", "straight bushing 1")]
+FileName = Annotated[
+    str,
+    Field(min_length=1, pattern=NO_CONTROL_CHARACTERS),
+    Form("file name or pattern", "camera1/*.tif"),
+]
 
 
 class Settings(BaseModel):
@@ -76,25 +91,45 @@ class Settings(BaseModel):
 
 
 class CameraSettings(Settings):
-    """One camera: where its frames are and how its counts become electrons."""
+    """One camera: its files, its filter and its noise."""
 
     files: FileName = Field(
-        description="pattern of the frame files, or one multi-page file, relative to the settings file"
+        description="Frames of this camera, in natural order (frame_2 before frame_10): a pattern, "
+        "or one multi-page file. The name is relative to this file."
     )
-    band: Wavelength = Field(description="centre of the filter band [nm]")
-    bit_depth: int = Field(12, ge=8, le=16, description="bits per pixel")
-    dark: FileName | None = Field(None, description="file of dark frames")
+    band: Wavelength = Field(
+        description="Centre wavelength of the filter of this camera. Camera 1 has the shorter one, "
+        "whose light dye 2 reabsorbs."
+    )
+    bit_depth: int = Field(
+        12,
+        ge=8,
+        le=16,
+        description="Bits of a count: full scale is 2^bit_depth - 1. The data sheet of the camera "
+        "states it.",
+    )
+    dark: FileName | None = Field(
+        None,
+        description="Dark frames: laser off, exposure time and camera gain as in the run. Either "
+        "dark or offset is required.",
+        examples=["camera1_dark.tif"],
+    )
     offset: Counts | None = Field(
-        None, description="dark level where no dark frames were taken [DN]"
+        None, description="Dark level of the camera where no dark frames were taken."
     )
     flat: FileName | None = Field(
-        None, description="file of flat frames, of one or several light levels"
+        None,
+        description="Flat frames of an evenly lit target, several at each of one or more light "
+        "levels. Default: all pixels are taken as equally sensitive.",
+        examples=["camera1_flat.tif"],
     )
     gain: Gain | None = Field(
-        None, description="photo-electrons per count; measured from the flats if absent"
+        None,
+        description="Photo-electrons per count. Default: measured from the flats by photon "
+        "transfer (EMVA 1288).",
     )
     read_noise: Electrons | None = Field(
-        None, description="rms read noise; measured from the darks if absent"
+        None, description="Rms read noise of a pixel. Default: measured from the darks."
     )
 
     @property
@@ -114,60 +149,99 @@ class CameraSettings(Settings):
 
 
 class OpticsSettings(Settings):
-    """What a pixel of camera 1 is in the object plane."""
+    """Scale and direction of the image of camera 1 in the object plane."""
 
-    pixel_pitch: Length = Field(description="size of a pixel of camera 1 in the object plane [m]")
+    pixel_pitch: Length = Field(
+        description="Size of a pixel of camera 1 in the object plane. Photograph a scale there and "
+        "divide a length by the number of pixels it covers.",
+        examples=["60 um"],
+    )
     x_axis: Literal["sliding", "axial"] = Field(
-        "sliding", description="direction of the joint along image x"
+        "sliding",
+        description="Direction of the joint along image x: the sliding (circumferential) or the "
+        "axial direction.",
     )
 
 
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
-    file: FileName = Field(description="the log, one row per trigger")
-    mounted_on: Literal["rocker", "crank"] = "rocker"
-    zero: Angle | None = Field(
-        None, description="angle of the link the encoder sits on at reading 0 [rad]"
+    file: FileName = Field(
+        description="Encoder log: CSV with one row for each frame pair.", examples=["encoder.csv"]
     )
-    triggers_per_cycle: int | None = Field(None, ge=2, description="for folding several cycles")
+    mounted_on: Literal["rocker", "crank"] = Field(
+        "rocker", description="Link whose angle the encoder measures."
+    )
+    zero: Angle | None = Field(
+        None,
+        description="Angle of that link, counted from the ground link, at encoder reading 0. "
+        "Default: the extremes of the log are matched to the dead points of the linkage.",
+    )
+    triggers_per_cycle: int | None = Field(
+        None,
+        ge=2,
+        description="Encoder triggers in one turn of the crank, for folding several cycles. "
+        "Default: from the angles of the log.",
+        examples=[50],
+    )
 
 
 class CrankRockerSettings(Settings):
-    """The four links [m] and the speed of the crank [rad/s]."""
+    """The four links and the speed of the crank."""
 
-    kind: Literal["crank-rocker"]
-    crank: Length
-    coupler: Length
-    rocker: Length
-    ground: Length
-    crank_speed: Speed
+    kind: Literal["crank-rocker"] = Field(description="Kind of linkage.")
+    crank: Length = Field(description="Length of the crank, from pivot to pivot.")
+    coupler: Length = Field(
+        description="Length of the coupler between crank and rocker, from pivot to pivot.",
+        examples=["44 cm"],
+    )
+    rocker: Length = Field(
+        description="Length of the rocker, from pivot to pivot.", examples=["26 cm"]
+    )
+    ground: Length = Field(
+        description="Distance of the fixed pivots of crank and rocker.", examples=["51 cm"]
+    )
+    crank_speed: Speed = Field(description="Speed of rotation of the crank.")
 
 
 class SliderCrankSettings(Settings):
-    """Crank and connecting rod [m] and the speed of the crank [rad/s]."""
+    """Crank, connecting rod and the speed of the crank."""
 
-    kind: Literal["slider-crank"]
-    crank: Length
-    coupler: Length
-    crank_speed: Speed
+    kind: Literal["slider-crank"] = Field(description="Kind of linkage.")
+    crank: Length = Field(description="Length of the crank, from pivot to pivot.")
+    coupler: Length = Field(
+        description="Length of the connecting rod, from pivot to pivot.", examples=["44 cm"]
+    )
+    crank_speed: Speed = Field(description="Speed of rotation of the crank.")
 
 
 class MaterialSettings(Settings):
     """One side of the joint."""
 
-    youngs_modulus: Pressure = Field(description="[Pa]")
-    poissons_ratio: float = Field(gt=-1, le=0.5)
-    roughness: Length | None = Field(None, description="rms roughness [m]")
+    youngs_modulus: Pressure = Field(description="Young's modulus.")
+    poissons_ratio: float = Field(gt=-1, le=0.5, description="Poisson's ratio.", examples=[0.37])
+    roughness: Length | None = Field(
+        None,
+        description="Rms roughness of the surface. Default: no film parameter Lambda is computed.",
+        examples=["0.2 um"],
+    )
 
 
 class JointSettings(Settings):
     """The pin and the bushing it turns in."""
 
-    pin_radius: Length = Field(description="[m]")
-    bushing_radius: Length = Field(description="[m]")
-    length: Length = Field(description="loaded length along the axis [m]")
-    load: Force | None = Field(None, description="used where the log has no load_N [N]")
+    pin_radius: Length = Field(description="Radius of the pin.", examples=["33.36 mm"])
+    bushing_radius: Length = Field(
+        description="Inner radius of the bushing, larger than pin_radius.", examples=["33.59 mm"]
+    )
+    length: Length = Field(
+        description="Loaded length of the joint along its axis.", examples=["237 mm"]
+    )
+    load: Force | None = Field(
+        None,
+        description="Load on the joint. Used where the encoder log has no column load_N, and "
+        "required there.",
+    )
     pin: MaterialSettings
     bushing: MaterialSettings
 
@@ -175,8 +249,8 @@ class JointSettings(Settings):
     def _pin_fits(self) -> Self:
         if self.pin_radius >= self.bushing_radius:
             raise ValueError(
-                f"pin_radius must be smaller than bushing_radius for the pin to turn; got {self.pin_radius * 1e3:g} mm "
-                f"in {self.bushing_radius * 1e3:g} mm"
+                "pin_radius must be smaller than bushing_radius for the pin to turn; got "
+                f"{self.pin_radius * 1e3:g} mm in {self.bushing_radius * 1e3:g} mm"
             )
         return self
 
@@ -184,20 +258,31 @@ class JointSettings(Settings):
 class VogelSettings(Settings):
     """Vogel's law, viscosity = a exp(b/(T - c))."""
 
-    a: Viscosity = Field(description="[Pa s]")
-    b: TemperatureDifference = Field(description="[K]")
-    c: Temperature = Field(description="[degC]")
+    a: Viscosity = Field(
+        description="Viscosity in the limit of high temperature.", examples=["0.05 mPa s"]
+    )
+    b: TemperatureDifference = Field(description="Slope of ln(viscosity) over 1/(T - c).")
+    c: Temperature = Field(description="Temperature of the pole, below every temperature logged.")
 
 
 class OilSettings(Settings):
     """The oil between pin and bushing."""
 
-    name: Text = ""
-    viscosity: Viscosity | None = Field(None, description="dynamic viscosity [Pa s]")
-    vogel: VogelSettings | None = Field(
-        None, description="viscosity by the logged temperature instead"
+    name: Text = Field("", description="Name of the oil, for figures.", examples=["80W-90"])
+    viscosity: Viscosity | None = Field(
+        None,
+        description="Dynamic viscosity at the temperature of the run. Either viscosity or vogel is "
+        "required.",
     )
-    pressure_viscosity: PressureViscosity = Field(description="Barus coefficient [1/Pa]")
+    vogel: VogelSettings | None = Field(
+        None,
+        description="Viscosity from the logged temperature by Vogel's law, a exp(b/(T - c)), in "
+        "place of one value.",
+        examples=[{"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}],
+    )
+    pressure_viscosity: PressureViscosity = Field(
+        description="Pressure-viscosity coefficient of Barus."
+    )
 
     @model_validator(mode="after")
     def _one_viscosity(self) -> Self:
@@ -207,32 +292,43 @@ class OilSettings(Settings):
 
 
 class RegistrationOptions(Settings):
-    """How camera 2 is laid over camera 1."""
+    """Registration of camera 2 to camera 1."""
 
-    window: int = Field(32, ge=16, le=256, description="interrogation window [px]")
-    step: int = Field(8, ge=4, le=128, description="distance of window centres [px]")
+    window: int = Field(32, ge=16, le=256, description="Side of the interrogation window. [px]")
+    step: int = Field(8, ge=4, le=128, description="Distance between window centres. [px]")
     model: Literal["auto", "surface", "local"] = Field(
-        "auto", description="smooth surface or window by window"
+        "auto",
+        description="Form of the camera map: one smooth surface, one displacement for each "
+        "window, or the surface unless the distortion is finer.",
     )
     orientation: Literal[
         "normal", "mirrored_x", "mirrored_y", "rotated_90", "rotated_180", "rotated_270"
-    ] = Field("normal", description="how camera 2 is mounted against camera 1")
+    ] = Field(
+        "normal",
+        description="Turn or mirror image that lays the image of camera 2 over that of camera 1; "
+        "rotated_90 turns it counter-clockwise on the screen.",
+    )
     reuse: bool = Field(
         False,
-        description="use the camera map stored with the calibration, once it is checked on this run's frames",
+        description="Use the camera map stored with the calibration, after a check on the frames "
+        "of this run.",
     )
     frames: int | None = Field(
         None,
         ge=1,
-        description="frames used together for the fixed part of the map; default: 12 small or 4 large ones",
+        description="Number of frame pairs for the fixed part of the camera map. Default: 12 small "
+        "or 4 large ones.",
+        examples=[12],
     )
 
 
 class RegionOfInterest(Settings):
-    """Where film statistics are taken [mm], from the centre of the first pixel."""
+    """Region of the film statistics, from the centre of the first pixel. [mm]"""
 
-    x: Interval
-    y: Interval
+    x: Interval = Field(description="Interval along image x. [mm]")
+    y: Interval = Field(
+        description="Interval along image y, which points down. [mm]", examples=[[2, 13]]
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -245,38 +341,53 @@ class RegionOfInterest(Settings):
 
 
 class ThicknessOptions(Settings):
-    """How film is read off the ratio and summed up."""
+    """Thickness maps and the statistics of a trigger."""
 
     roi: RegionOfInterest | None = Field(
-        None, description="region of the film statistics; default: all of the image"
+        None,
+        description="Region in mm in which film_mean and film_min are taken. Default: the whole "
+        "image.",
+        examples=[{"x": [4, 15], "y": [2, 13]}],
     )
     least_signal: Electrons = Field(
-        100.0, description="darker pixels are flagged dim [electron]", validate_default=False
+        100.0,
+        description="Signal below which a pixel is flagged dim.",
+        validate_default=False,
+        examples=["100 electron"],
     )
     no_film_below: float = Field(
         0.25,
         gt=0,
         lt=1,
-        description="fluorescence below this share of its surroundings counts as a bubble",
+        description="A pixel whose fluorescence is below this share of its surroundings is "
+        "flagged no_film (a bubble).",
     )
     smoothing: int | None = Field(
         None,
         ge=2,
         le=50,
-        description="resolution in pixels of the smoothed ratio; default: not smoothed",
+        description="Resolution of the smoothed ratio behind the maps, full width at half maximum "
+        "[px]. Default: no smoothing.",
+        examples=[4],
     )
 
 
 class RunName(Settings):
-    """What the run is called."""
+    """Name of the run."""
 
-    name: Text
+    name: Text = Field(description="Name of the run in figures and reports.")
 
 
 class RunSettings(Settings):
     """run.toml."""
 
-    calibration: FileName | None = None
+    calibration: FileName | None = Field(
+        None,
+        description="calibration.nc of a fixture photographed with the same cameras and filters; "
+        "made on the way if only its fixture.toml exists. The option --calibration takes "
+        "precedence.",
+        examples=["../fixture/calibration.nc"],
+    )
     run: RunName
     camera1: CameraSettings
     camera2: CameraSettings
@@ -290,24 +401,27 @@ class RunSettings(Settings):
 
     @property
     def name(self) -> str:
-        """What the run is called."""
+        """Name of the run."""
         return self.run.name
 
 
 class FixtureProfile(Settings):
     """The calibration fixture and its profile from the coordinate measuring machine."""
 
-    name: Text
+    name: Text = Field(description="Name of the fixture.", examples=["wedge"])
     profile: FileName = Field(
-        description="x_mm,thickness_um[,uncertainty_um] or x_mm,y_mm,thickness_um[,uncertainty_um]"
+        description="Profile: CSV with the columns x_mm, thickness_um and, if known, y_mm and "
+        "uncertainty_um.",
+        examples=["profile.csv"],
     )
     origin: tuple[float, float] = Field(
-        (0.0, 0.0), description="pixel (x, y) of camera 1 at profile x = 0 (y = 0)"
+        (0.0, 0.0),
+        description="Pixel (x, y) of camera 1 at profile x = 0 (and y = 0).",
     )
     direction: Angle = Field(
-        0.0, description="turn from image x to profile x [rad]", validate_default=False
+        0.0, description="Turn from image x to profile x.", validate_default=False
     )
-    align: bool = Field(False, description="refine origin and scale against the image")
+    align: bool = Field(False, description="Refine origin and scale against the image.")
 
 
 class FixtureSettings(Settings):
@@ -322,5 +436,5 @@ class FixtureSettings(Settings):
 
     @property
     def name(self) -> str:
-        """What the fixture is called."""
+        """Name of the fixture."""
         return self.fixture.name

@@ -9,25 +9,63 @@ from erlif.settings.tables import Settings
 
 
 def to_toml(settings: Settings) -> str:
-    """Write settings, defaults included, as TOML that reads back to the same settings."""
+    """Write settings as TOML, defaults included.
+
+    Parameters
+    ----------
+    settings : Settings
+        A whole file or one table.
+
+    Returns
+    -------
+    str
+        Lines that read back to the same settings; quantities stand in the unit they are kept in.
+
+    Examples
+    --------
+    >>> from erlif.settings import OpticsSettings
+    >>> print(to_toml(OpticsSettings(pixel_pitch="60 mm")), end="")
+    pixel_pitch = "0.06 m"
+    x_axis = "sliding"
+    """
     lines: list[str] = []
     _write_table(settings.model_dump(exclude_none=True), (), lines)
     return "\n".join(lines) + "\n"
+
+
+def toml_value(value: Any) -> str:
+    """One value as TOML.
+
+    Parameters
+    ----------
+    value : bool, int, float, str, list, tuple or dict
+        A dict becomes an inline table.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> toml_value({"x": (4, 15), "unit": "mm"})
+    '{ x = [4, 15], unit = "mm" }'
+    """
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(toml_value(item) for item in value)}]"
+    if isinstance(value, (bool, str)):
+        return json.dumps(value, ensure_ascii=False)  # TOML escapes as JSON does
+    return repr(value)
 
 
 def _write_table(table: dict[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
     plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
     if path and plain:
         lines.append(f"[{'.'.join(path)}]")
-    lines.extend(f"{key} = {_toml_value(value)}" for key, value in plain.items())
+    lines.extend(f"{key} = {toml_value(value)}" for key, value in plain.items())
+
+    # tables follow the plain keys, which would belong to them otherwise
     for key, value in table.items():
         if isinstance(value, dict):
             _write_table(value, (*path, key), lines)
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_toml_value(item) for item in value)}]"
-    if isinstance(value, (bool, str)):
-        return json.dumps(value, ensure_ascii=False)  # TOML escapes as JSON does
-    return repr(value)

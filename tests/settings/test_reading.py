@@ -1,9 +1,7 @@
-"""run.toml and fixture.toml as settings, and back."""
+"""run.toml and fixture.toml, read and checked."""
 
 import contextlib
 import math
-import string
-import tomllib
 
 import pytest
 from hypothesis import given, settings
@@ -11,12 +9,9 @@ from hypothesis import strategies as st
 
 from erlif.core.errors import ConfigError
 from erlif.settings import (
-    CameraSettings,
-    FixtureSettings,
     RunSettings,
     read_fixture_settings,
     read_run_settings,
-    to_toml,
 )
 
 
@@ -37,7 +32,7 @@ def test_quantities_are_kept_in_si(small_rig):
     assert settings.camera1.full_scale == 4095
 
 
-def test_what_is_left_out_has_the_documented_default(lab):
+def test_a_key_left_out_has_the_documented_default(lab):
     edited(lab, ("bit_depth = 12\n", ""), ("[thickness]\nroi", "# roi"), ('x_axis = "sliding"', ""))
     settings = read_run_settings(lab.run)
     assert settings.camera1.bit_depth == 12
@@ -182,154 +177,45 @@ def test_a_byte_changed_in_the_settings_is_read_or_refused(small_rig, tmp_path_f
         assert isinstance(read_run_settings(directory), RunSettings)
 
 
-# settings that are drawn, written and read back
-
-text = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=12) | st.sampled_from(
-    ["a'b\"c\\d", "µm [x] # = {}"]
-)
-name = text.filter(bool)
+# gaps that erlif init has left
 
 
-def number(low, high):
-    return st.floats(low, high, exclude_min=True)
+def test_gaps_are_listed_all_at_once_with_unit_and_meaning(lab):
+    edited(lab, ('"5.5 cm"', '"?? cm"'), ('"encoder.csv"', '"??"'), ('"2.7 GPa"', '"?? GPa"'))
+    with pytest.raises(ConfigError) as refusal:
+        read_run_settings(lab.run)
+    first, *lines = str(refusal.value).splitlines()
+    assert "3 gaps are left" in first
+    assert lines == [
+        '  [encoder] file: file name or pattern, for example "encoder.csv". '
+        "Encoder log: CSV with one row for each frame pair.",
+        '  [mechanism] crank: length, for example "5.5 cm". '
+        "Length of the crank, from pivot to pivot.",
+        '  [joint.pin] youngs_modulus: pressure, for example "2.7 GPa". Young\'s modulus.',
+    ]
 
 
-def quantity(unit, low=1e-9, high=1e12):
-    return number(low, high).map(lambda value: f"{value!r} {unit}")
+def test_faults_are_listed_after_the_gaps(lab):
+    edited(lab, ('"5.5 cm"', '"?? cm"'), ('"114 rpm"', '"1 Hz"'))
+    with pytest.raises(ConfigError) as refusal:
+        read_run_settings(lab.run)
+    lines = str(refusal.value).splitlines()
+    assert "1 gap is left" in lines[0]
+    assert lines[2] == "and correct these:"
+    assert "[mechanism] crank_speed" in lines[3]
+    assert len(lines) == 4
 
 
-def optional(**keys):
-    return st.fixed_dictionaries({}, optional=keys)
+def test_a_pattern_with_question_marks_is_not_a_gap(lab):
+    edited(lab, ('"camera1/*.tif"', '"camera1/frame_00??.tif"'))
+    assert read_run_settings(lab.run).camera1.files == "camera1/frame_00??.tif"
 
 
-def table(required, **keys):
-    return st.fixed_dictionaries(required, optional=keys)
-
-
-cameras = st.one_of(
-    table(
-        {"files": name, "band": quantity("nm"), level: value},
-        bit_depth=st.integers(8, 16),
-        flat=name,
-        gain=quantity("electron/DN"),
-        read_noise=quantity("electron"),
-    )
-    for level, value in (("dark", name), ("offset", quantity("DN")))
-)
-materials = table(
-    {"youngs_modulus": quantity("GPa", high=1e3), "poissons_ratio": number(-1, 0.5)},
-    roughness=quantity("um", high=1e3),
-)
-joints = table(
-    {
-        "pin_radius": quantity("mm", 1, 10),
-        "bushing_radius": quantity("mm", 11, 20),
-        "length": quantity("mm"),
-        "pin": materials,
-        "bushing": materials,
-    },
-    load=quantity("lbf"),
-)
-vogel = st.fixed_dictionaries(
-    {"a": quantity("mPa s"), "b": quantity("K"), "c": quantity("degC", -273, 100)}
-)
-oils = st.one_of(
-    table({law: value, "pressure_viscosity": quantity("1/GPa")}, name=text)
-    for law, value in (("viscosity", quantity("Pa s")), ("vogel", vogel))
-)
-links = {key: quantity("cm") for key in ("crank", "coupler", "rocker", "ground")}
-mechanisms = st.fixed_dictionaries(
-    {"kind": st.just("crank-rocker"), **links, "crank_speed": quantity("rpm")}
-) | (
-    st.fixed_dictionaries(
-        {
-            "kind": st.just("slider-crank"),
-            "crank": links["crank"],
-            "coupler": links["coupler"],
-            "crank_speed": quantity("rad/s"),
-        }
-    )
-)
-interval = st.tuples(st.floats(-9, 1), st.floats(2, 99)).map(list)
-shared = {
-    "camera1": cameras,
-    "camera2": cameras,
-    "optics": table({"pixel_pitch": quantity("um")}, x_axis=st.sampled_from(["sliding", "axial"])),
-}
-choices = {
-    "registration": optional(
-        window=st.integers(16, 256), model=st.sampled_from(["auto", "surface", "local"])
-    ),
-    "thickness": optional(
-        roi=st.fixed_dictionaries({"x": interval, "y": interval}),
-        least_signal=quantity("electron"),
-        no_film_below=number(0, 0.99),
-    ),
-}
-runs = table(
-    {
-        "run": st.fixed_dictionaries({"name": text}),
-        **shared,
-        "encoder": table(
-            {"file": name},
-            mounted_on=st.sampled_from(["rocker", "crank"]),
-            zero=quantity("deg", -360, 360),
-            triggers_per_cycle=st.integers(2, 9999),
-        ),
-        "mechanism": mechanisms,
-        "joint": joints,
-        "oil": oils,
-    },
-    calibration=name,
-    **choices,
-)
-fixtures = table(
-    {
-        "fixture": table(
-            {"name": text, "profile": name},
-            origin=st.tuples(st.floats(-99, 99), st.floats(-99, 99)).map(list),
-            direction=quantity("deg", -360, 360),
-            align=st.booleans(),
-        ),
-        **shared,
-    },
-    **choices,
-)
-
-
-@settings(deadline=None, database=None, max_examples=60)
-@given(runs)
-def test_run_settings_written_as_toml_read_back_the_same(raw):
-    written = RunSettings.model_validate(raw)
-    assert RunSettings.model_validate(tomllib.loads(to_toml(written))) == written
-
-
-@settings(deadline=None, database=None, max_examples=40)
-@given(fixtures)
-def test_fixture_settings_written_as_toml_read_back_the_same(raw):
-    written = FixtureSettings.model_validate(raw)
-    assert FixtureSettings.model_validate(tomllib.loads(to_toml(written))) == written
-
-
-def test_settings_cannot_be_changed(small_rig):
-    camera = read_run_settings(small_rig.run).camera1
-    with pytest.raises(ValueError, match="frozen"):
-        camera.bit_depth = 10
-    assert set(CameraSettings.model_fields) >= {
-        "files",
-        "band",
-        "bit_depth",
-        "dark",
-        "offset",
-        "flat",
-        "gain",
-        "read_noise",
-    }
-
-
-def test_every_printable_character_survives_the_way_through_toml(small_rig):
-    settings = read_run_settings(small_rig.run)
-    renamed = settings.model_copy(
-        update={"run": settings.run.model_copy(update={"name": string.printable[:95]})}
-    )
-    assert tomllib.loads(to_toml(renamed))["run"]["name"] == string.printable[:95]
+@pytest.mark.parametrize(("name", "option"), [("run.toml", ""), ("fixture.toml", " --fixture")])
+def test_a_directory_without_settings_is_refused_with_the_command_that_makes_them(
+    tmp_path, name, option
+):
+    read = {"run.toml": read_run_settings, "fixture.toml": read_fixture_settings}[name]
+    with pytest.raises(ConfigError) as refusal:
+        read(tmp_path)
+    assert str(refusal.value).endswith(f"erlif init {tmp_path}{option}")

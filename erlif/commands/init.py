@@ -1,0 +1,43 @@
+"""``erlif init``: a first run.toml or fixture.toml from the files in a directory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.options import PATH
+from erlif.core.errors import ConfigError
+
+
+@click.command()
+@click.argument("directory", type=PATH)
+@click.option("--fixture", is_flag=True, help="Write fixture.toml for a calibration fixture.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing settings file.")
+def init(directory: Path, fixture: bool, overwrite: bool) -> None:
+    """Write run.toml for the frames and logs in a directory.
+
+    Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
+    Every other required value becomes a marked gap, "??", with its unit and meaning. A JSON schema
+    is written beside it, with which editors complete and check the file.
+
+    \b
+    Example:
+      erlif init measurements/run_7
+      erlif init measurements/wedge --fixture
+      erlif check measurements/run_7
+    """
+    from erlif.pipeline import init as write_settings
+    from erlif.settings import read_fixture_settings, read_run_settings
+
+    notes = write_settings(directory, fixture=fixture, overwrite=overwrite)
+    for note in notes:
+        click.echo(f"{note.level:8s}{note}")
+
+    output = directory / ("fixture.toml" if fixture else "run.toml")
+    click.echo(f"written: {output}")
+    try:
+        (read_fixture_settings if fixture else read_run_settings)(directory)
+    except ConfigError as gaps:
+        click.echo(str(gaps))
+    click.echo(f"Then run: erlif check {directory}")

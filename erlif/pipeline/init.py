@@ -1,0 +1,450 @@
+"""A first run.toml or fixture.toml from the files in a directory."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.calibration import open_calibration, read_profile
+from erlif.core.arrays import Array
+from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.core.notes import Level, Note
+from erlif.files import replacing
+from erlif.ingest import read_encoder_log
+from erlif.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
+from erlif.settings import (
+    GAP,
+    FixtureSettings,
+    RunSettings,
+    Settings,
+    json_schema,
+    read_fixture_settings,
+    write_template,
+)
+
+MOST_CALIBRATIONS = 5
+"""Calibrations beside a run that are listed."""
+
+WHOLE_TURN = 300.0
+"""Range of an encoder on the crank; one on the rocker swings less than half a turn. [degree]"""
+
+
+@dataclass
+class _Draft:
+    """A settings file in the making: values, remarks on them, and notes for the user."""
+
+    values: dict[str, Any] = field(default_factory=dict)
+    remarks: dict[str, str] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
+
+    def set(self, key: str, value: Any, remark: str = "") -> None:
+        """Give a key its value, or `GAP`, and say where the value comes from."""
+        self.values[key] = value
+        if remark:
+            self.remarks[key] = remark
+
+    def note(self, subject: str, text: str, level: Level = Level.NOTE) -> None:
+        """Add a finding."""
+        self.notes.append(Note(level, subject, text))
+
+    def warn(self, subject: str, text: str) -> None:
+        """Add a finding that the user has to act on."""
+        self.note(subject, text, Level.WARNING)
+
+
+def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = False) -> list[Note]:
+    """Write a commented settings file for the frames and logs in a directory.
+
+    What the files determine is filled in: names, patterns, bit depth, triggers per cycle. Every
+    other required value is a gap, ``"??"``, with its unit and its meaning; `erlif.check` lists the
+    gaps that are left. A JSON schema for editors is written beside the file.
+
+    Parameters
+    ----------
+    directory : path
+        Folder with the files of both cameras and the encoder log or the profile.
+    fixture : bool
+        Write ``fixture.toml`` for a calibration fixture; default: ``run.toml`` for a run.
+    overwrite : bool
+        Replace an existing settings file.
+
+    Returns
+    -------
+    list of Note
+        What was found, and what the user has to look at.
+
+    Raises
+    ------
+    FrameError
+        If there is no such directory, or no image in it.
+    OutputError
+        If the settings file exists and `overwrite` is not set, or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile, numpy as np
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for name in ("C1_0001.tif", "C1_0002.tif", "C2_0001.tif", "C2_0002.tif"):
+    ...         tifffile.imwrite(Path(folder, name), np.full((64, 80), 900, np.uint16))
+    ...     notes = init(folder)
+    ...     print(notes[0])
+    camera1: 2 frames of 80 x 64 uint16, C1_*.tif
+    """
+    directory = Path(directory)
+    kind: type[Settings] = FixtureSettings if fixture else RunSettings
+    name = "fixture.toml" if fixture else "run.toml"
+    output = directory / name
+    if output.exists() and not overwrite:
+        raise OutputError(f"{output} exists already; use --overwrite to replace it.")
+
+    survey = survey_directory(directory)
+    if not survey.cameras:
+        raise FrameError(
+            f"Expected frames of two cameras in {directory}; there is no image file in it. Put the "
+            "frames there, for example as camera1/*.tif and camera2/*.tif."
+        )
+
+    draft = _Draft()
+    _draft_cameras(draft, survey)
+    if fixture:
+        _draft_profile(draft, survey)
+    else:
+        _draft_log(draft, survey)
+        _draft_calibration(draft, survey)
+        _draft_theory(draft)
+    draft.values["fixture.name" if fixture else "run.name"] = _title(directory)
+
+    _write(output, write_template(kind, draft.values, draft.remarks))
+    schema = output.with_suffix(".schema.json")
+    _write(schema, json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n")
+    return draft.notes
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
+def _title(directory: Path) -> str:
+    """Name of the folder as a title."""
+    return " ".join(directory.resolve().name.replace("_", " ").split())
+
+
+# cameras
+
+
+def _draft_cameras(draft: _Draft, survey: Survey) -> None:
+    """Files, band, depth, darks and flats of both cameras, and whether the two fit together."""
+    cameras = survey.cameras
+    for number, camera in enumerate(cameras[:2], 1):
+        _draft_camera(draft, survey, number, camera)
+
+    if len(cameras) == 1:
+        draft.set("camera2.offset", GAP)
+        draft.warn(
+            "camera2",
+            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap",
+        )
+    elif len(cameras) > 2:
+        labels = ", ".join(camera.label for camera in cameras)
+        draft.warn(
+            "cameras",
+            f"{len(cameras)} groups of frames were found ({labels}); the first two were taken as "
+            "camera 1 and camera 2: correct files in both tables",
+        )
+    else:
+        _compare_cameras(draft, *cameras)
+
+    if survey.unassigned:
+        names = [os.path.relpath(path, survey.directory) for path in survey.unassigned]
+        draft.warn("files", f"these images belong to no camera by their names: {_list(names)}")
+
+
+def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurvey) -> None:
+    """Table of one camera."""
+    table, frames = f"camera{number}", camera.frames
+    kind = frames.kinds[0] if frames.kinds else "unreadable images"
+    draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
+    draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
+    if frames.pattern is None:
+        text = "no single pattern matches these frames and no other file; put them into one folder"
+        draft.warn(table, text)
+    if len(frames.kinds) > 1:
+        draft.warn(table, f"the frames differ in size or type: {', '.join(frames.kinds)}")
+    for fault in frames.faults[:1]:
+        more = f" ({len(frames.faults) - 1} more)" if len(frames.faults) > 1 else ""
+        draft.warn(table, f"{fault}{more}; --skip-bad-frames leaves out unreadable frame pairs")
+
+    if camera.wavelength is not None:
+        draft.set(f"{table}.band", f"{camera.wavelength} nm", "From the names of the files.")
+    if camera.counts is not None:
+        _draft_depth(draft, table, camera.counts)
+    for key, images in (("dark", camera.darks), ("flat", camera.flats)):
+        if images is None:
+            continue
+        draft.set(f"{table}.{key}", images.pattern, f"{images.pages} images.")
+        draft.note(table, f"{images.pages} {key} images, {images.pattern}")
+        if images.pattern is None:
+            draft.warn(table, f"no single pattern matches the {key} files; put them into one file")
+    if camera.darks is None:
+        draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
+        draft.warn(table, "no dark frames were found: give offset, or photograph darks")
+
+
+def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
+    """Bit depth from the largest counts; counts that are stored left-aligned are reported."""
+    seen = f"largest count {counts.highest} in {counts.pages} images"
+    if counts.unused_bits:
+        factor = 1 << counts.unused_bits
+        draft.warn(
+            table,
+            f"{seen}, all multiples of {factor}: {counts.bit_depth}-bit counts, left-aligned. "
+            f"Divide the counts by {factor} and save the images again",
+        )
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{seen}, left-aligned by {factor}.")
+    elif counts.full_scale_seen:
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"Full scale is reached: {seen}.")
+    else:
+        text = f"{seen}; the smallest usual depth that holds it."
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"{text[0].upper()}{text[1:]}")
+
+
+def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> None:
+    """Report what keeps the frames of the two cameras from being paired."""
+    if one.frames.pages != two.frames.pages:
+        draft.warn(
+            "cameras",
+            f"camera1 has {one.frames.pages} frames, camera2 has {two.frames.pages}: frame k of "
+            "both must show the same laser pulse",
+        )
+    if one.frames.kinds[:1] != two.frames.kinds[:1]:
+        draft.warn(
+            "cameras",
+            f"camera1 has frames of {_first(one.frames.kinds)}, camera2 of "
+            f"{_first(two.frames.kinds)}: set the same region of interest for both",
+        )
+    if one.wavelength is None:
+        draft.warn(
+            "cameras",
+            f"taken as camera1: {one.frames.pattern or one.label}, as camera2: "
+            f"{two.frames.pattern or two.label}. Camera 1 must be the one with the shorter "
+            "wavelength",
+        )
+
+
+def _first(kinds: tuple[str, ...]) -> str:
+    return kinds[0] if kinds else "unreadable images"
+
+
+def _list(names: list[str], most: int = 3) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
+
+
+# encoder log
+
+
+def _draft_log(draft: _Draft, survey: Survey) -> None:
+    """The encoder log, its columns, and the cycle its angles show."""
+    table = _find_table(survey, ("frame", "angle_deg"))
+    if table is None:
+        _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
+        return
+    draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
+    draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
+    pages = {camera.frames.pages for camera in survey.cameras[:2]}
+    if pages != {table.rows}:
+        counts = " and ".join(str(count) for count in sorted(pages))
+        draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
+    if "load_N" not in table.header:
+        draft.set("joint.load", GAP, "The encoder log has no column load_N.")
+
+    try:
+        log = read_encoder_log(table.path)
+    except ErlifError as error:
+        draft.warn("encoder log", str(error))
+        return
+    cycle = find_cycle(log.angle.values)
+    time = log["time"].values if "time" in log else None
+    _draft_cycle(draft, cycle, time)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What the angles of an encoder log show of the cycle."""
+
+    on_crank: bool
+    """Whether the angles go round, as on the crank; on the rocker they go to and fro."""
+    triggers: int | None
+    """Triggers in one cycle; None where the log ends before the first cycle is complete."""
+    count: float
+    """Number of cycles in the log."""
+
+
+def find_cycle(angle: Array) -> Cycle:
+    """Find triggers per cycle and number of cycles from the angles of an encoder log.
+
+    Parameters
+    ----------
+    angle : array, (frame,)
+        Encoder angle. [degree]
+
+    Returns
+    -------
+    Cycle
+
+    Examples
+    --------
+    Twelve triggers a turn of the crank, three turns; the rocker swings 40 degrees:
+
+    >>> turn = np.arange(36) * 30.0
+    >>> find_cycle(turn % 360)
+    Cycle(on_crank=True, triggers=12, count=3.0)
+    >>> find_cycle(20 * np.sin(np.radians(turn)))
+    Cycle(on_crank=False, triggers=12, count=3.0)
+    """
+    # an encoder on the crank may read on beyond 360 degrees, or start again at 0
+    on_crank = bool(np.ptp(angle) > WHOLE_TURN)
+    if on_crank:
+        step = np.diff(angle) % 360.0
+        turned = float(step.sum() + np.median(step)) if step.size else 0.0
+        triggers = round(angle.size * 360.0 / turned) if turned >= 360.0 - 1e-6 else None
+        return Cycle(True, triggers, round(turned / 360.0, 2))
+
+    # A repeated cycle shows as the shift at which the log agrees best with itself. Half the
+    # spacing of the triggers is the error at which two triggers would be confused.
+    spacing = float(np.median(np.abs(np.diff(angle)))) if angle.size > 1 else 0.0
+    for shift in range(2, angle.size // 2 + 1):
+        if np.abs(angle[shift:] - angle[:-shift]).max() < 0.5 * spacing:
+            return Cycle(False, shift, round(angle.size / shift, 2))
+
+    # one cycle: the rocker has turned back, and has come near its first angle again
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(angle))))
+    complete = turns >= 1 and abs(angle[-1] - angle[0]) <= 2 * np.abs(np.diff(angle)).max()
+    return Cycle(False, int(angle.size) if complete else None, 1.0)
+
+
+def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
+    """Where the encoder sits, triggers per cycle, and the speed of the crank from the times."""
+    link = "crank" if cycle.on_crank else "rocker"
+    motion = "go round" if cycle.on_crank else "go to and fro"
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+    if cycle.triggers is None:
+        draft.warn("encoder log", "the angles do not show a complete cycle")
+        return
+    text = f"{cycle.triggers} triggers per cycle, {cycle.count:g} cycle(s)"
+    draft.set("encoder.triggers_per_cycle", cycle.triggers, f"From the angles of the log: {text}.")
+    draft.note("encoder log", text)
+
+    # the time of a cycle is known where the log holds the beginning of the next one
+    if time is not None and time.size > cycle.triggers:
+        periods = time[cycle.triggers :] - time[: -cycle.triggers]
+        period = float(np.median(periods))
+        if math.isfinite(period) and period > 0:
+            draft.remarks["mechanism.crank_speed"] = (
+                f"The times of the log give {60 / period:.4g} rpm."
+            )
+
+
+# profile
+
+
+def _draft_profile(draft: _Draft, survey: Survey) -> None:
+    """The profile of the fixture."""
+    table = _find_table(survey, ("x_mm", "thickness_um"))
+    if table is None:
+        _report_missing_table(draft, survey, "profile", "x_mm, thickness_um")
+        return
+    draft.set("fixture.profile", os.path.relpath(table.path, survey.directory))
+    try:
+        profile = read_profile(table.path)
+    except ErlifError as error:
+        draft.warn("profile", str(error))
+        return
+    low, high = float(profile.thickness.min()), float(profile.thickness.max())
+    draft.note("profile", f"{table.path.name}, {table.rows} points from {low:.2f} to {high:.2f} um")
+    draft.remarks["fixture.origin"] = (
+        "Find the pixel of profile x = 0 in a frame; align = true refines it."
+    )
+
+
+def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:
+    """The first table that has these columns."""
+    fitting = (table for table in survey.tables if set(columns) <= set(table.header))
+    return next(fitting, None)
+
+
+def _report_missing_table(draft: _Draft, survey: Survey, what: str, columns: str) -> None:
+    others = [f"{table.path.name} ({', '.join(table.header)})" for table in survey.tables]
+    if others:
+        draft.warn(what, f"no CSV file has the columns {columns}; found {_list(others)}")
+    else:
+        draft.warn(what, f"no CSV file was found; {what} needs the columns {columns}")
+
+
+# calibration and what the files do not show
+
+
+def _draft_calibration(draft: _Draft, survey: Survey) -> None:
+    """The calibration or the fixture that lies nearest, and what it states about the cameras."""
+    found = list(_calibrations_near(survey.directory.resolve()))[:MOST_CALIBRATIONS]
+    if not found:
+        draft.warn("calibration", "no calibration.nc or fixture.toml lies near; name it later")
+        return
+    names = [os.path.relpath(path, survey.directory.resolve()) for path in found]
+    name = Path(names[0]).as_posix()
+    made = "exists" if found[0].exists() else "is made from its fixture by erlif process"
+    remark = f"This file {made}."
+    if len(names) > 1:
+        remark = f"{remark} Others near: {', '.join(names[1:])}."
+        draft.warn("calibration", f"{len(names)} calibrations lie near: {', '.join(names)}")
+    draft.set("calibration", name, remark)
+    draft.note("calibration", f"{name} {made}")
+
+    # the same optics as a rule, but not for certain: a hint, not a value
+    for key, text in _fixture_hints(found[0]).items():
+        if key not in draft.values:
+            draft.remarks[key] = f"The calibration has {text}; the same, if nothing was changed."
+
+
+def _calibrations_near(directory: Path) -> Iterator[Path]:
+    """calibration.nc of the folders beside a run, whether it is made yet or not."""
+    patterns = ("", "*/", "../", "../*/", "../calibration/*/", "../../*/", "../../calibration/*/")
+    seen = set()
+    for pattern in patterns:
+        for name in ("calibration.nc", "fixture.toml"):
+            for path in sorted(directory.glob(f"{pattern}{name}")):
+                folder = path.parent.resolve()
+                if folder not in seen:
+                    seen.add(folder)
+                    yield folder / "calibration.nc"
+
+
+def _fixture_hints(calibration: Path) -> dict[str, str]:
+    """Bands and pixel pitch of the fixture, where they can be read."""
+    hints = {}
+    try:
+        settings = read_fixture_settings(calibration.parent)
+        bands = settings.camera1.band, settings.camera2.band
+        hints["optics.pixel_pitch"] = f"{settings.optics.pixel_pitch * 1e6:g} um"
+    except ErlifError:
+        try:
+            bands = open_calibration(calibration).bands
+        except ErlifError:
+            return hints
+    return hints | {"camera1.band": f"{bands[0]:g} nm", "camera2.band": f"{bands[1]:g} nm"}
+
+
+def _draft_theory(draft: _Draft) -> None:
+    """What no file shows: the linkage, the joint and the oil."""
+    draft.remarks["mechanism"] = (
+        'For a slider-crank: kind = "slider-crank" with crank, coupler and crank_speed alone.'
+    )
+    draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")

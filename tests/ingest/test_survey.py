@@ -1,0 +1,200 @@
+"""Frames, darks, flats and tables found by their names, as laboratories name them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.core.errors import FrameError
+from erlif.ingest.survey import survey_directory
+
+GREY = np.full((64, 80), 1000, np.uint16)
+
+
+def photograph(directory: Path, *names: str, image=GREY, pages: int = 1) -> None:
+    """Write images under these names."""
+    for name in names:
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tifffile.TiffWriter(path) as file:
+            for _ in range(pages):
+                file.write(image, contiguous=False)
+
+
+def numbered(pattern: str, count: int = 3) -> list[str]:
+    return [pattern.format(number) for number in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "patterns"),
+    [
+        (
+            "camera1/frame_{:04d}.tif",
+            "camera2/frame_{:04d}.tif",
+            ["camera1/*.tif", "camera2/*.tif"],
+        ),
+        ("Camera_1/{}.TIF", "Camera_2/{}.TIF", ["Camera_1/*.TIF", "Camera_2/*.TIF"]),
+        ("C1_{:04d}.tif", "C2_{:04d}.tif", ["C1_*.tif", "C2_*.tif"]),
+        ("shotCam0_{}.tiff", "shotCam1_{}.tiff", ["shotCam0_*.tiff", "shotCam1_*.tiff"]),
+        ("580/{}.tif", "610/{}.tif", ["580/*.tif", "610/*.tif"]),
+        ("run_{}_580nm.tif", "run_{}_610nm.tif", ["*_580nm.tif", "*_610nm.tif"]),
+        ("left/{}.tif", "right/{}.tif", ["left/*.tif", "right/*.tif"]),
+        ("left_{}.tif", "right_{}.tif", ["left_*.tif", "right_*.tif"]),
+        (
+            "raw [7]/cam a/{}.tif",
+            "raw [7]/cam b/{}.tif",
+            ["raw [[]7]/cam a/*.tif", "raw [[]7]/cam b/*.tif"],
+        ),
+        ("cam1/part_{}/x.tif", "cam2/part_{}/x.tif", ["cam1/*/*.tif", "cam2/*/*.tif"]),
+    ],
+)
+def test_two_cameras_are_distinguished_by_the_names_of_their_files(tmp_path, one, two, patterns):
+    photograph(tmp_path, *numbered(one), *numbered(two))
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pages for camera in cameras] == [3, 3]
+    for camera, pattern in zip(cameras, patterns, strict=True):
+        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
+        assert camera.frames.pattern == pattern
+
+
+def test_one_multi_page_file_for_each_camera_is_found(tmp_path):
+    photograph(tmp_path, "cam1.tif", "cam2.tif", pages=5)
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.frames.pattern for camera in cameras] == ["cam1.tif", "cam2.tif"]
+    assert [camera.frames.pages for camera in cameras] == [5, 5]
+    assert cameras[0].frames.kinds == ("80 x 64 uint16",)
+
+
+def test_cameras_stand_in_the_order_of_their_wavelengths(tmp_path):
+    photograph(tmp_path, *numbered("cam1_610nm/{}.tif"), *numbered("cam2_580nm/{}.tif"))
+    cameras = survey_directory(tmp_path).cameras
+    assert [camera.wavelength for camera in cameras] == [580, 610]
+    assert cameras[0].frames.pattern == "cam2_580nm/*.tif"
+
+
+def test_a_number_that_both_cameras_share_is_not_a_wavelength(tmp_path):
+    photograph(tmp_path, *numbered("run_500/cam1/{}.tif"), *numbered("run_500/cam2/{}.tif"))
+    assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
+
+
+def test_frame_numbers_are_not_taken_as_wavelengths(tmp_path):
+    photograph(
+        tmp_path, *(f"cam{camera}/{number}.tif" for camera in (1, 2) for number in range(579, 582))
+    )
+    assert [camera.wavelength for camera in survey_directory(tmp_path).cameras] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ("dark", "flat"),
+    [
+        ("camera{}_dark.tif", "camera{}_flat.tif"),
+        ("camera{}/Dark.tif", "camera{}/White.tif"),
+        ("darks/cam{}.tif", "flats/cam{}.tif"),
+        ("Cam{}BlackFrames.tif", "Cam{}Uniform.tif"),
+    ],
+)
+def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, flat):
+    for camera in (1, 2):
+        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
+        photograph(tmp_path, dark.format(camera), pages=4)
+        photograph(tmp_path, flat.format(camera), pages=6)
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == ()
+    for number, camera in enumerate(survey.cameras, 1):
+        assert camera.frames.pages == 3
+        assert (camera.darks.pages, camera.flats.pages) == (4, 6)
+        assert camera.darks.pattern == dark.format(number)
+        assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
+
+
+def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
+    photograph(tmp_path, *numbered("left/{}.tif"), *numbered("right/{}.tif"))
+    photograph(tmp_path, "darks/left.tif", "darks/right.tif")
+    assert [camera.darks.pattern for camera in survey_directory(tmp_path).cameras] == [
+        "darks/left.tif",
+        "darks/right.tif",
+    ]
+
+
+def test_a_dark_of_neither_camera_is_listed(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "dark.tif")
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == (tmp_path / "dark.tif",)
+    assert survey.cameras[0].darks is None
+
+
+def test_a_photograph_of_the_scale_is_not_a_frame(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"), "scale.tif")
+    survey = survey_directory(tmp_path)
+    assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
+    assert survey.unassigned == (tmp_path / "scale.tif",)
+
+
+def test_frames_that_no_single_pattern_matches_have_none(tmp_path):
+    photograph(tmp_path, *numbered("cam1_{}.tif"), "cam1_dark_1.tif", *numbered("cam2_{}.tif"))
+    cameras = survey_directory(tmp_path).cameras
+    assert cameras[0].frames.pattern == "cam1_[0-9]*.tif"  # the dark is left out
+    photograph(tmp_path, "cam1_3_dark.tif")
+    assert survey_directory(tmp_path).cameras[0].frames.pattern is None
+
+
+@pytest.mark.parametrize(
+    ("counts", "depth", "unused", "certain"),
+    [
+        (np.uint8([[250, 3], [7, 9]]), 8, 0, False),
+        (np.uint16([[900, 64], [65, 66]]), 12, 0, False),
+        (np.uint16([[4095, 4095], [65, 66]]), 12, 0, True),
+        (np.uint16([[4096, 64], [65, 67]]), 14, 0, False),
+        (np.uint16([[65535, 65535], [65, 66]]), 16, 0, True),
+        (np.uint16([[4095, 4095], [65, 66]]) << 4, 12, 4, True),
+        (np.uint16([[16383, 64], [65, 66]]) << 2, 14, 2, False),
+    ],
+)
+def test_the_bit_depth_follows_from_the_largest_counts(tmp_path, counts, depth, unused, certain):
+    photograph(
+        tmp_path,
+        "cam1.tif",
+        "cam2.tif",
+        image=np.tile(counts, (32, 40)) if certain else np.pad(counts, 30, mode="minimum"),
+    )
+    found = survey_directory(tmp_path).cameras[0].counts
+    assert (found.bit_depth, found.unused_bits, found.full_scale_seen) == (depth, unused, certain)
+    assert found.highest == counts.max()
+
+
+def test_damaged_files_are_listed_and_the_others_read(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    (tmp_path / "cam1" / "1.tif").write_bytes(b"")
+    frames = survey_directory(tmp_path).cameras[0].frames
+    assert len(frames.faults) == 1
+    assert "cam1/1.tif" in frames.faults[0]
+    assert frames.pages == 3
+
+
+def test_what_erlif_wrote_is_not_taken_for_frames(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    (tmp_path / "figures").mkdir()
+    for name in ("calibration.png", "figures/map.png"):
+        (tmp_path / name).write_bytes(b"\x89PNG")
+    assert survey_directory(tmp_path).unassigned == ()
+
+
+def test_tables_are_listed_with_header_and_rows(tmp_path):
+    (tmp_path / "log.csv").write_text("frame, angle_deg\n0,1.5\n1,2.5\n\n")
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
+    (table,) = survey_directory(tmp_path).tables
+    assert (table.path.name, table.header, table.rows) == ("log.csv", ("frame", "angle_deg"), 2)
+
+
+def test_a_missing_directory_is_refused(tmp_path):
+    with pytest.raises(FrameError, match="nowhere is not a directory"):
+        survey_directory(tmp_path / "nowhere")
+
+
+def test_too_many_files_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("erlif.ingest.survey.MOST_FILES", 3)
+    photograph(tmp_path, *numbered("cam1/{}.tif", 4))
+    with pytest.raises(FrameError, match="more than 3 files"):
+        survey_directory(tmp_path)

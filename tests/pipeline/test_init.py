@@ -1,0 +1,307 @@
+"""A first settings file from the files in a directory, and the way from there to a film."""
+
+import re
+import shutil
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+import xarray as xr
+
+import erlif
+from erlif.core.errors import FrameError, OutputError
+from erlif.core.notes import Level
+from erlif.pipeline.init import Cycle, find_cycle
+
+
+def photograph(directory: Path, *names: str, highest: int = 4000, shape=(64, 80)) -> None:
+    """Write frames with counts from 60 to `highest`."""
+    counts = np.linspace(60, highest, shape[0] * shape[1]).reshape(shape).astype(np.uint16)
+    for name in names:
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        tifffile.imwrite(path, counts)
+
+
+def frames(pattern: str, count: int = 4) -> list[str]:
+    return [pattern.format(number) for number in range(count)]
+
+
+def read(directory: Path, name: str = "run.toml") -> dict:
+    return tomllib.loads((directory / name).read_text(encoding="utf-8"))
+
+
+def warnings(notes) -> str:
+    return "\n".join(str(note) for note in notes if note.level is Level.WARNING)
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """Two cameras with four frames each, in a folder without settings."""
+    directory = tmp_path / "bushing_7"
+    photograph(directory, *frames("cam1_580nm/{}.tif"), *frames("cam2_610nm/{}.tif"))
+    return directory
+
+
+def fill_gaps(path: Path, values: dict[str, str]) -> None:
+    """Fill in a settings file as a user does: line by line, by the names of table and key."""
+    table, lines = "", []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if match := re.fullmatch(r"\[(.+)\]", line):
+            table = match[1]
+        if match := re.fullmatch(r'(\w+) = "\?\?.*"', line):
+            line = f"{match[1]} = {values[f'{table}.{match[1]}']}"
+        lines.append(line)
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+# from a simulated run to its film
+
+JOINT = {
+    "optics.pixel_pitch": '"150 um"',
+    "mechanism.crank": '"5.5 cm"',
+    "mechanism.coupler": '"44 cm"',
+    "mechanism.rocker": '"26 cm"',
+    "mechanism.ground": '"51 cm"',
+    "mechanism.crank_speed": '"114 rpm"',
+    "joint.pin_radius": '"33.36 mm"',
+    "joint.bushing_radius": '"33.59 mm"',
+    "joint.length": '"237 mm"',
+    "joint.pin.youngs_modulus": '"2.7 GPa"',
+    "joint.pin.poissons_ratio": "0.37",
+    "joint.bushing.youngs_modulus": '"2.7 GPa"',
+    "joint.bushing.poissons_ratio": "0.37",
+    "oil.viscosity": '"0.12 Pa s"',
+    "oil.pressure_viscosity": '"20 1/GPa"',
+    "camera1.band": '"580 nm"',
+    "camera2.band": '"610 nm"',
+}
+
+
+def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(lab, film, command):
+    original = (lab.run / "run.toml").read_text()
+    zero, roi = (re.search(rf"{key} = .*", original)[0] for key in ("zero", "roi"))
+    (lab.run / "run.toml").unlink()
+
+    printed = command("init", lab.run).stdout
+    assert f"{len(JOINT)} gaps are left" in printed
+    assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
+    fill_gaps(lab.run / "run.toml", JOINT)
+
+    # optional keys, which the original has too
+    noise = (('# gain = "4.4', 'gain = "4.4'), ('# read_noise = "9', 'read_noise = "9'))
+    lab.edit("run/run.toml", *noise, *noise, ('# zero = "0 deg"', zero), ("# roi =", f"{roi} # "))
+
+    assert "error" not in command("check", lab.run).stdout
+    found = erlif.process(lab.run)
+    with erlif.open_film(film) as expected:
+        for name in ("thickness", "thickness_std", "flags", "film_min", "film_mean", "crank_angle"):
+            xr.testing.assert_equal(found[name], expected[name])
+
+
+def test_a_fixture_without_settings_is_ready_once_two_gaps_are_filled(lab, command):
+    (lab.fixture / "fixture.toml").unlink()
+    notes = erlif.init(lab.fixture, fixture=True)
+    assert read(lab.fixture, "fixture.toml")["fixture"]["profile"] == "profile.csv"
+    rows = len((lab.fixture / "profile.csv").read_text().splitlines()) - 1
+    assert f"profile.csv, {rows} points" in "\n".join(map(str, notes))
+    fill_gaps(lab.fixture / "fixture.toml", JOINT)
+    assert "error" not in command("check", lab.fixture).stdout
+
+
+# what is found out
+
+
+def test_patterns_bands_depth_and_name_are_filled_in(folder):
+    notes = erlif.init(folder)
+    settings = read(folder)
+    assert settings["run"]["name"] == "bushing 7"
+    assert settings["camera1"]["files"] == "cam1_580nm/*.tif"
+    assert settings["camera2"]["files"] == "cam2_610nm/*.tif"
+    assert [settings[f"camera{n}"]["band"] for n in (1, 2)] == ["580 nm", "610 nm"]
+    assert settings["camera1"]["bit_depth"] == 12
+    assert str(notes[0]) == "camera1: 4 frames of 80 x 64 uint16, cam1_580nm/*.tif"
+
+
+def test_cameras_are_exchanged_where_their_wavelengths_demand_it(tmp_path):
+    photograph(tmp_path, *frames("cam1_610nm/{}.tif"), *frames("cam2_580nm/{}.tif"))
+    erlif.init(tmp_path)
+    assert read(tmp_path)["camera1"] == {
+        **read(tmp_path)["camera1"],
+        "band": "580 nm",
+        "files": "cam2_580nm/*.tif",
+    }
+
+
+def test_without_darks_the_dark_level_is_a_gap(folder):
+    assert "no dark frames" in warnings(erlif.init(folder))
+    assert read(folder)["camera1"]["offset"] == "?? DN"
+
+
+def test_left_aligned_counts_are_noticed(tmp_path):
+    counts = (np.arange(64 * 80).reshape(64, 80) % 4096).astype(np.uint16) << 4
+    for name in ("cam1.tif", "cam2.tif"):
+        tifffile.imwrite(tmp_path / name, counts)
+    text = warnings(erlif.init(tmp_path))
+    assert "12-bit counts, left-aligned" in text
+    assert "Divide the counts by 16" in text
+    assert read(tmp_path)["camera1"]["bit_depth"] == 12
+
+
+def test_the_columns_of_the_log_decide_whether_a_load_is_needed(folder):
+    log = folder / "encoder.csv"
+    log.write_text("frame,angle_deg\n" + "".join(f"{k},{k}\n" for k in range(4)))
+    erlif.init(folder)
+    assert read(folder)["encoder"]["file"] == "encoder.csv"
+    assert read(folder)["joint"]["load"] == "?? lbf"
+    log.write_text("frame,angle_deg,load_N\n" + "".join(f"{k},{k},9\n" for k in range(4)))
+    erlif.init(folder, overwrite=True)
+    assert "load" not in read(folder)["joint"]
+
+
+def test_triggers_per_cycle_and_crank_speed_come_from_the_log(folder):
+    photograph(folder, *frames("cam1_580nm/{}.tif", 36), *frames("cam2_610nm/{}.tif", 36))
+    rows = [f"{k},{k * 0.05:.3f},{20 * np.sin(np.radians(30 * k)):.4f}" for k in range(36)]
+    (folder / "encoder.csv").write_text("frame,time_s,angle_deg\n" + "\n".join(rows))
+    erlif.init(folder)
+    assert read(folder)["encoder"]["triggers_per_cycle"] == 12
+    assert read(folder)["encoder"]["mounted_on"] == "rocker"
+    assert read(folder)["mechanism"]["crank_speed"] == "?? rpm"
+    # twelve triggers of 50 ms: a turn in 0.6 s
+    assert "The times of the log give 100 rpm." in (folder / "run.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("angle", "expected"),
+    [
+        (np.arange(10) * 36.0, Cycle(True, 10, 1.0)),
+        (np.arange(25) * 36.0, Cycle(True, 10, 2.5)),
+        (-7.0 + np.arange(30) * 36.0 % 360, Cycle(True, 10, 3.0)),
+        (np.arange(5) * 5.0, Cycle(False, None, 1.0)),
+        (30 * np.cos(np.radians(7.2 * np.arange(50))), Cycle(False, 50, 1.0)),
+        (30 * np.cos(np.radians(7.2 * np.arange(150))), Cycle(False, 50, 3.0)),
+        (np.array([12.0]), Cycle(False, None, 1.0)),
+    ],
+)
+def test_a_cycle_is_recognised_by_its_angles(angle, expected):
+    assert find_cycle(angle) == expected
+
+
+def test_noise_of_the_encoder_does_not_hide_the_cycle():
+    angle = 30 * np.cos(np.radians(7.2 * np.arange(150)))
+    noisy = angle + np.random.default_rng(3).normal(0, 0.02, angle.size)
+    assert find_cycle(noisy).triggers == 50
+
+
+def test_the_fixture_beside_the_run_is_named_as_its_calibration(lab):
+    (lab.run / "run.toml").unlink()
+    (lab.fixture / "calibration.nc").unlink()
+    erlif.init(lab.run)
+    assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
+    text = (lab.run / "run.toml").read_text()
+    assert "The calibration has 150 um" in text
+    assert read(lab.run)["optics"]["pixel_pitch"] == "?? um"  # a hint, not a value
+
+
+# what is missing or does not fit
+
+
+def test_an_empty_folder_is_refused(tmp_path, refused):
+    assert "no image file" in refused("init", tmp_path)
+
+
+def test_a_folder_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(FrameError, match="is not a directory"):
+        erlif.init(tmp_path / "nowhere")
+
+
+def test_one_camera_only_is_reported_and_the_other_a_gap(tmp_path):
+    photograph(tmp_path, *frames("cam1/{}.tif"))
+    assert "one camera only" in warnings(erlif.init(tmp_path))
+    assert read(tmp_path)["camera2"]["files"] == "??"
+
+
+def test_three_cameras_are_reported_with_their_names(tmp_path):
+    photograph(tmp_path, *(name for n in (1, 2, 3) for name in frames(f"cam{n}/{{}}.tif")))
+    assert "3 groups of frames" in warnings(erlif.init(tmp_path))
+
+
+def test_unequal_numbers_of_frames_are_reported_with_both_counts(folder):
+    (folder / "cam2_610nm" / "2.tif").unlink()
+    text = warnings(erlif.init(folder))
+    assert "camera1 has 4 frames, camera2 has 3" in text
+
+
+def test_frames_of_different_size_are_reported(folder):
+    photograph(folder, *frames("cam2_610nm/{}.tif"), shape=(70, 90))
+    assert "80 x 64 uint16, camera2 of 90 x 70 uint16" in warnings(erlif.init(folder))
+
+
+def test_a_log_with_other_columns_is_reported_with_its_header(folder):
+    (folder / "log.csv").write_text("index,angle\n0,1\n")
+    text = warnings(erlif.init(folder))
+    assert "frame, angle_deg" in text
+    assert "log.csv (index, angle)" in text
+
+
+def test_rows_of_the_log_that_do_not_fit_the_frames_are_reported(folder):
+    (folder / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
+    assert "3 rows for 4 frames" in warnings(erlif.init(folder))
+
+
+def test_existing_settings_are_kept_unless_overwriting_is_allowed(folder):
+    (folder / "run.toml").write_text("mine")
+    with pytest.raises(OutputError, match="--overwrite"):
+        erlif.init(folder)
+    assert (folder / "run.toml").read_text() == "mine"
+    erlif.init(folder, overwrite=True)
+    assert read(folder)["run"]["name"] == "bushing 7"
+
+
+def test_a_failure_while_writing_leaves_the_old_settings(folder, monkeypatch):
+    (folder / "run.toml").write_text("mine")
+
+    def fail(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", fail)
+    with pytest.raises(OutputError, match="No space left"):
+        erlif.init(folder, overwrite=True)
+    assert (folder / "run.toml").read_text() == "mine"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "cam1_580nm",
+        "cam2_610nm",
+        "run.toml",
+    ]
+
+
+# what is left to do
+
+
+def test_check_lists_every_gap_with_table_key_unit_and_meaning(folder):
+    shutil.rmtree(folder / "cam2_610nm")
+    photograph(folder, *frames("cam2_610nm/{}.tif"))
+    erlif.init(folder)
+    (note,) = erlif.check(folder)
+    assert note.level is Level.ERROR
+    lines = note.text.splitlines()
+    gaps = sum('= "??' in line for line in (folder / "run.toml").read_text().splitlines())
+    assert len(lines) == 1 + gaps
+    (pitch,) = [line for line in lines if "[optics] pixel_pitch" in line]
+    assert '"60 um"' in pitch
+    assert "Size of a pixel" in pitch
+    assert any("[joint.pin] poissons_ratio" in line for line in lines)
+    assert any("[encoder] file" in line for line in lines)
+
+
+def test_check_of_a_directory_without_settings_proposes_init(folder):
+    (note,) = erlif.check(folder)
+    assert f"erlif init {folder}" in note.text
+
+
+def test_editors_find_the_schema_beside_the_file(folder):
+    erlif.init(folder)
+    first = (folder / "run.toml").read_text().splitlines()[0]
+    assert (folder / first.removeprefix("#:schema ")).is_file()
