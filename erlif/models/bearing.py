@@ -1,75 +1,229 @@
-"""Design of a grease-lubricated pin joint: the equations of Strand (2005), chapter 2, in corrected form, and a walk through.
+"""Design of a grease-lubricated pin joint after Strand (2005), chapter 2, in corrected form.
 
-Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in `erlif.models.wear`; the source has no equation 3. `safety` is
-its safety factor, called eta there.
+One function for each equation, and `design_report`, which checks a joint against all of them.
+Equations 6 to 9 are in `erlif.models.contact`, 26 to 32 in `erlif.models.wear`; the source has no
+equation 3. The argument `safety` is the safety factor that the source calls eta.
+
+Arguments that are off by orders of magnitude (a strength in MPa, a length in mm) raise
+`erlif.core.errors.UnitWarning`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
     Values,
+    broadcasting,
+    check_length,
+    check_load,
+    check_modulus,
+    check_strength,
     require_between,
+    require_finite,
+    require_increasing,
     require_not_negative,
     require_poisson,
     require_positive,
+    require_single,
 )
 from erlif.models.contact import persson_contact
 from erlif.models.wear import friction_heat, mean_sliding_speed, pressure_velocity
 
+LARGEST_HOLE_RATIO = 0.2
+"""Hole over pin diameter up to which the stress concentration of eq. 4 is fitted. [1]"""
 
+BRINELL_OVER_STRENGTH = 0.3
+"""Brinell hardness in kgf/mm2 over tensile strength in MPa, for steel below 400 HB."""
+
+STANDARD_GRAVITY = 9.80665
+"""Newton in a kilogram-force. [N/kgf]"""
+
+CLOSED_LOCK_MOMENT = 11 / 16
+"""Bending moment at the root of a closed prong over F L: 1 - 2 x 5/32. [1]"""
+
+CLOSED_LOCK_SHEAR = 27 / 32
+"""Shear at the root of a closed prong over F: 1 - 5/32. [1]"""
+
+RECOMMENDED_SLENDERNESS = 3.0
+"""Largest length over diameter of a pin that stays in place, section 2.1.10. [1]"""
+
+RECOMMENDED_WIDTH = (0.5, 1.5)
+"""Bushing width over pin diameter, eq. 11. [1]"""
+
+RECOMMENDED_PLAY = (0.3, 5.0)
+"""Play over pin diameter, eq. 23. [per mille]"""
+
+RECOMMENDED_HOUSING = (2.0, 4.0)
+"""Outer over inner diameter of the housing eye, section 2.1.6. [1]"""
+
+
+@broadcasting
 def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values) -> Values:
-    """Least diameter [m] of a pin in double shear: d = sqrt(2 sqrt(3) F eta / (pi sigma_y)). Strand (2005), eq. 1.
+    """Compute the minimum diameter of a pin in double shear. Strand (2005), eq. 1.
+
+    d = sqrt(2 sqrt(3) F eta / (pi sigma_y)).
 
     Parameters
     ----------
     load : float or array
-        F. [N]
+        Load F. [N]
     yield_stress : float or array
-        sigma_y of the pin. [Pa]
+        Yield stress sigma_y of the pin. [Pa]
     safety : float or array
-        Safety factor. [1]
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    In the two sections the shear stress times sqrt(3) is the allowed stress of 300 MPa:
+
+    >>> from math import pi, sqrt
+    >>> diameter = pin_diameter_in_shear(100e3, yield_stress=600e6, safety=2.0)
+    >>> print(f"{diameter * 1e3:.2f} mm, {sqrt(3) * 50e3 / (pi * diameter**2 / 4) / 1e6:.1f} MPa")
+    19.17 mm, 300.0 MPa
     """
     require_positive(load=load, yield_stress=yield_stress, safety=safety)
+    check_load(load=load)
+    check_strength(yield_stress=yield_stress)
     return np.sqrt(2 * np.sqrt(3) * load * safety / (np.pi * yield_stress))
 
 
+@broadcasting
 def pin_diameter_in_bending(
     load: Values, *, free_length: Values, yield_stress: Values, safety: Values
 ) -> Values:
-    """Least diameter [m] of a pin clamped at its seats, loaded in the middle: (4 F L eta / (pi sigma_y))^(1/3). Eq. 2.
+    """Compute the minimum diameter of a pin in bending. Strand (2005), eq. 2.
 
-    Parameters as in `pin_diameter_in_shear`, with the length L between the seats, bushing and lateral play [m].
+    d = (4 F L eta / (pi sigma_y))^(1/3): clamped at its seats, loaded in the middle.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    free_length : float or array
+        Length L between the seats: bushing and lateral play. [m]
+    yield_stress : float or array
+        Yield stress sigma_y of the pin. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    The bending moment F L / 8 over the section modulus is the allowed stress of 300 MPa:
+
+    >>> from math import pi
+    >>> case = {"free_length": 0.12, "yield_stress": 600e6, "safety": 2.0}
+    >>> d = pin_diameter_in_bending(100e3, **case)
+    >>> print(f"{d * 1e3:.2f} mm, {100e3 * 0.12 / 8 / (pi * d**3 / 32) / 1e6:.1f} MPa")
+    37.07 mm, 300.0 MPa
     """
     require_positive(load=load, free_length=free_length, yield_stress=yield_stress, safety=safety)
+    check_load(load=load)
+    check_length(free_length=free_length)
+    check_strength(yield_stress=yield_stress)
     return (4 * load * free_length * safety / (np.pi * yield_stress)) ** (1 / 3)
 
 
+@broadcasting
 def hole_stress_concentration(hole_ratio: Values) -> Values:
-    """K_t [1] of a transverse hole in a round pin in bending, on the stress of the weakened section. Strand (2005), eq. 4.
+    """Compute K_t of a transverse hole in a round pin in bending. Strand (2005), eq. 4.
 
-    3 - 11.3 x + 51.6 x^2 - 114.6 x^3 + 76.4 x^4 with x hole over pin diameter, 0 to 0.2.
+    K_t = 3 - 11.3 x + 51.6 x^2 - 114.6 x^3 + 76.4 x^4, on the stress of the weakened section.
+
+    Parameters
+    ----------
+    hole_ratio : float or array
+        Hole diameter over pin diameter x, 0 to 0.2. [1]
+
+    Returns
+    -------
+    float or array
+        Stress concentration K_t. [1]
+
+    Raises
+    ------
+    ModelError
+        A ratio outside 0 to 0.2.
+
+    Examples
+    --------
+    A vanishing hole triples the stress, as in a plate in tension:
+
+    >>> hole_stress_concentration(0.0)
+    3.0
     """
-    require_between(0.0, 0.2, hole_ratio=hole_ratio)
+    require_between(0.0, LARGEST_HOLE_RATIO, hole_ratio=hole_ratio)
     x = hole_ratio
     return 3 + x * (-11.3 + x * (51.6 + x * (-114.6 + x * 76.4)))
 
 
+@broadcasting
 def pin_diameter_with_hole(
     load: Values, *, free_length: Values, hole_ratio: Values, yield_stress: Values, safety: Values
 ) -> Values:
-    """Least diameter [m] of a pin with a lubrication hole across it, where bending is largest. Strand (2005), eq. 4.
+    """Compute the minimum diameter of a pin with a lubrication hole. Strand (2005), eq. 4.
 
-    d = [4 F L eta K_t / (pi sigma_y (1 - 16 x / (3 pi)))]^(1/3), x hole over pin diameter.
+    d = [4 F L eta K_t / (pi sigma_y (1 - 16 x / (3 pi)))]^(1/3), with the hole across the pin where
+    bending is largest.
 
-    Parameters as in `pin_diameter_in_bending` and `hole_stress_concentration`.
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    free_length : float or array
+        Length L between the seats: bushing and lateral play. [m]
+    hole_ratio : float or array
+        Hole diameter over pin diameter x, 0 to 0.2. [1]
+    yield_stress : float or array
+        Yield stress sigma_y of the pin. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum diameter d. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite, or a ratio outside 0 to 0.2.
 
     Notes
     -----
-    The section modulus of the weakened section is pi d^3/32 - hole d^2/6; the source prints 8/(3 pi) for 16/(3 pi). The
-    diameter then grows by 40 to 45 %, not 34 to 44 %.
+    The section modulus of the weakened section is pi d^3/32 - hole d^2/6; the source prints
+    8/(3 pi) for 16/(3 pi). The diameter then grows by 40 to 45 %, not 34 to 44 %.
+
+    Examples
+    --------
+    A vanishing hole makes the pin thicker by the cube root of its K_t of 3:
+
+    >>> case = {"free_length": 0.12, "yield_stress": 600e6, "safety": 2.0}
+    >>> factor = pin_diameter_with_hole(100e3, hole_ratio=0.0, **case)
+    >>> factor /= pin_diameter_in_bending(100e3, **case)
+    >>> print(f"{factor:.4f} {3 ** (1 / 3):.4f}")
+    1.4422 1.4422
     """
     plain = pin_diameter_in_bending(
         load, free_length=free_length, yield_stress=yield_stress, safety=safety
@@ -79,90 +233,229 @@ def pin_diameter_with_hole(
     ) ** (1 / 3)
 
 
+@broadcasting
 def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
-    """Least projected area d w [m2] that keeps p at half the yield stress of the softer body: 2F / sigma_y. Eq. 5.
+    """Compute the minimum projected area d w of a joint. Strand (2005), eq. 5.
 
-    Against seizure at speeds below 0.02 m/s. Load in N, stress in Pa.
-    """
-    require_positive(load=load, yield_stress=yield_stress)
-    return 2 * load / yield_stress
-
-
-def least_bushing_width(
-    load: Values, *, diameter: Values, hardness: Values, safety: Values
-) -> Values:
-    """Least width [m] of a bushing whose edges stay elastic: w = 8 F eta / (pi d H). Strand (2005), eq. 10.
-
-    The line load at the edge is twice the mean (a triangle), the pressure a cosine around it.
+    2F / sigma_y keeps the projected pressure at half the yield stress of the softer body, against
+    seizure at speeds below 0.02 m/s.
 
     Parameters
     ----------
     load : float or array
-        F. [N]
-    diameter : float or array
-        Of the pin. [m]
-    hardness : float or array
-        H of the bushing. [Pa]
-    safety : float or array
-        [1]
-    """
-    require_positive(load=load, diameter=diameter, hardness=hardness, safety=safety)
-    return 8 * load * safety / (np.pi * diameter * hardness)
+        Load F. [N]
+    yield_stress : float or array
+        Yield stress sigma_y of the softer body. [Pa]
 
-
-def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety: Values) -> Values:
-    """Least width [m] of each of the two pin seats: s = 4 F eta / (pi d H). Strand (2005), eq. 12.
-
-    Parameters as in `least_bushing_width`, with the hardness of the seat; each seat carries F/2.
-    """
-    return least_bushing_width(load / 2, diameter=diameter, hardness=hardness, safety=safety)
-
-
-def hardness_from_strength(ultimate_stress: Values) -> Values:
-    """Brinell hardness [Pa] of a steel below 400 HB from its tensile strength [Pa]: H = 0.3 x 9.80665 sigma. Eq. 13.
-
-    Note: the source prints H = 0.3 sigma, which is the hardness in kgf/mm2 for a strength in MPa; in pascal the factor is
-    2.942.
-    """
-    require_positive(ultimate_stress=ultimate_stress)
-    return 0.3 * 9.80665 * ultimate_stress
-
-
-def least_eyebar_diameter(
-    load: Values, *, bore: Values, width: Values, yield_stress: Values, safety: Values
-) -> Values:
-    """Least outer diameter [m] of a housing eye: F (D/d + d/D) / (s (D - d)) = sigma_y / eta. Strand (2005), eq. 14.
-
-    Parameters
-    ----------
-    load : float or array
-        F. [N]
-    bore : float or array
-        Inner diameter d. [m]
-    width : float or array
-        Width s of the eye. [m]
-    yield_stress, safety : float or array
-        [Pa, 1]
+    Returns
+    -------
+    float or array
+        Minimum of pin diameter times bushing width. [m2]
 
     Raises
     ------
     ModelError
-        A value not positive, or a load that no outer diameter carries (F above sigma_y s d / eta).
+        A value not positive or not finite.
+
+    Examples
+    --------
+    >>> print(f"{least_projected_area(100e3, yield_stress=600e6) * 1e6:.1f} mm2")
+    333.3 mm2
+    """
+    require_positive(load=load, yield_stress=yield_stress)
+    check_load(load=load)
+    check_strength(yield_stress=yield_stress)
+    return 2 * load / yield_stress
+
+
+@broadcasting
+def least_bushing_width(
+    load: Values, *, diameter: Values, hardness: Values, safety: Values
+) -> Values:
+    """Compute the minimum width of a bushing whose edges stay elastic. Strand (2005), eq. 10.
+
+    w = 8 F eta / (pi d H): the line load at the edge is twice the mean (a triangle along the axis),
+    the pressure a cosine around it.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    diameter : float or array
+        Diameter d of the pin. [m]
+    hardness : float or array
+        Hardness H of the bushing. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum width w. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    At that width the peak of the cosine under twice the mean line load is half of 1.2 GPa:
+
+    >>> from erlif.models.contact import sinusoidal_pressure
+    >>> width = least_bushing_width(100e3, diameter=0.08, hardness=1.2e9, safety=2.0)
+    >>> edge = sinusoidal_pressure(2 * 100e3 / width, pin_diameter=0.08)
+    >>> print(f"{width * 1e3:.3f} mm, {edge / 1e6:.1f} MPa")
+    5.305 mm, 600.0 MPa
+    """
+    require_positive(load=load, diameter=diameter, hardness=hardness, safety=safety)
+    check_load(load=load)
+    check_length(diameter=diameter)
+    check_strength(hardness=hardness)
+    return 8 * load * safety / (np.pi * diameter * hardness)
+
+
+@broadcasting
+def least_seat_width(load: Values, *, diameter: Values, hardness: Values, safety: Values) -> Values:
+    """Compute the minimum width of each of the two pin seats. Strand (2005), eq. 12.
+
+    s = 4 F eta / (pi d H); each seat carries F/2.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F on the joint. [N]
+    diameter : float or array
+        Diameter d of the pin. [m]
+    hardness : float or array
+        Hardness H of the seat. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum width s of one seat. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    Half of the width of a bushing of the same hardness:
+
+    >>> width = least_seat_width(100e3, diameter=0.08, hardness=1.2e9, safety=2.0)
+    >>> print(f"{width * 1e3:.3f} mm")
+    2.653 mm
+    """
+    require_positive(load=load)
+    check_load(load=load)
+    return least_bushing_width(load / 2, diameter=diameter, hardness=hardness, safety=safety)
+
+
+@broadcasting
+def hardness_from_strength(ultimate_stress: Values) -> Values:
+    """Estimate the Brinell hardness of a steel below 400 HB. Strand (2005), eq. 13.
+
+    H = 0.3 x 9.80665 sigma.
+
+    Parameters
+    ----------
+    ultimate_stress : float or array
+        Tensile strength sigma. [Pa]
+
+    Returns
+    -------
+    float or array
+        Brinell hardness H. [Pa]
+
+    Raises
+    ------
+    ModelError
+        A strength not positive or not finite.
+
+    Notes
+    -----
+    The source prints H = 0.3 sigma, which is the hardness in kgf/mm2 for a strength in MPa; in
+    pascal the factor is 2.942.
+
+    Examples
+    --------
+    A steel of 800 MPa has 240 HB, which is 2354 MPa:
+
+    >>> hardness = hardness_from_strength(800e6)
+    >>> print(f"{hardness / 1e6:.0f} MPa, {hardness / 9.80665e6:.0f} HB")
+    2354 MPa, 240 HB
+    """
+    require_positive(ultimate_stress=ultimate_stress)
+    check_strength(ultimate_stress=ultimate_stress)
+    return BRINELL_OVER_STRENGTH * STANDARD_GRAVITY * ultimate_stress
+
+
+@broadcasting
+def least_eyebar_diameter(
+    load: Values, *, bore: Values, width: Values, yield_stress: Values, safety: Values
+) -> Values:
+    """Compute the minimum outer diameter of a housing eye. Strand (2005), eq. 14.
+
+    The diameter D at which F (D/d + d/D) / (s (D - d)) = sigma_y / eta.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    bore : float or array
+        Inner diameter d. [m]
+    width : float or array
+        Width s of the eye. [m]
+    yield_stress : float or array
+        Yield stress sigma_y of the housing. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum outer diameter D. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite, or a load that no outer diameter carries (F above
+        sigma_y s d / eta).
 
     Notes
     -----
     The source prints w in the place of s under the root.
+
+    Examples
+    --------
+    The stress at that diameter is the allowed one of 300 MPa:
+
+    >>> case = {"bore": 0.08, "width": 0.04, "yield_stress": 600e6, "safety": 2.0}
+    >>> D = least_eyebar_diameter(100e3, **case)
+    >>> stress = 100e3 * (D / 0.08 + 0.08 / D) / (0.04 * (D - 0.08))
+    >>> print(f"{D * 1e3:.2f} mm, {stress / 1e6:.1f} MPa")
+    96.98 mm, 300.0 MPa
     """
     require_positive(load=load, bore=bore, width=width, yield_stress=yield_stress, safety=safety)
+    check_load(load=load)
+    check_length(bore=bore, width=width)
+    check_strength(yield_stress=yield_stress)
+
     capacity = yield_stress / safety * width * bore
     if np.any(np.less_equal(capacity - load, 0)):
         raise ModelError(
-            "load must stay below yield stress times width times bore over safety for any eye to carry it."
+            "load must stay below yield stress times width times bore over safety for any eye to "
+            f"carry it, got {float(np.nanmax(np.asarray(load / capacity))):.3g} times that."
         )
     root = np.sqrt(capacity**2 + 4 * capacity * load - 4 * load**2)
     return bore * (capacity + root) / (2 * (capacity - load))
 
 
+@broadcasting
 def lock_force(
     load: Values,
     *,
@@ -171,34 +464,93 @@ def lock_force(
     friction_bushing: Values = 1.0,
     friction_seat: Values = 0.0,
 ) -> Values:
-    """Shear force [N] on the screw of the lock plate: d F (mu1 - mu2) / (2R). Strand (2005), eq. 15.
+    """Compute the shear force on the screw of the lock plate. Strand (2005), eq. 15.
 
-    The default friction coefficients are the worst case of the source; lever R from the pin axis to the screw [m].
-    """
-    require_positive(diameter=diameter, lever=lever)
-    require_not_negative(load=load, friction_bushing=friction_bushing, friction_seat=friction_seat)
-    return diameter * load * (friction_bushing - friction_seat) / (2 * lever)
-
-
-def least_weld_diameter(
-    load: Values, *, pin_diameter: Values, throat: Values, yield_stress: Values, safety: Values
-) -> Values:
-    """Least inner diameter [m] of the round weld of a lock plate: sqrt(sqrt(3) F d eta / (pi a sigma_y)) - 2a. Eq. 16.
+    d F (mu1 - mu2) / (2R).
 
     Parameters
     ----------
     load : float or array
-        F, with the friction of `lock_force` at its worst. [N]
+        Load F. [N]
+    diameter : float or array
+        Diameter d of the pin. [m]
+    lever : float or array
+        Distance R of the screw from the pin axis. [m]
+    friction_bushing, friction_seat : float or array
+        Friction coefficients mu1 in the bushing and mu2 in the seats; the defaults are the worst
+        case of the source. [1]
+
+    Returns
+    -------
+    float or array
+        Shear force, negative where the seats hold the pin more firmly than the bushing turns it.
+        [N]
+
+    Raises
+    ------
+    ModelError
+        A length not positive, a load or friction negative, or an infinite value.
+
+    Examples
+    --------
+    The torque F d / 2 of 4 kN m over a lever of 60 mm:
+
+    >>> print(f"{lock_force(100e3, diameter=0.08, lever=0.06) / 1e3:.1f} kN")
+    66.7 kN
+    """
+    require_positive(diameter=diameter, lever=lever)
+    require_not_negative(load=load, friction_bushing=friction_bushing, friction_seat=friction_seat)
+    check_load(load=load)
+    check_length(diameter=diameter, lever=lever)
+    return diameter * load * (friction_bushing - friction_seat) / (2 * lever)
+
+
+@broadcasting
+def least_weld_diameter(
+    load: Values, *, pin_diameter: Values, throat: Values, yield_stress: Values, safety: Values
+) -> Values:
+    """Compute the minimum inner diameter of the round weld of a lock plate. Strand (2005), eq. 16.
+
+    sqrt(sqrt(3) F d eta / (pi a sigma_y)) - 2a.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F on the joint, with the friction of `lock_force` at its worst. [N]
     pin_diameter : float or array
-        d. [m]
+        Diameter d of the pin. [m]
     throat : float or array
         Effective throat a of the weld. [m]
-    yield_stress, safety : float or array
-        [Pa, 1]
+    yield_stress : float or array
+        Yield stress sigma_y of the weld. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum inner diameter; not positive where a weld of any diameter is strong enough. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
 
     Notes
     -----
-    The print is illegible between 2a and sqrt(2) a in the last term. Static strength only, not fatigue.
+    The print is illegible between 2a and sqrt(2) a in the last term. Static strength only, not
+    fatigue.
+
+    Examples
+    --------
+    Under the torque F d / 2 the weld is loaded with 300 MPa, half of its yield stress:
+
+    >>> from math import pi, sqrt
+    >>> case = {"pin_diameter": 0.08, "throat": 0.003, "yield_stress": 600e6, "safety": 2.0}
+    >>> inner = least_weld_diameter(100e3, **case)
+    >>> stress = sqrt(3) * 100e3 * 0.04 / (pi * 0.003 / 2 * (inner + 2 * 0.003) ** 2)
+    >>> print(f"{inner * 1e3:.3f} mm, {stress / 1e6:.1f} MPa")
+    64.005 mm, 300.0 MPa
     """
     require_positive(
         load=load,
@@ -207,42 +559,123 @@ def least_weld_diameter(
         yield_stress=yield_stress,
         safety=safety,
     )
+    check_load(load=load)
+    check_length(pin_diameter=pin_diameter, throat=throat)
+    check_strength(yield_stress=yield_stress)
     return (
         np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
         - 2 * throat
     )
 
 
+@broadcasting
 def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> Values:
-    """Largest inner diameter [m] of an internal weld, clear of the hardened surface: d - 2a (1 + sqrt(2)). Eq. 17."""
+    """Compute the largest inner diameter of an internal weld. Strand (2005), eq. 17.
+
+    d - 2a (1 + sqrt(2)) keeps it clear of the hardened surface.
+
+    Parameters
+    ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+    throat : float or array
+        Effective throat a of the weld. [m]
+
+    Returns
+    -------
+    float or array
+        Largest inner diameter; not positive where the throat is too large for the pin. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    >>> print(f"{largest_internal_weld_diameter(0.08, throat=0.003) * 1e3:.2f} mm")
+    65.51 mm
+    """
     require_positive(pin_diameter=pin_diameter, throat=throat)
+    check_length(pin_diameter=pin_diameter, throat=throat)
     return pin_diameter - 2 * throat * (1 + np.sqrt(2))
 
 
+@broadcasting
 def least_open_prong_height(
     load: Values, *, thickness: Values, length: Values, yield_stress: Values, safety: Values
 ) -> Values:
-    """Least height [m] of the prongs of an open lock plate, in bending and shear. Strand (2005), eq. 18.
+    """Compute the minimum height of the prongs of an open lock plate. Strand (2005), eq. 18.
 
-    h = sqrt(6F (F + sqrt(F^2 + 16 S^2 t^2 L^2))) / (2 S t), S = sigma_y / eta.
+    h = sqrt(6F (F + sqrt(F^2 + 16 S^2 t^2 L^2))) / (2 S t), S = sigma_y / eta: bending and shear.
+
+    Parameters
+    ----------
+    load : float or array
+        Lock force F, see `lock_force`. [N]
+    thickness : float or array
+        Plate thickness t. [m]
+    length : float or array
+        Lever L of the force. [m]
+    yield_stress : float or array
+        Yield stress sigma_y of the plate. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum height h. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
+
+    Examples
+    --------
+    Bending and shear at the root add up to 300 MPa after von Mises:
+
+    >>> plate = {"thickness": 0.01, "length": 0.03, "yield_stress": 600e6, "safety": 2.0}
+    >>> h = least_open_prong_height(10e3, **plate)
+    >>> bending, shear = 6 * 10e3 * 0.03 / (0.01 * h**2), 10e3 / (0.01 * h)
+    >>> print(f"{h * 1e3:.2f} mm, {(bending**2 + 3 * shear**2) ** 0.5 / 1e6:.1f} MPa")
+    24.84 mm, 300.0 MPa
+    """
+    plate = {"thickness": thickness, "length": length, "yield_stress": yield_stress}
+    return _prong_height(load, moment=1.0, shear=1.0, safety=safety, **plate)
+
+
+@broadcasting
+def end_force_of_closed_lock(load: Values) -> Values:
+    """Compute the force at the closed end of a lock plate: 5F/32. Strand (2005), eq. 19.
 
     Parameters
     ----------
     load : float or array
         Lock force F. [N]
-    thickness, length : float or array
-        Plate thickness t and lever L of the force. [m]
-    yield_stress, safety : float or array
-        [Pa, 1]
+
+    Returns
+    -------
+    float or array
+        Force that the closed end passes to the unloaded prong. [N]
+
+    Raises
+    ------
+    ModelError
+        An infinite load.
+
+    Examples
+    --------
+    >>> end_force_of_closed_lock(32.0)
+    5.0
     """
-    return _prong_height(load, 1.0, 1.0, thickness, length, yield_stress, safety)
+    require_finite(load=load)
+    check_load(load=load)
+    return 5 * load / 32  # equal deflection of both prongs at twice the lever of the force
 
 
-def end_force_of_closed_lock(load: Values) -> Values:
-    """Force [N] at the closed end of a lock plate: 5F/32. Strand (2005), eq. 19."""
-    return 5 * load / 32
-
-
+@broadcasting
 def least_closed_prong_height(
     load: Values,
     *,
@@ -250,77 +683,245 @@ def least_closed_prong_height(
     length: Values,
     yield_stress: Values,
     safety: Values,
-    root_shear: Values = 27 / 32,
+    root_shear: Values = CLOSED_LOCK_SHEAR,
 ) -> Values:
-    """Least height [m] of the prongs of a closed lock plate, in bending and shear at the root. Strand (2005), eqs. 19, 20.
+    """Compute the minimum prong height of a closed lock plate. Strand (2005), eqs. 19 and 20.
 
-    The bending moment at the root is 11 F L / 16.
+    Bending and shear at the root, where the moment is 11 F L / 16.
 
-    Parameters as in `least_open_prong_height`, and the share of the force that shears the root.
+    Parameters
+    ----------
+    load : float or array
+        Lock force F, see `lock_force`. [N]
+    thickness : float or array
+        Plate thickness t. [m]
+    length : float or array
+        Lever L of the force. [m]
+    yield_stress : float or array
+        Yield stress sigma_y of the plate. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+    root_shear : float or array
+        Share of the force that shears the root. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum height h. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
 
     Notes
     -----
     The source takes F/2 for the shear; with 5F/32 taken at the closed end the root carries 27F/32.
     `root_shear=0.5` gives its equation.
+
+    Examples
+    --------
+    As printed, with half of the force in shear:
+    sqrt(6F (F + sqrt(F^2 + 121 S^2 t^2 L^2))) / (4 S t).
+
+    >>> from math import sqrt
+    >>> plate = {"thickness": 0.01, "length": 0.03, "yield_stress": 600e6, "safety": 2.0}
+    >>> height = least_closed_prong_height(10e3, root_shear=0.5, **plate)
+    >>> St, F = 300e6 * 0.01, 10e3
+    >>> printed = sqrt(6 * F * (F + sqrt(F**2 + 121 * (St * 0.03) ** 2))) / (4 * St)
+    >>> print(f"{height * 1e3:.3f} mm, {printed * 1e3:.3f} mm")
+    20.413 mm, 20.413 mm
     """
     require_positive(root_shear=root_shear)
-    return _prong_height(load, 11 / 16, root_shear, thickness, length, yield_stress, safety)
+    plate = {"thickness": thickness, "length": length, "yield_stress": yield_stress}
+    return _prong_height(load, moment=CLOSED_LOCK_MOMENT, shear=root_shear, safety=safety, **plate)
 
 
+@broadcasting
 def least_closed_end_width(
     load: Values, *, thickness: Values, yield_stress: Values, safety: Values
 ) -> Values:
-    """Least width [m] of the closed end of a lock plate: c = 5 F eta / (32 sigma_y t). Strand (2005), first eq. 21.
+    """Compute the minimum width of the closed end of a lock plate. Strand (2005), first eq. 21.
 
-    Note: the source calls this the eyebar width and gives the number 21 to two equations.
-    """
-    require_positive(load=load, thickness=thickness, yield_stress=yield_stress, safety=safety)
-    return end_force_of_closed_lock(load) * safety / (yield_stress * thickness)
-
-
-def lateral_shift(
-    load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
-) -> Values:
-    """Shortening [m] of a bent pin between its ends: dL = L [1 - sqrt(1 - (F L^2 / (24 E I))^2)]. Second eq. 21.
+    c = 5 F eta / (32 sigma_y t).
 
     Parameters
     ----------
     load : float or array
-        F in the middle. [N]
-    length : float or array
-        L, both seats and the bushing. [m]
-    diameter : float or array
-        d, I = pi d^4 / 64. [m]
-    youngs_modulus : float or array
-        [Pa]
+        Lock force F, see `lock_force`. [N]
+    thickness : float or array
+        Plate thickness t. [m]
+    yield_stress : float or array
+        Yield stress sigma_y of the plate. [Pa]
+    safety : float or array
+        Safety factor eta. [1]
+
+    Returns
+    -------
+    float or array
+        Minimum width c. [m]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
 
     Notes
     -----
-    Simply supported here and clamped in eq. 2. Two straight halves shorten by 5/6 of what the bent line does.
+    The source calls this the eyebar width and gives the number 21 to two equations.
+
+    Examples
+    --------
+    The end force of 5 kN in a section of 10 mm at 300 MPa:
+
+    >>> width = least_closed_end_width(32e3, thickness=0.01, yield_stress=600e6, safety=2.0)
+    >>> print(f"{width * 1e3:.3f} mm")
+    1.667 mm
     """
+    require_positive(load=load, thickness=thickness, yield_stress=yield_stress, safety=safety)
+    check_length(thickness=thickness)
+    check_strength(yield_stress=yield_stress)
+    return end_force_of_closed_lock(load) * safety / (yield_stress * thickness)
+
+
+@broadcasting
+def lateral_shift(
+    load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
+) -> Values:
+    """Compute the shortening of a bent pin between its ends. Strand (2005), second eq. 21.
+
+    dL = L [1 - sqrt(1 - (F L^2 / (24 E I))^2)].
+
+    Parameters
+    ----------
+    load : float or array
+        Load F in the middle. [N]
+    length : float or array
+        Length L, both seats and the bushing. [m]
+    diameter : float or array
+        Diameter d of the pin, I = pi d^4 / 64. [m]
+    youngs_modulus : float or array
+        Young's modulus E of the pin. [Pa]
+
+    Returns
+    -------
+    float or array
+        Shortening dL. [m]
+
+    Raises
+    ------
+    ModelError
+        A dimension or modulus not positive, an infinite value, or a load that would bend the pin
+        beyond a right angle.
+
+    Notes
+    -----
+    Simply supported here and clamped in eq. 2. Two straight halves shorten by 5/6 of what the bent
+    line does.
+
+    Examples
+    --------
+    A steel pin of 80 mm over 180 mm under 100 kN: small slopes shorten by L slope^2 / 2.
+
+    >>> from math import pi
+    >>> shift = lateral_shift(100e3, length=0.18, diameter=0.08, youngs_modulus=206e9)
+    >>> slope = 100e3 * 0.18**2 / (24 * 206e9 * pi * 0.08**4 / 64)
+    >>> print(f"{shift * 1e9:.3f} nm, {0.18 * slope**2 / 2 * 1e9:.3f} nm")
+    9.561 nm, 9.561 nm
+    """
+    require_finite(load=load)
     require_positive(length=length, diameter=diameter, youngs_modulus=youngs_modulus)
+    check_load(load=load)
+    check_length(length=length, diameter=diameter)
+    check_modulus(youngs_modulus=youngs_modulus)
+
     slope = load * length**2 / (24 * youngs_modulus * np.pi * diameter**4 / 64)
-    require_between(-1.0, 1.0, slope=slope)
+    steepest = np.abs(slope)
+    if np.any(np.greater(steepest, 1)):
+        raise ModelError(
+            "load must stay below 24 E I / length^2, where the straight halves of the pin would "
+            f"fold, got {float(np.nanmax(np.asarray(steepest))):.3g} times that."
+        )
+    # the difference 1 - sqrt(1 - slope^2) without the loss of digits at small slopes
     return length * slope**2 / (1 + np.sqrt(1 - slope**2))
 
 
+@broadcasting
 def lateral_force(
     load: Values, *, length: Values, diameter: Values, youngs_modulus: Values
 ) -> Values:
-    """Force [N] that keeps the end of a bent pin in place: E A dL / L. Strand (2005), eq. 22; no friction in the seat.
+    """Compute the force that keeps the end of a bent pin in place. Strand (2005), eq. 22.
 
-    Parameters as in `lateral_shift`.
+    E A dL / L, with no friction in the seat.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F in the middle. [N]
+    length : float or array
+        Length L, both seats and the bushing. [m]
+    diameter : float or array
+        Diameter d of the pin, A = pi d^2 / 4. [m]
+    youngs_modulus : float or array
+        Young's modulus E of the pin. [Pa]
+
+    Returns
+    -------
+    float or array
+        Axial force. [N]
+
+    Raises
+    ------
+    ModelError
+        As `lateral_shift`.
+
+    Examples
+    --------
+    The shift of 9.561 nm over 180 mm as a strain of steel:
+
+    >>> from math import pi
+    >>> force = lateral_force(100e3, length=0.18, diameter=0.08, youngs_modulus=206e9)
+    >>> print(f"{force:.1f} N, {206e9 * pi * 0.08**2 / 4 * 9.561e-9 / 0.18:.1f} N")
+    55.0 N, 55.0 N
     """
     shift = lateral_shift(load, length=length, diameter=diameter, youngs_modulus=youngs_modulus)
     return youngs_modulus * np.pi * diameter**2 / 4 * shift / length
 
 
+@broadcasting
 def relative_play(pin_diameter: Values, *, bore: Values) -> Values:
-    """Relative play [1] of a joint: (D - d) / d; 0.3e-3 to 5e-3 is recommended. Strand (2005), eq. 23."""
+    """Compute the relative play of a joint: (D - d) / d. Strand (2005), eq. 23.
+
+    Parameters
+    ----------
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+    bore : float or array
+        Diameter D of the bore. [m]
+
+    Returns
+    -------
+    float or array
+        Relative play, negative for an interference; 0.3e-3 to 5e-3 is recommended. [1]
+
+    Raises
+    ------
+    ModelError
+        A diameter not positive or not finite.
+
+    Examples
+    --------
+    The joint of Farzaneh (2002) lies outside the recommended range:
+
+    >>> print(f"{1e3 * relative_play(0.06672, bore=0.06718):.2f} per mille")
+    6.89 per mille
+    """
     require_positive(pin_diameter=pin_diameter, bore=bore)
+    check_length(pin_diameter=pin_diameter, bore=bore)
     return (bore - pin_diameter) / pin_diameter
 
 
+@broadcasting
 def press_fit_displacement(
     interference: Values,
     *,
@@ -332,29 +933,65 @@ def press_fit_displacement(
     youngs_housing: Values,
     poisson_housing: Values,
 ) -> Values:
-    """Radial displacement [m] of the bore of a bushing pressed into its housing, negative. Strand (2005), eqs. 24 and 25.
+    """Compute the displacement of the bore of a pressed-in bushing. Strand (2005), eqs. 24 and 25.
 
     u = -Delta d_b D / {E_b (D^2 - d_b^2) [(k_h + nu_h)/E_h + (k_b - nu_b)/E_b]},
-    k_h = (D_h^2 + D^2)/(D_h^2 - D^2), k_b = (D^2 + d_b^2)/(D^2 - d_b^2): Lame's rings in plane stress. Delta is
-    diametral; the bore shrinks by 2u in diameter. With one material this is eq. 24.
+    k_h = (D_h^2 + D^2)/(D_h^2 - D^2), k_b = (D^2 + d_b^2)/(D^2 - d_b^2): Lame's rings in plane
+    stress. With one material this is eq. 24.
 
     Parameters
     ----------
     interference : float or array
-        Outer diameter of the bushing less bore of the housing. [m]
+        Outer diameter of the bushing less bore of the housing, Delta. [m]
     bore, fit_diameter, housing_diameter : float or array
-        Inner diameter d_b and outer diameter D of the bushing, outer diameter D_h of the housing. [m]
-    youngs_bushing, poisson_bushing, youngs_housing, poisson_housing : float or array
-        Elastic constants. [Pa, 1]
+        Inner diameter d_b and outer diameter D of the bushing, outer diameter D_h of the housing.
+        [m]
+    youngs_bushing, youngs_housing : float or array
+        Young's moduli E_b and E_h. [Pa]
+    poisson_bushing, poisson_housing : float or array
+        Poisson's ratios nu_b and nu_h. [1]
+
+    Returns
+    -------
+    float or array
+        Radial displacement u of the bore, negative where it shrinks (by 2u in diameter). [m]
+
+    Raises
+    ------
+    ModelError
+        A diameter or modulus not positive or not finite, a Poisson's ratio outside -1 to 0.5,
+        diameters that do not grow from bore to housing, or an infinite interference.
 
     Notes
     -----
-    Eq. 25 prints d_b D^2 (3 nu_h - 5)/4 where d_b D belongs; with equal materials the print does not become eq. 24.
-    Delta is a play in the nomenclature of the source and an interference here.
+    Eq. 25 prints d_b D^2 (3 nu_h - 5)/4 where d_b D belongs; with equal materials the print does
+    not become eq. 24. Delta is a play in the nomenclature of the source and an interference here.
+
+    Examples
+    --------
+    A steel bushing in a steel housing, against eq. 24:
+
+    >>> steel = {"youngs_bushing": 206e9, "youngs_housing": 206e9}
+    >>> steel |= {"poisson_bushing": 0.3, "poisson_housing": 0.3}
+    >>> u = press_fit_displacement(
+    ...     60e-6, bore=0.07, fit_diameter=0.08, housing_diameter=0.16, **steel
+    ... )
+    >>> print(f"{u * 1e6:.3f} um, {-30 * 7 / 8 * (16**2 - 8**2) / (16**2 - 7**2):.3f} um")
+    -24.348 um, -24.348 um
     """
+    require_finite(interference=interference)
     require_positive(bore=bore, youngs_bushing=youngs_bushing, youngs_housing=youngs_housing)
+    require_finite(fit_diameter=fit_diameter, housing_diameter=housing_diameter)
+    require_increasing(bore=bore, fit_diameter=fit_diameter, housing_diameter=housing_diameter)
     require_poisson(poisson_bushing=poisson_bushing, poisson_housing=poisson_housing)
-    require_positive(wall=fit_diameter - bore, housing_wall=housing_diameter - fit_diameter)
+    check_length(
+        interference=interference,
+        bore=bore,
+        fit_diameter=fit_diameter,
+        housing_diameter=housing_diameter,
+    )
+    check_modulus(youngs_bushing=youngs_bushing, youngs_housing=youngs_housing)
+
     k_h = (housing_diameter**2 + fit_diameter**2) / (housing_diameter**2 - fit_diameter**2)
     k_b = (fit_diameter**2 + bore**2) / (fit_diameter**2 - bore**2)
     compliance = (k_h + poisson_housing) / youngs_housing + (k_b - poisson_bushing) / youngs_bushing
@@ -368,16 +1005,20 @@ def press_fit_displacement(
 
 @dataclass(frozen=True)
 class JointDesign:
-    """A pin joint as its designer knows it; what is left at None is not checked."""
+    """A pin joint in the numbers of its designer.
+
+    Each field is one number. A check whose optional fields are None is left out. A field that is
+    NaN, infinite or out of range raises `erlif.core.errors.ModelError`.
+    """
 
     load: float
-    """[N]"""
+    """Load on the joint. [N]"""
     pin_diameter: float
-    """[m]"""
+    """Diameter of the pin. [m]"""
     bushing_width: float
-    """[m]"""
+    """Width of the bushing. [m]"""
     seat_width: float
-    """Of each of the two seats. [m]"""
+    """Width of each of the two seats. [m]"""
     play: float
     """Bore less pin diameter. [m]"""
     housing_bore: float
@@ -385,43 +1026,72 @@ class JointDesign:
     housing_diameter: float
     """Outer diameter of the housing eye. [m]"""
     pin_yield: float
-    """[Pa]"""
+    """Yield stress of the pin. [Pa]"""
     bushing_yield: float
-    """[Pa]"""
+    """Yield stress of the bushing. [Pa]"""
     housing_yield: float
-    """[Pa]"""
+    """Yield stress of the housing. [Pa]"""
     bushing_hardness: float
-    """[Pa]"""
+    """Hardness of the bushing. [Pa]"""
     seat_hardness: float
-    """[Pa]"""
+    """Hardness of the seats. [Pa]"""
     youngs_modulus: float
-    """Of pin and bushing. [Pa]"""
+    """Young's modulus of pin and bushing. [Pa]"""
     safety: float
-    """[1]"""
+    """Safety factor. [1]"""
     lateral_play: float = 0.0
-    """Between bushing and seats, both sides together. [m]"""
+    """Play between bushing and seats, both sides together. [m]"""
     hole_diameter: float = 0.0
-    """Of a lubrication hole across the pin. [m]"""
+    """Diameter of a lubrication hole across the pin, at most 0.2 pin diameters; 0 for none. [m]"""
     half_swing: float | None = None
-    """[rad]"""
+    """Half of the angle from end to end of a swing. [rad]"""
     period: float | None = None
-    """Of a swing forth and back. [s]"""
+    """Time of a swing forth and back. [s]"""
     friction: float | None = None
-    """[1]"""
+    """Friction coefficient. [1]"""
     lock_lever: float | None = None
-    """From pin axis to lock screw. [m]"""
+    """Distance of the lock screw from the pin axis. [m]"""
     pv_limit: float | None = None
-    """Of the pair of materials. [W/m2]"""
+    """Limit of pressure times velocity of the pair of materials. [W/m2]"""
 
     def __post_init__(self) -> None:
-        given = {name: value for name, value in vars(self).items() if value is not None}
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        given = {name: value for name, value in given.items() if value is not None}
+        require_single(**given)
+        for name, value in given.items():
+            if np.isnan(value):
+                raise ModelError(f"{name} must be a number, got NaN.")
+
         may_be_zero = {"lateral_play", "hole_diameter", "friction"}
-        require_positive(
-            **{name: value for name, value in given.items() if name not in may_be_zero}
+        require_positive(**{name: given[name] for name in given.keys() - may_be_zero})
+        require_not_negative(**{name: given[name] for name in given.keys() & may_be_zero})
+        if self.hole_diameter / self.pin_diameter > LARGEST_HOLE_RATIO:
+            raise ModelError(
+                f"hole_diameter must be at most {LARGEST_HOLE_RATIO:g} pin_diameter, got "
+                f"{self.hole_diameter / self.pin_diameter:.3g} of it."
+            )
+        self._check_units()
+
+    def _check_units(self) -> None:
+        check_load(load=self.load)
+        check_length(
+            pin_diameter=self.pin_diameter,
+            bushing_width=self.bushing_width,
+            seat_width=self.seat_width,
+            play=self.play,
+            housing_bore=self.housing_bore,
+            housing_diameter=self.housing_diameter,
+            lateral_play=self.lateral_play,
+            hole_diameter=self.hole_diameter,
         )
-        require_not_negative(
-            **{name: value for name, value in given.items() if name in may_be_zero}
+        check_strength(
+            pin_yield=self.pin_yield,
+            bushing_yield=self.bushing_yield,
+            housing_yield=self.housing_yield,
+            bushing_hardness=self.bushing_hardness,
+            seat_hardness=self.seat_hardness,
         )
+        check_modulus(youngs_modulus=self.youngs_modulus)
 
 
 @dataclass(frozen=True)
@@ -429,44 +1099,49 @@ class DesignCheck:
     """One limit of the design."""
 
     name: str
+    """What is checked."""
     equation: str
-    """Of Strand (2005)."""
+    """Equation or section of Strand (2005)."""
     utilisation: float
-    """Demand over capacity; above 1 the limit is broken. [1]"""
+    """Demand over capacity; above 1 the limit is exceeded. [1]"""
     statement: str
-    """Both numbers, in the units of a drawing."""
+    """Demand and capacity in the units of a drawing."""
     recommended: bool = False
-    """A range that experience recommends, rather than a limit of strength."""
+    """True for a range that experience recommends, False for a limit of strength."""
 
     @property
     def holds(self) -> bool:
+        """Whether demand stays within capacity."""
         return self.utilisation <= 1
 
 
 @dataclass(frozen=True)
 class DesignReport:
-    """Every limit of a joint, most used first, and figures that have no limit."""
+    """All limits of a joint, and figures that have no limit."""
 
     checks: tuple[DesignCheck, ...]
+    """The limits, in order of falling utilisation."""
     figures: tuple[str, ...]
+    """Lateral shift and force; lock force, sliding speed and heat where the joint gives them."""
 
     @property
     def governing(self) -> DesignCheck:
-        """The limit that is used most, recommended ranges left aside."""
+        """The limit of strength with the largest utilisation."""
         return next(check for check in self.checks if not check.recommended)
 
     @property
     def sound(self) -> bool:
-        """Whether every limit holds, recommended ranges left aside."""
+        """Whether every limit of strength holds."""
         return all(check.holds for check in self.checks if not check.recommended)
 
     def as_text(self) -> str:
         """The report as lines to read."""
-        verdict = "holds every limit" if self.sound else "breaks a limit"
+        verdict = "meets every limit" if self.sound else "exceeds a limit"
         lines = [f"The joint {verdict}; {self.governing.name} governs ({self.governing.equation})."]
         missed = [check.name for check in self.checks if check.recommended and not check.holds]
         if missed:
             lines.append(f"Outside the recommended range: {', '.join(missed)}.")
+
         lines += [
             f"  {check.utilisation:6.2f}  {check.name}: {check.statement} ({check.equation})"
             for check in self.checks
@@ -475,36 +1150,57 @@ class DesignReport:
 
 
 def design_report(joint: JointDesign) -> DesignReport:
-    """Walk a joint through the limits of Strand (2005), chapter 2, and say which one governs.
+    """Check a joint against the limits of Strand (2005), chapter 2.
 
     Parameters
     ----------
     joint : JointDesign
-        The joint.
+        Dimensions [m], strengths [Pa] and load [N] of the joint.
 
     Returns
     -------
     DesignReport
-        Checks, the most used first.
+        Checks in order of falling utilisation, and figures without a limit.
+
+    Raises
+    ------
+    ModelError
+        A load that no housing eye carries, or one that folds the pin.
 
     Notes
     -----
-    A limit on a dimension is used by required over actual dimension; a recommended range by the nearer of its ends.
+    The utilisation of a limit on a dimension is required over actual dimension. That of a
+    recommended range is taken at the nearer of its ends.
+
+    Examples
+    --------
+    >>> joint = JointDesign(
+    ...     load=100e3, pin_diameter=0.08, bushing_width=0.1, seat_width=0.04, play=0.16e-3,
+    ...     housing_bore=0.09, housing_diameter=0.2, pin_yield=600e6, bushing_yield=300e6,
+    ...     housing_yield=350e6, bushing_hardness=1.2e9, seat_hardness=1.2e9,
+    ...     youngs_modulus=206e9, safety=2.0,
+    ... )
+    >>> report = design_report(joint)
+    >>> report.sound, report.governing.name
+    (True, 'housing eye')
     """
-    checks = sorted(
-        [*_pin_checks(joint), *_bushing_checks(joint)], key=lambda check: -check.utilisation
-    )
+    checks = [
+        *_pin_checks(joint),
+        *_bushing_checks(joint),
+        *_housing_checks(joint),
+        *_motion_checks(joint),
+    ]
+    checks.sort(key=lambda check: -check.utilisation)
     return DesignReport(tuple(checks), tuple(_figures(joint)))
 
 
 def _pin_checks(joint: JointDesign) -> list[DesignCheck]:
     d, free = joint.pin_diameter, joint.bushing_width + joint.lateral_play
     strength = {"yield_stress": joint.pin_yield, "safety": joint.safety}
-    checks = [
-        _least(
-            "pin in shear", "eq. 1", pin_diameter_in_shear(joint.load, **strength), d, "diameter"
-        )
-    ]
+    sheared = pin_diameter_in_shear(joint.load, **strength)
+    checks = [_least("pin in shear", "eq. 1", sheared, d, "diameter")]
+
+    # a hole raises the bending stress, so it replaces the check of the plain pin
     if joint.hole_diameter > 0:
         bent = pin_diameter_with_hole(
             joint.load, free_length=free, hole_ratio=joint.hole_diameter / d, **strength
@@ -513,18 +1209,23 @@ def _pin_checks(joint: JointDesign) -> list[DesignCheck]:
     else:
         bent = pin_diameter_in_bending(joint.load, free_length=free, **strength)
         checks.append(_least("pin in bending", "eq. 2", bent, d, "diameter"))
+
     seat = least_seat_width(
         joint.load, diameter=d, hardness=joint.seat_hardness, safety=joint.safety
     )
     checks.append(_least("pin seat", "eq. 12", seat, joint.seat_width, "width"))
+
     slender = (2 * joint.seat_width + joint.bushing_width) / d
-    statement = f"length over diameter {slender:.2f}, below 3 recommended"
-    checks.append(
+    return [
+        *checks,
         DesignCheck(
-            "lateral pin movement", "section 2.1.10", slender / 3, statement, recommended=True
-        )
-    )
-    return checks
+            "lateral pin movement",
+            "section 2.1.10",
+            slender / RECOMMENDED_SLENDERNESS,
+            f"length over diameter {slender:.2f}, below {RECOMMENDED_SLENDERNESS:g} recommended",
+            recommended=True,
+        ),
+    ]
 
 
 def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
@@ -536,14 +1237,13 @@ def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
     half_angle, peak = persson_contact(
         joint.load / w, play=joint.play, pin_diameter=d, youngs_modulus=joint.youngs_modulus
     )
-    strength = {"yield_stress": joint.housing_yield, "safety": joint.safety}
-    eye = least_eyebar_diameter(joint.load, bore=joint.housing_bore, width=w, **strength)
-    checks = [
+
+    return [
         DesignCheck(
             "projected pressure",
             "eq. 5",
             area / (d * w),
-            f"area {area * 1e6:.0f} mm2 required, {d * w * 1e6:.0f} mm2 there",
+            f"area {area * 1e6:.0f} mm2 required, {d * w * 1e6:.0f} mm2 present",
         ),
         _least("bushing edges", "eq. 10", width, w, "width"),
         DesignCheck(
@@ -553,30 +1253,37 @@ def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
             f"{peak / 1e6:.0f} MPa over {2 * np.degrees(half_angle):.0f} degrees, "
             f"{joint.bushing_hardness / joint.safety / 1e6:.0f} MPa allowed",
         ),
-        _range("width over diameter", "eq. 11", w / d, 0.5, 1.5, ""),
-        _range("relative play", "eq. 23", 1e3 * joint.play / d, 0.3, 5.0, " per mille"),
+        _range("width over diameter", "eq. 11", w / d, RECOMMENDED_WIDTH),
+        _range("relative play", "eq. 23", 1e3 * joint.play / d, RECOMMENDED_PLAY, " per mille"),
+    ]
+
+
+def _housing_checks(joint: JointDesign) -> list[DesignCheck]:
+    eye = least_eyebar_diameter(
+        joint.load,
+        bore=joint.housing_bore,
+        width=joint.bushing_width,
+        yield_stress=joint.housing_yield,
+        safety=joint.safety,
+    )
+    proportion = joint.housing_diameter / joint.housing_bore
+    return [
         _least("housing eye", "eq. 14", eye, joint.housing_diameter, "diameter"),
         _range(
-            "housing outer over inner diameter",
-            "section 2.1.6",
-            joint.housing_diameter / joint.housing_bore,
-            2,
-            4,
-            "",
+            "housing outer over inner diameter", "section 2.1.6", proportion, RECOMMENDED_HOUSING
         ),
     ]
-    if joint.pv_limit is not None and joint.half_swing is not None and joint.period is not None:
-        speed = mean_sliding_speed(joint.half_swing, diameter=d, period=joint.period)
-        pv = pressure_velocity(joint.load, diameter=d, width=w, speed=speed)
-        checks.append(
-            DesignCheck(
-                "pv",
-                "section 2.1.13",
-                pv / joint.pv_limit,
-                f"{pv / 1e6:.3g} W/mm2, {joint.pv_limit / 1e6:.3g} W/mm2 allowed",
-            )
-        )
-    return checks
+
+
+def _motion_checks(joint: JointDesign) -> list[DesignCheck]:
+    if joint.pv_limit is None or joint.half_swing is None or joint.period is None:
+        return []
+
+    d = joint.pin_diameter
+    speed = mean_sliding_speed(joint.half_swing, diameter=d, period=joint.period)
+    pv = pressure_velocity(joint.load, diameter=d, width=joint.bushing_width, speed=speed)
+    statement = f"{pv / 1e6:.3g} W/mm2, {joint.pv_limit / 1e6:.3g} W/mm2 allowed"
+    return [DesignCheck("pv", "section 2.1.13", pv / joint.pv_limit, statement)]
 
 
 def _figures(joint: JointDesign) -> list[str]:
@@ -589,6 +1296,7 @@ def _figures(joint: JointDesign) -> list[str]:
     if joint.lock_lever is not None:
         force = lock_force(joint.load, diameter=d, lever=joint.lock_lever)
         figures.append(f"lock force at worst {force / 1e3:.3g} kN (eq. 15)")
+
     if joint.half_swing is not None and joint.period is not None:
         speed = mean_sliding_speed(joint.half_swing, diameter=d, period=joint.period)
         figures.append(f"mean sliding speed {speed * 1e3:.3g} mm/s (eq. 26)")
@@ -601,19 +1309,21 @@ def _figures(joint: JointDesign) -> list[str]:
 def _least(
     name: str, equation: str, required: Values, actual: float, dimension: str
 ) -> DesignCheck:
-    statement = f"{dimension} {required * 1e3:.2f} mm required, {actual * 1e3:.2f} mm there"
+    statement = f"{dimension} {required * 1e3:.2f} mm required, {actual * 1e3:.2f} mm present"
     return DesignCheck(name, equation, float(required) / actual, statement)
 
 
 def _range(
-    name: str, equation: str, value: float, low: float, high: float, unit: str
+    name: str, equation: str, value: float, ends: tuple[float, float], unit: str = ""
 ) -> DesignCheck:
+    low, high = ends
     statement = f"{value:.3g}{unit}, {low:g} to {high:g} recommended"
     return DesignCheck(name, equation, max(value / high, low / value), statement, recommended=True)
 
 
 def _prong_height(
     load: Values,
+    *,
     moment: float,
     shear: Values,
     thickness: Values,
@@ -621,12 +1331,16 @@ def _prong_height(
     yield_stress: Values,
     safety: Values,
 ) -> Values:
-    """Height [m] at which bending by moment F L and shear by shear F reach yield after von Mises at the root."""
+    """Height [m] at which a bending moment and a shear, over F L and F, reach yield at the root."""
     require_positive(
         load=load, thickness=thickness, length=length, yield_stress=yield_stress, safety=safety
     )
+    check_load(load=load)
+    check_length(thickness=thickness, length=length)
+    check_strength(yield_stress=yield_stress)
+
+    # von Mises: (bent / h^2)^2 + sheared / h^2 = allowed^2, a quadratic in h^2
     allowed = yield_stress * thickness / safety
     sheared = 3 * (shear * load) ** 2
     bent = 6 * moment * load * length
-    # (bent / h^2)^2 + sheared / h^2 = allowed^2
     return np.sqrt((sheared + np.sqrt(sheared**2 + (2 * allowed * bent) ** 2)) / 2) / allowed

@@ -273,7 +273,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "cosine": lambda: contact.sinusoidal_pressure(1.0, pin_diameter=1.0),
     "cosine_safe": lambda: _safe_from(2 / np.pi),
     "double_safe": lambda: _safe_from(1.0),
-    "hardness": lambda: bearing.hardness_from_strength(1.0),
+    "hardness": lambda: bearing.hardness_from_strength(1e9) / 1e9,
     "closed_end": lambda: bearing.end_force_of_closed_lock(1.0),
     "persson": lambda: contact.persson_group(np.pi / 2),
     "persson_peak": lambda: contact.persson_peak_group(np.pi / 2),

@@ -1,4 +1,4 @@
-"""Design equations of Strand (2005): the worked case, the mechanics behind each, the walk through a joint."""
+"""Design equations of Strand (2005): the worked case, the mechanics of each, the report."""
 
 from dataclasses import replace
 
@@ -7,9 +7,15 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.bearing import (
     JointDesign,
     design_report,
@@ -63,7 +69,7 @@ WORKED = [  # equation of Strand (2005), value, expected, relative tolerance
         2.652582e-3,
         1e-6,
     ),
-    ("13", lambda: hardness_from_strength(1.0), 2.941995, 1e-6),
+    ("13", lambda: hardness_from_strength(1e9) / 1e9, 2.941995, 1e-6),
     ("14", lambda: least_eyebar_diameter(1e5, bore=0.08, width=0.04, **CASE), 96.97623e-3, 1e-6),
     (
         "16",
@@ -98,7 +104,8 @@ def test_worked_case(equation, call, expected, tolerance):
     npt.assert_allclose(call(), expected, rtol=tolerance)
 
 
-def test_lubrication_hole_thickens_the_pin_by_40_to_45_percent():  # Strand (2005), eq. 4, prints 34 to 44
+def test_lubrication_hole_thickens_the_pin_by_40_to_45_percent():
+    """Strand (2005), eq. 4, prints 34 to 44 %."""
     x = np.linspace(0, 0.2, 2001)
     plain = pin_diameter_in_bending(1e5, free_length=0.12, **CASE)
     factor = pin_diameter_with_hole(1e5, free_length=0.12, hole_ratio=x, **CASE) / plain
@@ -108,7 +115,7 @@ def test_lubrication_hole_thickens_the_pin_by_40_to_45_percent():  # Strand (200
 
 
 def test_section_modulus_of_the_drilled_pin():
-    """16/(3 pi): second moment of the circle less that of a narrow slot through its centre, over the radius."""
+    """16/(3 pi): second moment of the circle less that of a narrow slot, over the radius."""
     d, hole = 1.0, 1e-3
     circle = quad(lambda y: y**2 * 2 * np.sqrt(d**2 / 4 - y**2), -d / 2, d / 2)[0]
     slot = quad(lambda y: y**2 * hole, -d / 2, d / 2)[0]
@@ -152,8 +159,8 @@ def test_prongs_just_yield_at_the_root(load, thickness, length, shear):
     npt.assert_allclose(von_mises(closed, 11 / 16, shear), 300e6, rtol=1e-9)
 
 
-def test_closed_lock_plate_in_equilibrium():  # Strand (2005), eq. 19: end force 5/32 F at twice the lever
-    """Equal deflection at the end: the loaded prong alone, and the prong that the end force bends."""
+def test_closed_lock_plate_in_equilibrium():
+    """Equal deflection of both prongs: end force 5/32 F at twice the lever, Strand, eq. 19."""
     end = end_force_of_closed_lock(1.0)
     bent_by_load = 1 / 3 + 1 / 2  # deflection at 2L of a cantilever with F at L, in F L^3 / (E I)
     bent_by_end = 2**3 / 3
@@ -193,17 +200,19 @@ def test_lateral_force_stretches_the_pin_by_its_shift():  # Strand (2005), eq. 2
 
 
 def test_straight_halves_shorten_by_five_sixths_of_the_bent_line():
-    slope = lambda x: x**2 / 4 - 1 / 16  # noqa: E731  # of a simply supported pin, F = E I = L = 1, x from an end
+    def slope(x):  # of a simply supported pin, F = E I = L = 1, x from an end
+        return x**2 / 4 - 1 / 16
+
     bent = 2 * quad(lambda x: slope(x) ** 2 / 2, 0, 0.5)[0]
     chord = (1 / 48) ** 2 * 2  # two halves of length 1/2 with a rise of 1/48
     npt.assert_allclose(chord / bent, 5 / 6)
     inertia = np.pi * 0.05**4 / 64
-    shift = lateral_shift(1e-2, length=1.0, diameter=0.05, youngs_modulus=1 / inertia)
+    shift = lateral_shift(1e4, length=1.0, diameter=0.05, youngs_modulus=1e6 / inertia)
     npt.assert_allclose(shift, chord * 1e-4, rtol=1e-4)
 
 
 def lame(rings, interference):
-    """Radial displacement of the innermost surface of two rings, from u = A r + B / r and the boundary conditions."""
+    """Radial displacement of the innermost surface of two rings, from u = A r + B / r."""
     (a, b, E1, nu1), (_, c, E2, nu2) = rings
 
     def stress(r, E, nu):  # coefficients of A and B in the radial stress, plane stress
@@ -220,9 +229,8 @@ def lame(rings, interference):
 
 
 @given(st.floats(0.5, 0.95), st.floats(1.1, 5.0), st.floats(50e9, 220e9), st.floats(0.2, 0.4))
-def test_press_fit_is_lames(
-    bore_ratio, housing_ratio, youngs, poisson
-):  # Strand (2005), eqs. 24 and 25
+def test_press_fit_is_lames(bore_ratio, housing_ratio, youngs, poisson):
+    """Strand (2005), eqs. 24 and 25."""
     found = press_fit_displacement(
         60e-6,
         bore=0.08 * bore_ratio,
@@ -241,6 +249,105 @@ def test_press_fit_of_one_material_is_eq_24():
     db, D, Dh, fit = 0.07, 0.08, 0.16, 60e-6
     eq_24 = -fit / 2 * db / D * (D**2 - Dh**2) / (db**2 - Dh**2)
     npt.assert_allclose(press_fit_displacement(fit, **FIT, **STEEL), eq_24)
+
+
+FORMULAS = {
+    pin_diameter_in_shear: {"load": 1e5, **CASE},
+    pin_diameter_in_bending: {"load": 1e5, "free_length": 0.12, **CASE},
+    hole_stress_concentration: {"hole_ratio": 0.1},
+    pin_diameter_with_hole: {"load": 1e5, "free_length": 0.12, "hole_ratio": 0.1, **CASE},
+    least_projected_area: {"load": 1e5, "yield_stress": 600e6},
+    least_bushing_width: {"load": 1e5, "diameter": 0.08, "hardness": 1.2e9, "safety": 2.0},
+    least_seat_width: {"load": 1e5, "diameter": 0.08, "hardness": 1.2e9, "safety": 2.0},
+    hardness_from_strength: {"ultimate_stress": 8e8},
+    least_eyebar_diameter: {"load": 1e5, "bore": 0.08, "width": 0.04, **CASE},
+    lock_force: {
+        "load": 1e5,
+        "diameter": 0.08,
+        "lever": 0.06,
+        "friction_bushing": 0.9,
+        "friction_seat": 0.1,
+    },
+    least_weld_diameter: {"load": 1e5, "pin_diameter": 0.08, "throat": 0.003, **CASE},
+    largest_internal_weld_diameter: {"pin_diameter": 0.08, "throat": 0.003},
+    least_open_prong_height: {"load": 1e4, **LOCK},
+    end_force_of_closed_lock: {"load": 1e4},
+    least_closed_prong_height: {"load": 1e4, **LOCK, "root_shear": 0.5},
+    least_closed_end_width: {"load": 1e4, "thickness": 0.01, **CASE},
+    lateral_shift: {"load": 1e5, "length": 0.18, "diameter": 0.08, "youngs_modulus": 206e9},
+    lateral_force: {"load": 1e5, "length": 0.18, "diameter": 0.08, "youngs_modulus": 206e9},
+    relative_play: {"pin_diameter": 0.08, "bore": 0.0802},
+    press_fit_displacement: {"interference": 6e-5, **FIT, **STEEL},
+}
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    assert_infinity_is_named(formula, case)
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "message"),
+    [
+        (pin_diameter_in_shear, {"yield_stress": 600.0}, "yield_stress = 600 Pa .* MPa"),
+        (pin_diameter_in_bending, {"free_length": 120.0}, "free_length = 120 m .* mm"),
+        (pin_diameter_with_hole, {"free_length": 120.0}, "free_length = 120 m"),
+        (least_projected_area, {"yield_stress": 600.0}, "yield_stress = 600 Pa"),
+        (least_bushing_width, {"hardness": 380.0}, "hardness = 380 Pa .*Brinell"),
+        (least_seat_width, {"diameter": 80.0}, "diameter = 80 m"),
+        (hardness_from_strength, {"ultimate_stress": 800.0}, "ultimate_stress = 800 Pa"),
+        (least_eyebar_diameter, {"bore": 80.0}, "bore = 80 m"),
+        (lock_force, {"lever": 60.0}, "lever = 60 m"),
+        (least_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (largest_internal_weld_diameter, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (least_open_prong_height, {"length": 30.0}, "length = 30 m"),
+        (end_force_of_closed_lock, {"load": 10000000000.0}, "load = 1e.10 N .* mN"),
+        (least_closed_prong_height, {"yield_stress": 600.0}, "yield_stress = 600 Pa"),
+        (least_closed_end_width, {"thickness": 20.0}, "thickness = 20 m"),
+        (
+            lateral_shift,
+            {"load": 10.0, "youngs_modulus": 206000.0},
+            "youngs_modulus = 206000 Pa",
+        ),
+        (
+            lateral_force,
+            {"load": 10.0, "youngs_modulus": 206000.0},
+            "youngs_modulus = 206000 Pa",
+        ),
+        (relative_play, {"bore": 80.2}, "bore = 80.2 m"),
+        (press_fit_displacement, {"youngs_bushing": 206.0}, "youngs_bushing = 206 Pa"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, message):
+    with pytest.warns(UnitWarning, match=message):
+        evaluate(formula, FORMULAS[formula] | slip)
+
+
+@pytest.mark.parametrize(
+    ("slip", "message"),
+    [
+        ({"load": 1e10}, "load = 1e.10 N"),
+        ({"housing_diameter": 200.0}, "housing_diameter = 200 m"),
+        ({"pin_yield": 600.0}, "pin_yield = 600 Pa"),
+        ({"youngs_modulus": 206.0}, "youngs_modulus = 206 Pa"),
+    ],
+)
+def test_slip_of_units_in_a_joint_warns_with_its_field(slip, message):
+    with pytest.warns(UnitWarning, match=message):
+        replace(JOINT, **slip)
 
 
 JOINT = JointDesign(
@@ -281,7 +388,7 @@ def test_hole_and_thin_pin_change_what_governs():
     report = design_report(replace(JOINT, pin_diameter=0.045, hole_diameter=0.006, play=0.09e-3))
     assert report.governing.name == "pin in bending at its hole"
     assert not report.sound
-    assert "breaks a limit" in report.as_text()
+    assert "exceeds a limit" in report.as_text()
     factor = pin_diameter_with_hole(1e5, free_length=0.12, hole_ratio=6 / 45, **CASE) / 0.045
     npt.assert_allclose(report.governing.utilisation, factor)
     assert "Outside the recommended range" in report.as_text()  # width over diameter 2.2
@@ -295,9 +402,8 @@ def test_pv_and_heat_are_reported_when_the_motion_is_known():
     speed = 2 * 0.08 * 0.2132 / 0.526
     npt.assert_allclose(report.governing.utilisation, 12.5e6 * speed / 0.5e6)
     assert report.governing.name == "pv"
-    assert any(
-        "friction heat 973 W" in figure for figure in report.figures
-    )  # 0.15 x 100 kN x 64.85 mm/s
+    # 0.15 x 100 kN x 64.85 mm/s
+    assert any("friction heat 973 W" in figure for figure in report.figures)
     assert any("lock force at worst 66.7 kN" in figure for figure in report.figures)
 
 
@@ -308,8 +414,30 @@ def test_pv_and_heat_are_reported_when_the_motion_is_known():
         (lambda: replace(JOINT, lateral_play=-1e-4), "lateral_play must not be negative"),
         (lambda: pin_diameter_in_shear(1e5, yield_stress=-6e8, safety=2.0), "yield_stress"),
         (lambda: hole_stress_concentration(0.3), "hole_ratio"),
-        (lambda: press_fit_displacement(6e-5, **{**FIT, "bore": 0.09}, **STEEL), "wall"),
-        (lambda: lateral_shift(1e9, length=1.0, diameter=0.01, youngs_modulus=2e11), "slope"),
+        (
+            lambda: press_fit_displacement(6e-5, **FIT | {"bore": 0.09}, **STEEL),
+            "^fit_diameter must exceed bore, got 0.08 and 0.09",
+        ),
+        (
+            lambda: press_fit_displacement(6e-5, **FIT | {"housing_diameter": 0.08}, **STEEL),
+            "^housing_diameter must exceed fit_diameter",
+        ),
+        (
+            lambda: lateral_shift(1e9, length=1.0, diameter=0.01, youngs_modulus=2e11),
+            "^load must stay below 24 E I",
+        ),
+        (
+            lambda: lateral_force(-1e9, length=1.0, diameter=0.01, youngs_modulus=2e11),
+            "^load must stay below 24 E I",
+        ),
+        (
+            lambda: least_seat_width(-1.0, diameter=0.08, hardness=1.2e9, safety=2.0),
+            "^load must be positive, got -1",
+        ),
+        (lambda: replace(JOINT, hole_diameter=0.017), "^hole_diameter must be at most 0.2 pin"),
+        (lambda: replace(JOINT, load=np.inf), "^load must be finite"),
+        (lambda: replace(JOINT, play=np.nan), "^play must be a number"),
+        (lambda: replace(JOINT, hole_diameter=np.zeros(2)), "^hole_diameter must be one number"),
         (lambda: relative_play(0.0, bore=0.08), "pin_diameter"),
     ],
 )

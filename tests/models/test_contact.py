@@ -1,4 +1,4 @@
-"""Dry contact: the tables and worked examples of the sources, equilibrium, limits, independent integration."""
+"""Dry contact: tables and worked examples of the sources, equilibrium, limits, integration."""
 
 from pathlib import Path
 
@@ -8,10 +8,16 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipk
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.contact import (
     conformal_radius,
     contact_modulus,
@@ -40,6 +46,8 @@ LBF = 4.4482216152605
 STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
 RADIUS = conformal_radius(0.03336, bushing_radius=0.03359)
 LOBE = relative_radii(-0.03359, radius_1_across=0.2, radius_2=0.03336, radius_2_across=np.inf)
+
+DIMENSIONLESS = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
 
 TABLE = [
     line.split(",")
@@ -135,7 +143,8 @@ def test_landmarks_of_persson():
     npt.assert_allclose(peak.min(), 0.580093, atol=5e-7)
     npt.assert_allclose(np.degrees(half_angle[peak.argmin()]), 105.6, atol=0.05)
     npt.assert_allclose(np.tan(persson_half_angle(0.0) / 2), 0.9136, atol=5e-5)
-    # d pmax / 2q of the cosine is 2/pi, of twice the projected pressure 1: safe above these angles (printed 72, 38)
+    # d pmax / 2q of the cosine is 2/pi, of twice the projected pressure 1; both are safe above
+    # these angles (printed 72, 38)
     for simple, alpha in (
         (sinusoidal_pressure(1.0, pin_diameter=1.0), 72.861),
         (2 * projected_pressure(1.0, pin_diameter=1.0), 38.794),
@@ -220,9 +229,8 @@ def test_acrylic_joint_at_50_lbf():  # the optical test of Farzaneh (2002), sect
     ("load", "pressure", "a", "b", "approach"),
     [(222.41e3, 1023.84, 29.523, 3.5132, 0.116734), (22.241e3, 475.225, 13.703, 1.6307, 0.0251497)],
 )
-def test_lobed_bushing_as_the_thesis_works_it(
-    load, pressure, a, b, approach
-):  # Farzaneh (2002), eqs. B.7 to B.11
+def test_lobed_bushing_of_the_thesis(load, pressure, a, b, approach):
+    """Farzaneh (2002), eqs. B.7 to B.11."""
     found = thesis_ellipse(load, radius=LOBE[0], radius_across=LOBE[1], contact_modulus=STEEL)
     npt.assert_allclose(found.pressure / 1e6, pressure, rtol=1e-5)
     npt.assert_allclose([found.a * 1e3, found.b * 1e3], [a, b], rtol=5e-5)
@@ -239,15 +247,17 @@ def test_lobed_bushing_with_exact_integrals():
     npt.assert_allclose(np.sqrt(LOBE[0] * LOBE[1]), 0.987118, rtol=1e-6)
 
 
-def test_b10_as_printed_misses_the_printed_pressure():  # with only the lost exponent 1/3 restored it gives 876.5 MPa
+def test_b10_as_printed_misses_the_printed_pressure():
+    """With only the lost exponent 1/3 restored it gives 876.5 MPa."""
     P, Req, F1 = 222.41e3, np.sqrt(LOBE[0] * LOBE[1]), 0.89
     printed = (6 * P * STEEL**2 / (np.pi**3 * Req**2)) ** (1 / 3) * F1 ** (-2 / 3)
     npt.assert_allclose(printed / 1e6, 876.5, atol=0.05)
 
 
+@DIMENSIONLESS
 @given(st.floats(1.0, 1e4), st.floats(1e-3, 10.0))
 def test_elliptical_contact_solves_hertz(ratio, radius):
-    """The classical form with complete elliptic integrals, and the load under the semi-ellipsoid of pressure."""
+    """Classical form with complete elliptic integrals; load under the semi-ellipsoid."""
     load, modulus = 100.0, 1e11
     found = hertz_ellipse(
         load, radius=radius, radius_across=radius / ratio, contact_modulus=modulus
@@ -257,7 +267,7 @@ def test_elliptical_contact_solves_hertz(ratio, radius):
         m = 1 - (found.b / found.a) ** 2
         K, E = ellipk(m), ellipe(m)
         npt.assert_allclose(((found.a / found.b) ** 2 * E - K) / (K - E), ratio, rtol=1e-6)
-        # curvature across, from the pressure: 1/(2 R'') = p0 b [(a/b)^2 E - K] / (E* e^2 a^2) (Johnson 1985, 4.26)
+        # Johnson (1985), 4.26: 1/(2 R'') = p0 b [(a/b)^2 E - K] / (E* e^2 a^2)
         across = (
             found.pressure
             * found.b
@@ -282,9 +292,8 @@ def test_relative_radii_turn_with_the_bodies():  # Farzaneh (2002), eqs. B.3 and
         "radius_2": 0.1,
         "radius_2_across": np.inf,
     }
-    npt.assert_allclose(
-        relative_radii(**straight, angle=np.pi / 2), (0.1, 0.1)
-    )  # crossed cylinders: a sphere
+    # crossed cylinders touch like a sphere
+    npt.assert_allclose(relative_radii(**straight, angle=np.pi / 2), (0.1, 0.1))
     with pytest.raises(ModelError, match="gap all round"):
         relative_radii(**straight)
     npt.assert_allclose(LOBE, (RADIUS, 0.2))
@@ -298,31 +307,30 @@ def test_relative_radii_turn_with_the_bodies():  # Farzaneh (2002), eqs. B.3 and
 
 
 def test_scaling_of_the_acrylic_joint():  # Farzaneh (2002), section 5.2: modulus 1/75 of steel
-    npt.assert_allclose(
-        scale_load(100e3, youngs_modulus=75.0, model_youngs_modulus=1.0), 1333, atol=0.5
-    )
-    npt.assert_allclose(scale_load(50.0, youngs_modulus=1.0, model_youngs_modulus=75.0), 3750)
-    npt.assert_allclose(scale_stress(7.5e6, youngs_modulus=75.0, model_youngs_modulus=1.0), 1e5)
+    down = {"youngs_modulus": 75 * 2.7e9, "model_youngs_modulus": 2.7e9}
+    up = {"youngs_modulus": 2.7e9, "model_youngs_modulus": 75 * 2.7e9}
+    npt.assert_allclose(scale_load(100e3, **down), 1333, atol=0.5)
+    npt.assert_allclose(scale_load(50.0, **up), 3750)
+    npt.assert_allclose(scale_stress(7.5e6, **down), 1e5)
 
 
 @given(st.floats(0.01, 100), st.floats(0.01, 100))
-def test_scaled_loads_strain_alike(
-    stiffer, larger
-):  # Farzaneh (2002), eq. 3.13, with Persson and Hertz as witnesses
+def test_scaled_loads_strain_alike(stiffer, larger):
+    """Farzaneh (2002), eq. 3.13, checked with Persson's contact."""
     load = scale_load(
-        1e5, youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer, length_ratio=larger
+        1e5, youngs_modulus=1e11, model_youngs_modulus=1e11 * stiffer, length_ratio=larger
     )
-    full = persson_contact(1e5 / 0.2, play=4e-4, pin_diameter=0.07, youngs_modulus=2e11)
+    full = persson_contact(1e5 / 0.2, play=4e-4, pin_diameter=0.07, youngs_modulus=1e11)
     model = persson_contact(
         load / (0.2 * larger),
         play=4e-4 * larger,
         pin_diameter=0.07 * larger,
-        youngs_modulus=2e11 * stiffer,
+        youngs_modulus=1e11 * stiffer,
     )
     npt.assert_allclose(model[0], full[0], rtol=1e-9)
     npt.assert_allclose(
         model[1],
-        scale_stress(full[1], youngs_modulus=2e11, model_youngs_modulus=2e11 * stiffer),
+        scale_stress(full[1], youngs_modulus=1e11, model_youngs_modulus=1e11 * stiffer),
         rtol=1e-9,
     )
 
@@ -337,6 +345,7 @@ WINKLER = [  # Colbert et al. (2009), B1 to B10: Rs/c, F* t*, mu*
 ]
 
 
+@DIMENSIONLESS
 @pytest.mark.parametrize(("fit", "group", "ratio"), WINKLER)
 def test_winkler_chart(fit, group, ratio):
     shaft = fit / (1 + fit)
@@ -354,16 +363,14 @@ def test_winkler_chart(fit, group, ratio):
 
     npt.assert_allclose(pressure(found.half_angle), 0, atol=1e-12)
     npt.assert_allclose(pressure(0.0), found.pressure, rtol=1e-9)
-    carried = quad(
-        lambda t: pressure(t) * np.cos(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10
-    )[0]
-    rubbed = quad(lambda t: pressure(t) * shaft, -found.half_angle, found.half_angle, epsrel=1e-10)[
-        0
-    ]
+    arc = (-found.half_angle, found.half_angle)
+    carried = quad(lambda t: pressure(t) * np.cos(t) * shaft, *arc, epsrel=1e-10)[0]
+    rubbed = quad(lambda t: pressure(t) * shaft, *arc, epsrel=1e-10)[0]
     npt.assert_allclose(carried, group, rtol=1e-7)
     npt.assert_allclose(rubbed / carried, ratio, rtol=1e-6)
 
 
+@DIMENSIONLESS
 def test_winkler_model_ends_at_a_wrap_of_90_degrees():
     case = {"shaft_radius": 1000 / 1001, "bushing_radius": 1.0, "thickness": 1.0, "modulus": 1.0}
     npt.assert_allclose(winkler_load(np.pi / 2, **case), 0.0688, atol=5e-5)
@@ -387,7 +394,8 @@ def test_winkler_inverts_and_scales(fit, half_angle):
     npt.assert_allclose(softer, load / 2)
 
 
-def test_winkler_modulus_is_the_confined_one():  # Colbert et al. (2009), B3; constrained modulus lambda + 2 mu
+def test_winkler_modulus_is_the_confined_one():
+    """Colbert et al. (2009), B3: the constrained modulus lambda + 2 mu."""
     E, nu = 1.1e9, 0.46
     lame, shear = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     npt.assert_allclose(winkler_modulus(E, poisson=nu), lame + 2 * shear)
@@ -406,7 +414,7 @@ def test_impact_stiffness_of_mukras():  # Mukras et al. (2008), eq. 13 with Tabl
 
 @given(st.floats(0.9, 1.0))
 def test_impact_loses_the_energy_of_its_restitution(restitution):
-    """A mass that hits the spring of eq. 12 leaves with nearly the speed its restitution says."""
+    """A mass that hits the spring of eq. 12 leaves with nearly the speed of its restitution."""
     from scipy.integrate import solve_ivp
 
     def motion(_, state):
@@ -473,3 +481,137 @@ def test_impact_loses_the_energy_of_its_restitution(restitution):
 def test_bad_values_are_named(call, named):
     with pytest.raises(ModelError, match=named):
         call()
+
+
+FORMULAS = {
+    conformal_radius: {"pin_radius": 0.0333, "bushing_radius": 0.0336},
+    contact_modulus: {"youngs_1": 2e11, "poisson_1": 0.3, "youngs_2": 2.7e9, "poisson_2": 0.37},
+    scale_load: {
+        "load": 1e5,
+        "youngs_modulus": 2e11,
+        "model_youngs_modulus": 2.7e9,
+        "length_ratio": 0.5,
+    },
+    scale_stress: {"stress": 1e6, "youngs_modulus": 2e11, "model_youngs_modulus": 2.7e9},
+    projected_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
+    sinusoidal_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
+    hertz_line: {"load_per_length": 1e5, "radius": 4.872, "contact_modulus": 1.1e11},
+    relative_radii: {
+        "radius_1": -0.04,
+        "radius_1_across": 0.2,
+        "radius_2": 0.03,
+        "radius_2_across": 0.3,
+        "angle": 0.2,
+    },
+    hertz_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
+    thesis_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
+    persson_group: {"half_angle": 0.7},
+    persson_peak_group: {"half_angle": 0.7},
+    persson_half_angle: {"group": 0.7},
+    persson_pressure: {
+        "angle": 0.3,
+        "half_angle": 0.7,
+        "load_per_length": 1e5,
+        "pin_diameter": 0.08,
+    },
+    persson_contact: {
+        "load_per_length": 1e5,
+        "play": 4e-4,
+        "pin_diameter": 0.08,
+        "youngs_modulus": 2e11,
+    },
+    persson_load: {"half_angle": 0.7, "play": 4e-4, "youngs_modulus": 2e11},
+    winkler_modulus: {"youngs_modulus": 1.1e9, "poisson": 0.4},
+    winkler_load: {
+        "half_angle": 0.7,
+        "shaft_radius": 0.0098,
+        "bushing_radius": 0.0102,
+        "thickness": 0.003,
+        "modulus": 1e9,
+    },
+    winkler_contact: {
+        "load_per_length": 1e5,
+        "shaft_radius": 0.0098,
+        "bushing_radius": 0.0102,
+        "thickness": 0.003,
+        "modulus": 1e9,
+    },
+    impact_stiffness: {"pin_radius": 0.0095, "bushing_radius": 0.0096, "contact_modulus": 1.6e8},
+    impact_force: {
+        "penetration": 1e-5,
+        "rate": 0.05,
+        "impact_speed": 0.1,
+        "stiffness": 1e8,
+        "restitution": 0.9,
+    },
+}
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    straight = {"radius_1", "radius_1_across", "radius_2", "radius_2_across"}
+    assert_infinity_is_named(formula, case, allowed=straight if formula is relative_radii else ())
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+def test_relative_radii_of_many_bodies_are_those_of_each():
+    radius, angle = np.array([0.1, 0.2]), np.array([[0.0], [0.5], [1.5]])
+    case = {"radius_1_across": 0.3, "radius_2": 0.2, "radius_2_across": np.inf}
+    found = relative_radii(radius, angle=angle, **case)
+    assert found.radius.shape == found.radius_across.shape == (3, 2)
+    for i, j in np.ndindex(3, 2):
+        one = relative_radii(float(radius[j]), angle=float(angle[i, 0]), **case)
+        assert (found.radius[i, j], found.radius_across[i, j]) == one
+    with pytest.raises(ModelError, match="gap all round"):
+        relative_radii([0.1, -0.1], radius_1_across=0.1, radius_2=0.2, radius_2_across=0.2)
+    with pytest.raises(ModelError, match=r"^radius_2 must not be zero"):
+        relative_radii(0.1, radius_1_across=0.1, radius_2=[0.2, 0.0], radius_2_across=0.2)
+
+
+def test_interference_that_closes_the_contact_is_named_as_play():
+    with pytest.raises(ModelError, match=r"^play must keep .* above -2/pi"):
+        persson_contact(1e5, play=-1e-4, pin_diameter=0.08, youngs_modulus=2e11)
+
+
+def test_load_of_a_contact_without_play_is_undetermined():
+    with pytest.raises(ModelError, match=r"^play must not be zero"):
+        persson_load(1.0, play=0.0, youngs_modulus=2e11)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "name"),
+    [
+        (contact_modulus, {"youngs_2": 2.7}, "youngs_2 = 2.7 Pa .* GPa"),
+        (conformal_radius, {"bushing_radius": 33.6}, "bushing_radius = 33.6 m .* mm"),
+        (scale_load, {"model_youngs_modulus": 2.7}, "model_youngs_modulus = 2.7 Pa"),
+        (scale_stress, {"youngs_modulus": 200.0}, "youngs_modulus = 200 Pa"),
+        (projected_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m .* mm"),
+        (sinusoidal_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (hertz_line, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (hertz_ellipse, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (thesis_ellipse, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (persson_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (persson_contact, {"youngs_modulus": 200.0}, "youngs_modulus = 200 Pa"),
+        (persson_load, {"youngs_modulus": 2e5}, "youngs_modulus = 200000 Pa"),
+        (winkler_modulus, {"youngs_modulus": 1.1}, "youngs_modulus = 1.1 Pa"),
+        (winkler_load, {"modulus": 1.0}, "modulus = 1 Pa"),
+        (winkler_contact, {"load_per_length": 1e-5, "modulus": 1.0}, "modulus = 1 Pa"),
+        (impact_stiffness, {"contact_modulus": 0.16}, "contact_modulus = 0.16 Pa"),
+        (impact_force, {"impact_speed": 1e5}, "impact_speed = 100000 m/s .* mm/s"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, name):
+    with pytest.warns(UnitWarning, match=name):
+        evaluate(formula, FORMULAS[formula] | slip)

@@ -100,6 +100,7 @@ def test_slider_crank_against_mechanism():
     )
 
 
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")  # dimensionless
 @pytest.mark.parametrize("ratio", [1.0, 4.0])
 def test_hertz_against_tamaas(ratio):
     """Half-space contact on a grid: pressure on a paraboloid, within what 256 points resolve."""
