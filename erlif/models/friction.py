@@ -1,5 +1,14 @@
-"""Friction of a pin in a bushing: from torque to coefficient, from wrap angle to torque, and the onset of galling."""
+"""Friction of a pin in a bushing: torque ratios, friction coefficients and the onset of galling.
 
+The torque ratio T* of a pressure distribution is the friction torque over mu F R. It exceeds 1
+because friction acts along the whole arc while only the pressure along the line of load carries;
+the closed forms are those of Colbert et al. (2009). The analysis of endurance tests follows the
+tests of Farzaneh (2002), chapter 4, with the rank test of Mann and Whitney (1947).
+
+Arguments that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,117 +16,349 @@ from scipy import stats
 from scipy.special import hyp0f1
 
 from erlif.core.errors import ModelError
-from erlif.models.arguments import Values, require_between, require_not_negative, require_positive
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_length,
+    check_load,
+    check_temperature,
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_single,
+)
 
 STEADY_WEAR_TORQUE_RATIO = 4 / np.pi
-"""Torque ratio of a bushing worn to its steady state, a cosine over half the shaft. Colbert et al. (2009), eq. A6.
+"""Torque ratio of a bushing worn to its steady state. Colbert et al. (2009), eq. A6. [1]
 
-The source prints 1.25 for this limit of its equation; the limit is 1.2732, and 1.25 belongs to 86.6 degrees.
+The pressure is a cosine over half the shaft. The source prints 1.25 for this limit of its equation;
+the limit is 1.2732, and 1.25 belongs to 86.6 degrees.
 """
 
+_SERIES_BELOW = 0.03
+"""Half angle below which the series of the thin Winkler bushing is exact to rounding. [rad]"""
 
+_SMALLEST_RECORD = 4
+"""Samples of friction from which on a jump is searched: two on each side."""
+
+_INTERVAL = (0.025, 0.975)
+"""Quantiles of the onset of galling, a 95 % interval."""
+
+
+@broadcasting
 def friction_torque(
     friction: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
 ) -> Values:
-    """Torque [N m] that turns a loaded shaft in its bushing: T = T* mu F R. Colbert et al. (2009), eqs. 1 and 4.
+    """Compute the torque that turns a loaded shaft. Colbert et al. (2009), eqs. 1 and 4.
+
+    T = T* mu F R.
 
     Parameters
     ----------
     friction : float or array
         Friction coefficient mu. [1]
     load : float or array
-        F. [N]
+        Load F. [N]
     radius : float or array
         Radius R of the shaft. [m]
     torque_ratio : float or array
-        T* of the pressure distribution; 1 takes the contact for a line, as Farzaneh (2002), appendix A.3, does. [1]
+        T* of the pressure distribution; 1 takes the contact for a line, as Farzaneh (2002),
+        appendix A.3, does. [1]
+
+    Returns
+    -------
+    float or array
+        Friction torque T. [N m]
+
+    Raises
+    ------
+    ModelError
+        A friction or load that is negative, a radius or torque ratio not positive, or an infinite
+        value.
 
     Notes
     -----
-    Farzaneh (2002) works its torque with a pin radius of 1.25 in; the pin has 33.36 mm, which asks for 5 % more.
+    Farzaneh (2002) computes its torque with a pin radius of 1.25 in; the pin has 33.36 mm, which
+    makes it 5 % larger.
+
+    Examples
+    --------
+    The machine of Farzaneh (2002) at 100,000 lbf, with the radius of the source:
+
+    >>> print(f"{friction_torque(0.15, load=444.822e3, radius=1.25 * 0.0254):.1f} N m")
+    2118.5 N m
     """
     require_not_negative(friction=friction, load=load)
-    require_positive(radius=radius)
+    require_positive(radius=radius, torque_ratio=torque_ratio)
+    check_load(load=load)
+    check_length(radius=radius)
     return torque_ratio * friction * load * radius
 
 
+@broadcasting
 def friction_coefficient(
     torque: Values, *, load: Values, radius: Values, torque_ratio: Values = 1.0
 ) -> Values:
-    """Friction coefficient [1] from a torque [N m]: mu = T / (T* F R). Colbert et al. (2009), eqs. 1, 4 and B6.
+    """Compute the friction coefficient from a torque. Colbert et al. (2009), eqs. 1, 4 and B6.
 
-    With the default torque ratio of 1 this is the apparent coefficient mu' of the source, at least the true one.
+    mu = T / (T* F R).
+
+    Parameters
+    ----------
+    torque : float or array
+        Friction torque T; its sign is kept. [N m]
+    load : float or array
+        Load F. [N]
+    radius : float or array
+        Radius R of the shaft. [m]
+    torque_ratio : float or array
+        T* of the pressure distribution. With 1 the result is the apparent coefficient mu' of the
+        source, which is at least the true one. [1]
+
+    Returns
+    -------
+    float or array
+        Friction coefficient mu. [1]
+
+    Raises
+    ------
+    ModelError
+        A load, radius or torque ratio not positive, or an infinite value.
+
+    Examples
+    --------
+    PTFE with 0.105 on a flat has 0.134 in a worn bushing; Colbert et al. (2009) measured 0.131.
+
+    >>> torque = friction_torque(
+    ...     0.105, load=400.0, radius=0.005, torque_ratio=STEADY_WEAR_TORQUE_RATIO
+    ... )
+    >>> print(f"{friction_coefficient(torque, load=400.0, radius=0.005):.3f}")
+    0.134
     """
+    require_finite(torque=torque)
     require_positive(load=load, radius=radius, torque_ratio=torque_ratio)
+    check_load(load=load)
+    check_length(radius=radius)
     return torque / (torque_ratio * load * radius)
 
 
+@broadcasting
 def uniform_torque_ratio(half_angle: Values) -> Values:
-    """T* [1] of a uniform pressure over an arc: alpha / sin alpha, pi/2 at 90 degrees. Colbert et al. (2009), eq. 4.
+    """Compute T* of a uniform pressure over an arc. Colbert et al. (2009), eq. 4.
 
-    `half_angle` alpha is half of the arc of contact, 0 to pi/2. [rad]
+    alpha / sin alpha, pi/2 at 90 degrees.
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact alpha, 0 to pi/2. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2.
+
+    Examples
+    --------
+    The source prints 1.57 for half the shaft:
+
+    >>> print(f"{uniform_torque_ratio(np.pi / 2):.2f}")
+    1.57
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
     return 1 / _sinc(half_angle)
 
 
+@broadcasting
 def cosine_torque_ratio(half_angle: Values) -> Values:
-    """T* [1] of the pressure cos(pi theta / 2 alpha): (pi^2 - 4 alpha^2) / (pi^2 cos alpha). Colbert et al. (2009), A6.
+    """Compute T* of the pressure cos(pi theta / 2 alpha). Colbert et al. (2009), eq. A6.
 
-    `half_angle` alpha is half of the arc of contact, 0 to pi/2. [rad]
+    (pi^2 - 4 alpha^2) / (pi^2 cos alpha).
 
-    Note: the limit at 90 degrees is 4/pi = 1.2732; the source prints 1.25.
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact alpha, 0 to pi/2. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2.
+
+    Notes
+    -----
+    The limit at 90 degrees is 4/pi = 1.2732; the source prints 1.25.
+
+    Examples
+    --------
+    10/9 at 60 degrees, 4/pi at 90 degrees:
+
+    >>> print(f"{cosine_torque_ratio(np.pi / 3):.4f} {cosine_torque_ratio(np.pi / 2):.4f}")
+    1.1111 1.2732
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
-    rest = np.pi / 2 - half_angle  # cos alpha = sin rest goes to zero with pi - 2 alpha = 2 rest
+    # with the rest of the right angle, cos alpha = sin rest and pi - 2 alpha = 2 rest: the factor
+    # that makes the fraction 0/0 at 90 degrees cancels
+    rest = np.pi / 2 - half_angle
     return 2 * (np.pi + 2 * half_angle) / (np.pi**2 * _sinc(rest))
 
 
+@broadcasting
 def elliptic_torque_ratio(half_angle: Values) -> Values:
-    """T* [1] of the pressure sqrt(1 - (theta/alpha)^2): alpha / (2 J1(alpha)). Colbert et al. (2009), section 3.
+    """Compute T* of the pressure sqrt(1 - (theta/alpha)^2). Colbert et al. (2009), section 3.
 
-    `half_angle` alpha is half of the arc of contact, 0 to pi/2. [rad]
+    alpha / (2 J1(alpha)).
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact alpha, 0 to pi/2. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2.
+
+    Examples
+    --------
+    >>> from scipy.special import j1
+    >>> print(f"{elliptic_torque_ratio(np.pi / 2):.6f} {np.pi / 4 / j1(np.pi / 2):.6f}")
+    1.385612 1.385612
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
-    return 1 / hyp0f1(2.0, -(half_angle**2) / 4)  # 2 J1(x) / x
+    return 1 / hyp0f1(2.0, -(half_angle**2) / 4)  # 2 J1(x) / x without the 0/0 at zero
 
 
+@broadcasting
 def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
-    """T* [1] of the pressure cos theta cut off at the arc: sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees.
+    """Compute T* of the pressure cos theta cut off at the ends of the arc.
 
-    `half_angle` a is half of the arc of contact, 0 to pi/2. [rad]
+    sin a / (a/2 + sin(2a)/4), 4/pi at 90 degrees; from Colbert et al. (2009), eq. 4.
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact a, 0 to pi/2. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio T*. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2.
+
+    Examples
+    --------
+    At 60 degrees it is sqrt(3)/2 over pi/6 + sqrt(3)/8:
+
+    >>> closed = np.sqrt(3) / 2 / (np.pi / 6 + np.sqrt(3) / 8)
+    >>> print(f"{truncated_cosine_torque_ratio(np.pi / 3):.6f} {closed:.6f}")
+    1.170138 1.170138
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
     return 2 * _sinc(half_angle) / (1 + _sinc(2 * half_angle))
 
 
+@broadcasting
 def thin_winkler_torque_ratio(half_angle: Values) -> Values:
-    """mu* [1] of a Winkler bushing with a thin clearance: 2 (sin a - a cos a) / (a - sin a cos a).
+    """Compute mu* of a Winkler bushing with a thin clearance. Colbert et al. (2009), B1 to B10.
 
-    Colbert et al. (2009), B1 to B10, as Rs/c goes to infinity: the pressure is cos theta - cos a. `half_angle` a is half of
-    the arc of contact, 0 to pi/2 [rad]; `thin_winkler_load` gives the load that belongs to it.
+    2 (sin a - a cos a) / (a - sin a cos a), the limit as Rs/c goes to infinity: the pressure is
+    cos theta - cos a.
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact a, 0 to pi/2; `thin_winkler_load` gives the load that belongs to
+        it. [rad]
+
+    Returns
+    -------
+    float or array
+        Torque ratio mu*. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2.
+
+    Examples
+    --------
+    4/pi at 90 degrees, as for a cosine over half the shaft:
+
+    >>> print(f"{thin_winkler_torque_ratio(np.pi / 2):.6f} {4 / np.pi:.6f}")
+    1.273240 1.273240
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
-    small = (half_angle < 0.03) * 1  # both brackets vanish as a^3: their series there
+    # both brackets vanish as a^3, so small angles take the quotient of their series
+    small = (half_angle < _SERIES_BELOW) * 1
     series = (1 - half_angle**2 / 10 + half_angle**4 / 280) / (
         1 - half_angle**2 / 5 + 2 * half_angle**4 / 105
     )
-    a = half_angle + small
+    a = half_angle + small  # keeps the closed form away from 0/0 where it is not used
     closed = 2 * (np.sin(a) - a * np.cos(a)) / (a - np.sin(a) * np.cos(a))
     return small * series + (1 - small) * closed
 
 
+@broadcasting
 def thin_winkler_load(half_angle: Values) -> Values:
-    """F* t* R/c [1] that wraps a thin-clearance Winkler bushing to a half angle: (a - sin a cos a) / cos a.
+    """Compute the load group F* t* R/c of a thin-clearance Winkler bushing.
 
-    `half_angle` a is half of the arc of contact, 0 to below pi/2 [rad]. See `thin_winkler_torque_ratio`.
+    (a - sin a cos a) / cos a, from Colbert et al. (2009), B1 to B10; see
+    `thin_winkler_torque_ratio`.
+
+    Parameters
+    ----------
+    half_angle : float or array
+        Half of the arc of contact a, 0 to below pi/2. [rad]
+
+    Returns
+    -------
+    float or array
+        Load group F* t* R/c, which grows without bound towards 90 degrees. [1]
+
+    Raises
+    ------
+    ModelError
+        An angle outside 0 to pi/2, or pi/2 itself, which no load reaches.
+
+    Examples
+    --------
+    At 60 degrees: 2 pi/3 - sqrt(3)/2.
+
+    >>> print(f"{thin_winkler_load(np.pi / 3):.6f} {2 * np.pi / 3 - np.sqrt(3) / 2:.6f}")
+    1.228370 1.228370
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
+    if np.any(np.equal(half_angle, np.pi / 2)):
+        raise ModelError("half_angle must be below pi/2: no load wraps a thin clearance that far.")
     return (half_angle - np.sin(half_angle) * np.cos(half_angle)) / np.cos(half_angle)
 
 
+@broadcasting
 def torque_ratio(angle: Values, *, pressure: Values) -> Values:
-    """T* [1] of any pressure distribution: int P / int P cos theta. Colbert et al. (2009), eq. 4.
+    """Integrate T* of any pressure distribution. Colbert et al. (2009), eq. 4.
+
+    int P / int P cos theta.
 
     Parameters
     ----------
@@ -126,33 +367,60 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     pressure : array, (..., n)
         Pressure there, in any unit.
 
+    Returns
+    -------
+    float or array
+        Torque ratio T*, over the last axis. [1]
+
     Raises
     ------
     ModelError
-        A pressure that is negative or carries no load.
+        Angles that do not rise, or a pressure that is negative, infinite, of another length or
+        carries no load.
+
+    Examples
+    --------
+    A cosine over half the shaft, sampled every degree:
+
+    >>> angle = np.radians(np.arange(-90, 91))
+    >>> print(f"{torque_ratio(angle, pressure=np.cos(angle)):.4f} {4 / np.pi:.4f}")
+    1.2732 1.2732
     """
-    require_not_negative(pressure=pressure)
-    carried = np.trapezoid(pressure * np.cos(angle), angle, axis=-1)
-    require_positive(pressure=carried)
-    return np.trapezoid(pressure, angle, axis=-1) / carried
+    angles, pressures, wrap = _samples(angle, pressure)
+    require_finite(angle=angles)
+    require_not_negative(pressure=pressures)
+    if np.any(np.less_equal(np.diff(angles, axis=-1), 0)):
+        raise ModelError("angle must rise along its last axis.")
+
+    carried = np.trapezoid(pressures * np.cos(angles), angles, axis=-1)
+    if np.any(np.less_equal(carried, 0)):
+        raise ModelError(
+            "pressure must carry a load along the line at angle 0, got an integral of "
+            f"{float(np.nanmin(carried)):g}."
+        )
+    return wrap(np.trapezoid(pressures, angles, axis=-1) / carried)
 
 
 @dataclass(frozen=True)
 class ReversalFriction:
-    """Friction from a motion that goes both ways."""
+    """Friction from a motion in both directions."""
 
     friction: float
     """Apparent coefficient mu', the mean of the two directions. [1]"""
     offset: float
     """Torque over load and radius that does not reverse: a misaligned load cell. [1]"""
     standard_error: float
-    """Of `friction`, from the scatter of the samples taken as independent. [1]"""
+    """Standard error of `friction`, from the scatter of samples taken as independent. [1]"""
 
 
+@broadcasting
 def average_reversals(
     torque: Values, *, load: Values, radius: float, direction: Values
 ) -> ReversalFriction:
-    """Friction coefficient from a torque measured in both directions, free of a constant offset.
+    """Compute a friction coefficient, free of offset, from torques in both directions.
+
+    Colbert et al. (2009), section 2: a small angle between load cell and contact adds a torque that
+    keeps its sign on reversal; half of the difference of the two directions is free of it.
 
     Parameters
     ----------
@@ -165,21 +433,41 @@ def average_reversals(
     direction : array, (n,)
         Sign of the rotation; samples at 0 are left out.
 
+    Returns
+    -------
+    ReversalFriction
+        Friction coefficient, offset and standard error; NaN where a sample is NaN. [1]
+
     Raises
     ------
     ModelError
-        Fewer than two samples in a direction.
+        Fewer than two samples in a direction, columns of different length, or a load or radius not
+        positive.
 
-    Notes
-    -----
-    Colbert et al. (2009), section 2: a small angle between load cell and contact adds a torque that does not change sign
-    on reversal; half of the difference of the two directions is free of it.
+    Examples
+    --------
+    A torque of 0.2 N m that reverses on an offset of 0.05 N m, at 100 N on a radius of 10 mm:
+
+    >>> found = average_reversals(
+    ...     [0.25, 0.25, -0.15, -0.15], load=100.0, radius=0.01, direction=[1, 1, -1, -1]
+    ... )
+    >>> print(f"{found.friction:.2f} {found.offset:.2f} {found.standard_error:.2f}")
+    0.20 0.05 0.00
     """
+    require_single(radius=radius)
     ratio = np.asarray(friction_coefficient(torque, load=load, radius=radius), float)
-    forward, backward = ratio[np.asarray(direction) > 0], ratio[np.asarray(direction) < 0]
+    sense = np.asarray(direction)
+    if sense.ndim != 1 or ratio.shape != sense.shape:
+        raise ModelError(
+            "torque and direction must be columns of one length, got shapes "
+            f"{ratio.shape} and {sense.shape}."
+        )
+
+    forward, backward = ratio[sense > 0], ratio[sense < 0]
     if forward.size < 2 or backward.size < 2:
         raise ModelError(
-            f"direction must hold at least two samples each way, got {forward.size} forward, {backward.size} backward."
+            f"direction must hold at least two samples each way, got {forward.size} forward and "
+            f"{backward.size} backward."
         )
     return ReversalFriction(
         friction=float(forward.mean() - backward.mean()) / 2,
@@ -193,43 +481,43 @@ class LoadStage:
     """One stage of constant load in an endurance test."""
 
     number: int
-    """Counted from 1."""
+    """Number of the stage, from 1."""
     start: float
-    """[s]"""
+    """Time of the first sample. [s]"""
     end: float
-    """[s]"""
+    """Time of the last sample. [s]"""
     load: float
-    """Mean. [N]"""
+    """Mean load. [N]"""
     friction: float
-    """Median. [1]"""
+    """Median friction coefficient. [1]"""
     friction_spread: float
-    """Standard deviation that the median absolute deviation stands for. [1]"""
+    """Standard deviation of friction, from the median absolute deviation. [1]"""
     temperature: float
-    """Mean. [K]"""
+    """Mean temperature. [K]"""
 
 
 @dataclass(frozen=True)
 class Galling:
-    """A jump in friction and how sure it is."""
+    """A jump in friction and its significance."""
 
     time: float
     """First sample after the jump. [s]"""
     earliest: float
-    """Of the interval that holds the jump with 95 % probability. [s]"""
+    """Start of the interval that holds the jump with a probability of 95 %. [s]"""
     latest: float
-    """Of that interval. [s]"""
+    """End of that interval. [s]"""
     p_value: float
-    """Probability of so marked a jump somewhere in a record without one."""
+    """Probability of such a jump anywhere in a record without one. [1]"""
     stage: int
     """Number of the load stage in which it falls."""
     friction_before: float
-    """Median. [1]"""
+    """Median friction coefficient before the jump. [1]"""
     friction_after: float
-    """Median. [1]"""
+    """Median friction coefficient after the jump. [1]"""
     temperature_before: float
-    """Mean. [K]"""
+    """Mean temperature before the jump. [K]"""
     temperature_after: float
-    """Mean. [K]"""
+    """Mean temperature after the jump. [K]"""
 
 
 @dataclass(frozen=True)
@@ -237,6 +525,7 @@ class EnduranceTest:
     """Stages of an endurance test and its end."""
 
     stages: tuple[LoadStage, ...]
+    """The stages of constant load, in order of time."""
     galling: Galling | None
     """None where no jump in friction is significant."""
 
@@ -255,27 +544,32 @@ def analyse_endurance(
     least_rise: float = 1.2,
     significance: float = 0.01,
 ) -> EnduranceTest:
-    """Find friction and temperature of each load stage and the onset of galling. Farzaneh (2002), chapter 4.
+    """Find the load stages of an endurance test and the onset of galling.
+
+    The tests are those of Farzaneh (2002), chapter 4: the load rises in stages until the friction
+    jumps.
 
     Parameters
     ----------
     time, load, torque, temperature : array, (n,)
-        Log of the test: rising time [s], load [N], size of the friction torque [N m], temperature [K]. One sample per
-        oscillation or more, the torque averaged over reversals.
+        Log of the test: rising time [s], load [N], size of the friction torque [N m] and
+        temperature [K]. One sample per oscillation or more, the torque averaged over reversals.
     radius : float
         Radius of the pin. [m]
     load_step : float
-        Rise of the load between stages (4,000 lbf in the source); changes of more than half of it end a stage. [N]
+        Rise of the load between stages (4,000 lbf in the source); changes of more than half of it
+        end a stage. [N]
     torque_ratio : float
         T* of the pressure distribution. [1]
     least_load : float
-        Loads up to this count as unloaded and belong to no stage. [N]
+        Samples at or below this load count as unloaded and belong to no stage. [N]
     least_duration : float
-        Shorter stretches (a load being raised) are no stage. [s]
+        Shorter stretches, such as a load being raised, are no stage. [s]
     least_rise : float
-        Median friction after over before that makes a jump galling; the source saw 0.15 become 0.27. [1]
+        Median friction after over before from which on a jump is galling; in the source 0.15 became
+        0.27. [1]
     significance : float
-        Largest probability of a false alarm.
+        Largest probability of a false alarm. [1]
 
     Returns
     -------
@@ -285,28 +579,51 @@ def analyse_endurance(
     Raises
     ------
     ModelError
-        Columns of different length, values that are missing, time that does not rise, or no stage at all.
+        Columns of different length, values that are missing or infinite, time that does not rise,
+        or no stage at all.
 
     Notes
     -----
-    Galling announces itself by a sudden rise of friction. The jump is put where two constant levels leave the least sum
-    of squares; Mann and Whitney's rank test across it, times the number of places it could have been, bounds the
-    probability of a false alarm; the interval of its time is that of the posterior of two levels in Gaussian noise of
-    unknown size. Samples are taken as independent: thin out a log that is sampled faster than friction fluctuates.
-    """
-    columns = {"time": time, "load": load, "torque": torque, "temperature": temperature}
-    t, force, moment, heat = (np.asarray(column, float) for column in columns.values())
-    if not t.ndim == 1 or not t.shape == force.shape == moment.shape == heat.shape:
-        raise ModelError(
-            f"time, load, torque and temperature must be columns of one length, got {t.shape} for time."
-        )
-    for name, column in columns.items():
-        if not np.all(np.isfinite(np.asarray(column, float))):
-            raise ModelError(f"{name} must hold no missing values.")
-    if np.any(np.diff(t) <= 0):
-        raise ModelError("time must rise from sample to sample.")
-    require_positive(load_step=load_step, radius=radius, torque_ratio=torque_ratio)
+    Galling shows as a sudden rise of friction. The jump is placed where two constant levels leave
+    the smallest sum of squares. The rank test of Mann and Whitney across it, times the number of
+    places it could have been, bounds the probability of a false alarm. The interval of its time is
+    that of the posterior of two levels in Gaussian noise of unknown size. Samples are taken as
+    independent: thin out a log that is sampled faster than friction fluctuates.
 
+    Examples
+    --------
+    Ten minutes at 36 kN and ten at 54 kN, in which friction jumps from 0.15 to 0.27 at 900 s:
+
+    >>> time = np.arange(0.0, 1200.0, 2.0)
+    >>> load = np.where(time < 600, 36e3, 54e3)
+    >>> scatter = np.random.default_rng(1).normal(0.0, 0.01, time.size)
+    >>> torque = (np.where(time < 900, 0.15, 0.27) + scatter) * load * 0.03336
+    >>> test = analyse_endurance(
+    ...     time,
+    ...     load=load,
+    ...     torque=torque,
+    ...     temperature=np.full(time.size, 300.0),
+    ...     radius=0.03336,
+    ...     load_step=18e3,
+    ... )
+    >>> [stage.load for stage in test.stages]
+    [36000.0, 54000.0]
+    >>> test.galling.stage, test.galling.time
+    (2, 900.0)
+    """
+    columns = _checked_columns(time=time, load=load, torque=torque, temperature=temperature)
+    t, force, moment, heat = columns
+    _require_options(
+        radius=radius,
+        load_step=load_step,
+        torque_ratio=torque_ratio,
+        least_load=least_load,
+        least_duration=least_duration,
+        least_rise=least_rise,
+        significance=significance,
+    )
+
+    # half of a step separates two stages, whatever the ripple of the load within one
     stretches = [
         stretch
         for stretch in _stretches(force, load_step / 2, least_load)
@@ -316,6 +633,7 @@ def analyse_endurance(
         raise ModelError(
             f"load must hold at least one stage of {least_duration:g} s above {least_load:g} N."
         )
+
     kept = np.concatenate(stretches)
     number = np.concatenate(
         [np.full(stretch.size, i) for i, stretch in enumerate(stretches, start=1)]
@@ -324,28 +642,61 @@ def analyse_endurance(
         moment[kept], load=force[kept], radius=radius, torque_ratio=torque_ratio
     )
     stages = tuple(
-        LoadStage(
-            number=i,
-            start=float(t[stretch[0]]),
-            end=float(t[stretch[-1]]),
-            load=float(force[stretch].mean()),
-            friction=float(np.median(friction[number == i])),
-            friction_spread=float(
-                stats.median_abs_deviation(friction[number == i], scale="normal")
-            ),
-            temperature=float(heat[stretch].mean()),
-        )
+        _describe_stage(i, t[stretch], force[stretch], friction[number == i], heat[stretch])
         for i, stretch in enumerate(stretches, start=1)
     )
-    return EnduranceTest(
-        stages, _find_galling(t[kept], friction, heat[kept], number, least_rise, significance)
+    galling = _find_galling(t[kept], friction, heat[kept], number, least_rise, significance)
+    return EnduranceTest(stages, galling)
+
+
+def _checked_columns(**columns: Values) -> list[Values]:
+    """Columns of the log as float arrays, after the checks that name each of them."""
+    arrays = [np.asarray(column, float) for column in columns.values()]
+    t = arrays[0]
+    if t.ndim != 1 or any(array.shape != t.shape for array in arrays):
+        shapes = ", ".join(f"{array.shape}" for array in arrays)
+        raise ModelError(
+            f"time, load, torque and temperature must be columns of one length, got {shapes}."
+        )
+    for name, array in zip(columns, arrays, strict=True):
+        if not np.all(np.isfinite(array)):
+            raise ModelError(f"{name} must hold no missing values and no infinite ones.")
+    if np.any(np.diff(t) <= 0):
+        raise ModelError("time must rise from sample to sample.")
+
+    check_load(load=columns["load"])
+    check_temperature(temperature=columns["temperature"])
+    return arrays
+
+
+def _require_options(**options: float) -> None:
+    require_single(**options)
+    require_finite(**options)
+    for name, value in options.items():
+        if np.isnan(value):
+            raise ModelError(f"{name} must be a number, got NaN.")
+    require_positive(**{name: options[name] for name in ("radius", "load_step", "torque_ratio")})
+
+
+def _describe_stage(
+    number: int, time: Values, load: Values, friction: Values, temperature: Values
+) -> LoadStage:
+    return LoadStage(
+        number=number,
+        start=float(time[0]),
+        end=float(time[-1]),
+        load=float(load.mean()),
+        # single jerks of the torque must not shift a stage
+        friction=float(np.median(friction)),
+        friction_spread=float(stats.median_abs_deviation(friction, scale="normal")),
+        temperature=float(temperature.mean()),
     )
 
 
 def _stretches(load: Values, tolerance: float, least_load: float) -> list[Values]:
-    """Indices of each stretch in which the load stays within the tolerance of its own running mean."""
+    """Indices of each stretch in which the load stays within the tolerance of its running mean."""
     stretches: list[list[int]] = []
-    mean = np.nan
+    mean = np.nan  # of the stretch that is open; NaN while none is
     for i, value in enumerate(load):
         if value <= least_load:
             mean = np.nan
@@ -366,28 +717,34 @@ def _find_galling(
     least_rise: float,
     significance: float,
 ) -> Galling | None:
-    """The jump between two levels of friction that leaves the least sum of squares, if it is galling."""
+    """The jump between two levels of friction with the smallest sum of squares, if significant."""
     n = friction.size
-    if n < 4:
+    if n < _SMALLEST_RECORD:
         return None
-    before = np.arange(1, n)  # samples before the jump
+
+    # residual sum of squares of two levels, for a jump after each sample but the last
+    before = np.arange(1, n)
     centred = friction - friction.mean()
     first = np.cumsum(centred)[:-1]
     explained = first**2 / before + first**2 / (n - before)
     left = np.maximum(np.sum(centred**2) - explained, np.finfo(float).tiny)
     jump = int(np.argmin(left)) + 1
 
+    # the jump is the best of n - 1 places, so its p-value counts n - 1 times (Bonferroni)
     low, high = friction[:jump], friction[jump:]
     p_value = min(1.0, (n - 1) * float(stats.mannwhitneyu(high, low, alternative="greater").pvalue))
     if p_value > significance or np.median(high) < least_rise * np.median(low):
         return None
+
+    # posterior of the place, with flat priors of both levels and the noise integrated out
     log_posterior = -0.5 * (n - 2) * np.log(left / left.min()) - 0.5 * np.log(before * (n - before))
     posterior = np.exp(log_posterior - log_posterior.max())
     cumulative = np.cumsum(posterior) / posterior.sum()
+    lower, upper = (int(np.searchsorted(cumulative, quantile)) for quantile in _INTERVAL)
     return Galling(
         time=float(time[jump]),
-        earliest=float(time[int(np.searchsorted(cumulative, 0.025)) + 1]),
-        latest=float(time[min(int(np.searchsorted(cumulative, 0.975)), n - 2) + 1]),
+        earliest=float(time[lower + 1]),
+        latest=float(time[min(upper, n - 2) + 1]),
         p_value=p_value,
         stage=int(stage[jump]),
         friction_before=float(np.median(low)),
@@ -395,6 +752,25 @@ def _find_galling(
         temperature_before=float(temperature[:jump].mean()),
         temperature_after=float(temperature[jump:].mean()),
     )
+
+
+def _samples(angle: Values, pressure: Values) -> tuple[Values, Values, Callable[[Values], Values]]:
+    """Angle and pressure as arrays with the samples last, and the way back to a DataArray."""
+    if hasattr(pressure, "dims"):
+        dim = angle.dims[-1] if hasattr(angle, "dims") else pressure.dims[-1]
+        both = pressure * 0 + angle  # carries the dimensions of both
+        both = both.transpose(..., dim)
+        spread = (both * 0 + pressure).transpose(*both.dims)
+        template = both.isel({dim: 0}, drop=True)
+        return both.values, spread.values, lambda values: template.copy(data=values)
+
+    angles, pressures = np.asarray(angle), np.asarray(pressure)
+    if not angles.ndim or not pressures.ndim or angles.shape[-1] != pressures.shape[-1]:
+        raise ModelError(
+            "angle and pressure must hold the same number of samples along their last axis, got "
+            f"shapes {angles.shape} and {pressures.shape}."
+        )
+    return angles, pressures, lambda values: values
 
 
 def _sinc(x: Values) -> Values:

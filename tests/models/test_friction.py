@@ -1,4 +1,4 @@
-"""Torque ratios against their integrals, friction from reversing torque, galling in simulated endurance tests."""
+"""Torque ratios against their integrals, friction from reversing torque, simulated galling."""
 
 import numpy as np
 import numpy.testing as npt
@@ -6,9 +6,15 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.contact import persson_pressure, winkler_contact
 from erlif.models.friction import (
     STEADY_WEAR_TORQUE_RATIO,
@@ -69,7 +75,8 @@ def test_values_of_a6():  # Colbert et al. (2009), eq. A6
     npt.assert_allclose(truncated_cosine_torque_ratio(np.radians(60)), 1.170138, atol=5e-7)
 
 
-def test_worn_ptfe_bushing():  # Colbert et al. (2009), section 5.2: 0.105 flat, 0.131 +- 0.004 in the bushing
+def test_worn_ptfe_bushing():
+    """Colbert et al. (2009), section 5.2: 0.105 on a flat, 0.131 +- 0.004 in the bushing."""
     npt.assert_allclose(0.105 * 1.25, 0.13125)
     apparent = 0.105 * STEADY_WEAR_TORQUE_RATIO
     npt.assert_allclose(apparent, 0.13369, atol=5e-6)
@@ -87,9 +94,8 @@ def test_worn_ptfe_bushing():  # Colbert et al. (2009), section 5.2: 0.105 flat,
         (1.25, 86.393, 22.9724),
     ],
 )
-def test_contours_of_fig_b1_for_a_thin_clearance(
-    ratio, degrees, load
-):  # Colbert et al. (2009), Fig. B1
+def test_contours_of_fig_b1_for_a_thin_clearance(ratio, degrees, load):
+    """Colbert et al. (2009), Fig. B1."""
     half_angle = np.radians(degrees)
     npt.assert_allclose(thin_winkler_torque_ratio(half_angle), ratio, rtol=1e-5)
     npt.assert_allclose(thin_winkler_load(half_angle), load, rtol=3e-4)  # five digits of the angle
@@ -99,7 +105,7 @@ def test_winkler_chart_collapses_for_a_thin_clearance():
     fit = 1e5
     load = thin_winkler_load(0.7) / fit
     found = winkler_contact(
-        load, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1.0
+        load * 1e9, shaft_radius=fit / (1 + fit), bushing_radius=1.0, thickness=1.0, modulus=1e9
     )
     npt.assert_allclose(found.half_angle, 0.7, rtol=1e-3)
     npt.assert_allclose(found.torque_ratio, thin_winkler_torque_ratio(0.7), rtol=1e-4)
@@ -139,7 +145,7 @@ def test_reversal_removes_the_offset(friction, offset, load):
     assert found.standard_error < 1e-9
 
 
-def test_reversal_average_is_as_uncertain_as_it_says():
+def test_standard_error_of_reversals_matches_their_scatter():
     rng = np.random.default_rng(5)
     direction = np.repeat([1, -1], 50)
     pulls = []
@@ -154,7 +160,10 @@ def test_reversal_average_is_as_uncertain_as_it_says():
 
 
 def endurance_log(rng, *, end, galls_at=None, friction=0.15, galled=0.27, noise=0.01, step=2.0):
-    """A log as of Farzaneh (2002), chapter 4: stages of ten minutes from 8 klbf up by 4, half a minute unloaded between."""
+    """A log as of Farzaneh (2002), chapter 4.
+
+    Stages of ten minutes from 8 klbf up by 4 klbf, half a minute unloaded between them.
+    """
     time = np.arange(0.0, end, step)
     stage, within = np.divmod(time, 630.0)
     load = np.where(within < 600, (8e3 + 4e3 * stage) * LBF, 0.0) * (
@@ -195,9 +204,8 @@ def test_stages_of_the_thesis_are_found():  # Farzaneh (2002), section 4: 8 + 4 
         (4 * 630 + 300.0, 4 * 630 + 330.0, 5, 0.28),  # run 3: in the fifth
     ],
 )
-def test_galling_is_found_where_it_began(
-    galls_at, end, stage, galled
-):  # Farzaneh (2002), section 4.1
+def test_galling_is_found_where_it_began(galls_at, end, stage, galled):
+    """Farzaneh (2002), section 4.1."""
     log = endurance_log(np.random.default_rng(2), end=end, galls_at=galls_at, galled=galled)
     found = analyse_endurance(**log, **OPTIONS).galling
     assert found is not None
@@ -210,7 +218,7 @@ def test_galling_is_found_where_it_began(
     assert found.temperature_after > found.temperature_before
 
 
-def test_interval_of_the_onset_holds_the_truth_as_often_as_it_says():
+def test_interval_of_the_onset_holds_the_truth_in_95_percent_of_the_records():
     rng = np.random.default_rng(3)
     inside = []
     for _ in range(200):
@@ -223,7 +231,7 @@ def test_interval_of_the_onset_holds_the_truth_as_often_as_it_says():
     assert 0.90 <= np.mean(inside) <= 1.0  # 0.95 with a binomial scatter of 0.015
 
 
-def test_steady_friction_seldom_raises_the_alarm():
+def test_steady_friction_rarely_raises_an_alarm():
     rng = np.random.default_rng(4)
     alarms = [
         analyse_endurance(
@@ -249,9 +257,118 @@ def test_falling_friction_is_no_galling():
         ({"torque": np.full(600, np.nan)}, "torque must hold no missing"),
         ({"load": np.zeros(600)}, "load must hold at least one stage"),
         ({"temperature": np.zeros(5)}, "columns of one length"),
+        ({"load": np.full(600, np.inf)}, "load must hold no missing values and no infinite"),
+        ({"radius": np.full(2, 0.03)}, "^radius must be one number"),
+        ({"load_step": np.inf}, "^load_step must be finite"),
+        ({"significance": np.nan}, "^significance must be a number"),
     ],
 )
 def test_unusable_logs_are_refused(change, named):
     log = {**endurance_log(np.random.default_rng(7), end=1200.0), **change}
     with pytest.raises(ModelError, match=named):
+        analyse_endurance(**OPTIONS | log)
+
+
+def test_temperature_log_in_degrees_celsius_warns():
+    log = endurance_log(np.random.default_rng(8), end=1200.0)
+    log["temperature"] = log["temperature"] - 273.15
+    with pytest.warns(UnitWarning, match=r"temperature = 25 K .* degrees Celsius"):
         analyse_endurance(**log, **OPTIONS)
+
+
+def test_log_as_data_arrays_gives_the_same_stages():
+    log = endurance_log(np.random.default_rng(9), end=1200.0)
+    columns = {name: xr.DataArray(column, dims="sample") for name, column in log.items()}
+    lists = {name: column.tolist() for name, column in log.items()}
+    expected = analyse_endurance(**log, **OPTIONS)
+    assert analyse_endurance(**columns, **OPTIONS) == expected
+    assert analyse_endurance(**lists, **OPTIONS) == expected
+
+
+def test_reversals_of_another_length_are_refused():
+    with pytest.raises(ModelError, match=r"^torque and direction must be columns of one length"):
+        average_reversals(np.ones(4), load=1.0, radius=1.0, direction=[1, 1, -1])
+    with pytest.raises(ModelError, match=r"^radius must be one number"):
+        average_reversals(np.ones(4), load=1.0, radius=np.ones(4), direction=[1, 1, -1, -1])
+
+
+def test_sampled_torque_ratio_integrates_over_the_last_axis():
+    half_angle = np.array([0.3, 1.0])
+    angle = half_angle[:, None] * np.linspace(-1, 1, 801)
+    found = torque_ratio(angle, pressure=np.cos(angle))
+    npt.assert_allclose(found, truncated_cosine_torque_ratio(half_angle), rtol=1e-5)
+
+
+def test_sampled_torque_ratio_keeps_the_coordinates_of_data_arrays():
+    angle = xr.DataArray(np.linspace(-1, 1, 401), dims="angle")
+    case = xr.DataArray([1.0, 2.0], dims="case", coords={"case": [10, 20]})
+    found = torque_ratio(angle, pressure=case * np.cos(angle))
+    assert found.dims == ("case",)
+    assert list(found.case) == [10, 20]
+    npt.assert_allclose(found, truncated_cosine_torque_ratio(1.0), rtol=1e-5)
+    npt.assert_allclose(torque_ratio(angle.values, pressure=np.cos(angle)), found[0])
+
+
+@pytest.mark.parametrize(
+    ("angle", "pressure", "message"),
+    [
+        ([0.0, 0.5], [1.0, -1.0], "^pressure must not be negative"),
+        ([0.0, 0.5], [1.0, np.inf], "^pressure must be finite"),
+        ([0.0, np.inf], [1.0, 1.0], "^angle must be finite"),
+        ([0.5, 0.0], [1.0, 1.0], "^angle must rise"),
+        ([0.0, 0.5], [0.0, 0.0], "^pressure must carry a load"),
+        ([2.0, 2.5], [1.0, 1.0], "^pressure must carry a load .* got an integral of -0"),
+        ([0.0, 0.5], [1.0, 1.0, 1.0], "^angle and pressure must hold the same number"),
+        (0.0, 1.0, "^angle and pressure must hold the same number"),
+    ],
+)
+def test_unusable_pressures_are_refused(angle, pressure, message):
+    with pytest.raises(ModelError, match=message):
+        torque_ratio(angle, pressure=pressure)
+
+
+def test_no_load_wraps_a_thin_clearance_to_90_degrees():
+    with pytest.raises(ModelError, match=r"^half_angle must be below pi/2"):
+        thin_winkler_load([0.5, np.pi / 2])
+
+
+FORMULAS = {
+    friction_torque: {"friction": 0.1, "load": 1e4, "radius": 0.03, "torque_ratio": 1.2},
+    friction_coefficient: {"torque": 30.0, "load": 1e4, "radius": 0.03, "torque_ratio": 1.2},
+    uniform_torque_ratio: {"half_angle": 0.7},
+    cosine_torque_ratio: {"half_angle": 0.7},
+    elliptic_torque_ratio: {"half_angle": 0.7},
+    truncated_cosine_torque_ratio: {"half_angle": 0.7},
+    thin_winkler_torque_ratio: {"half_angle": 0.7},
+    thin_winkler_load: {"half_angle": 0.7},
+}
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    assert_infinity_is_named(formula, case)
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "message"),
+    [
+        (friction_torque, {"radius": 33.36}, "radius = 33.36 m .* mm"),
+        (friction_coefficient, {"load": 10000000000.0}, "load = 1e.10 N"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, message):
+    with pytest.warns(UnitWarning, match=message):
+        evaluate(formula, FORMULAS[formula] | slip)
