@@ -1,42 +1,62 @@
-"""Forces in the linkages: joint reactions of the slider-crank by inverse dynamics, the coupler of the crank-rocker."""
+"""Forces in the linkages of the joint rigs.
 
-from dataclasses import dataclass
+Joint reactions of the slider-crank by inverse dynamics after Mukras et al. (2008), and the strength
+of the machine of Farzaneh (2002), appendix A: coupler, rolling bearings and threaded rod. Arguments
+that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
+"""
+
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from erlif.models.arguments import Values, require_not_negative, require_positive
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_length,
+    check_load,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
 from erlif.models.mechanism import CrankRocker, SliderCrank
+
+_FRICTION_PASSES = 12
+"""The friction couple changes the force by about mu r / rod of itself: a pass gains two digits."""
 
 
 @dataclass(frozen=True)
 class SliderCrankBodies:
     """Masses, spring and friction of a slider-crank. Mukras et al. (2008), Tables 1 to 3.
 
-    The spring pulls the slider outward; its pull is `spring_preload` at the outer dead centre of the unworn linkage and
-    grows as the slider moves in. The centre of mass of the rod is in its middle. Slider and outer joint are frictionless.
+    The spring pulls the slider outward. Its pull is `spring_preload` at the outer dead centre of
+    the unworn linkage and grows as the slider moves in. The centre of mass of the rod is in its
+    middle. Slider and outer joint are frictionless. A negative or infinite value raises
+    `erlif.core.errors.ModelError`.
 
     Notes
     -----
-    The source does not state the preload. With none, its inputs give 35 % of its worn mass; 68.35 N gives all of it.
+    The source does not state the preload. With none, its inputs give 35 % of its worn mass; 68.35 N
+    gives all of it.
     """
 
-    rod_mass: float
-    """[kg]"""
-    rod_inertia: float
-    """Moment of inertia about the centre of mass. [kg m2]"""
-    slider_mass: float
-    """[kg]"""
-    spring_stiffness: float = 0.0
-    """[N/m]"""
-    spring_preload: float = 0.0
-    """[N]"""
-    friction: float = 0.0
+    rod_mass: Values
+    """Mass of the connecting rod. [kg]"""
+    rod_inertia: Values
+    """Moment of inertia of the rod about its centre of mass. [kg m2]"""
+    slider_mass: Values
+    """Mass of the slider. [kg]"""
+    spring_stiffness: Values = 0.0
+    """Stiffness of the spring on the slider. [N/m]"""
+    spring_preload: Values = 0.0
+    """Pull of the spring at the outer dead centre. [N]"""
+    friction: Values = 0.0
     """Friction coefficient of the crank-pin joint. [1]"""
-    pin_radius: float = 0.0
+    pin_radius: Values = 0.0
     """Lever of that friction. [m]"""
 
     def __post_init__(self) -> None:
-        require_not_negative(**vars(self))
+        require_not_negative(**{field.name: getattr(self, field.name) for field in fields(self)})
+        check_length(pin_radius=self.pin_radius)
 
 
 @dataclass(frozen=True)
@@ -44,50 +64,74 @@ class JointReaction:
     """Force of the crank pin on the connecting rod, over a cycle or at a point of it."""
 
     force_x: Values
-    """Along the slider's line, away from the crank pivot. [N]"""
+    """Force along the line of the slider, positive away from the crank pivot. [N]"""
     force_y: Values
-    """Across it. [N]"""
+    """Force across that line. [N]"""
     force: Values
-    """Magnitude. [N]"""
+    """Magnitude of the force. [N]"""
     normal: Values
-    """Share of the force normal to the contact, the rest being friction. [N]"""
+    """Share of the force normal to the contact; the rest is friction. [N]"""
     crank_torque: Values
     """Torque that drives the crank. [N m]"""
 
 
+@broadcasting
 def joint_reaction(
     linkage: SliderCrank, *, crank_angle: Values, crank_speed: Values, bodies: SliderCrankBodies
 ) -> JointReaction:
-    """Force in the crank-pin joint at constant crank speed, by inverse dynamics. Mukras et al. (2008), eqs. 6 to 9, 14, 19.
+    """Compute the force in the crank-pin joint at constant crank speed, by inverse dynamics.
 
-    With the clearance of `linkage` above zero the joint is the continuous-contact joint of the source, else the perfect
-    one. No gravity: the linkage lies flat.
+    Mukras et al. (2008), eqs. 6 to 9, 14 and 19. With the clearance of `linkage` above zero the
+    joint is the continuous-contact joint of the source, else the perfect one. The linkage lies
+    flat, so gravity does no work.
 
     Parameters
     ----------
     linkage : SliderCrank
-        Lengths and clearance; x is measured from the crank pivot.
+        Lengths and clearance; x is measured from the crank pivot. [m]
     crank_angle : float or array
-        [rad]
+        Angle of the crank from the line of the slider. [rad]
     crank_speed : float or array
-        [rad/s]
+        Speed of the crank. [rad/s]
     bodies : SliderCrankBodies
         Masses, spring and friction.
 
     Returns
     -------
     JointReaction
-        Force on the rod and driving torque.
+        Force on the rod [N] and driving torque [N m].
+
+    Raises
+    ------
+    ModelError
+        An infinite angle or speed.
 
     Notes
     -----
-    Friction acts where pin and bushing touch, so it is a couple mu N r on both links and makes the force sqrt(1 + mu^2)
-    times its normal share. The right side of eq. 10 must hold gamma = -(Phi_q q')_q q' - 2 Phi_qt q' - Phi_tt.
+    Friction acts where pin and bushing touch, so it is a couple mu N r on both links and makes the
+    force sqrt(1 + mu^2) times its normal share. The right side of eq. 10 must hold
+    gamma = -(Phi_q q')_q q' - 2 Phi_qt q' - Phi_tt.
+
+    Examples
+    --------
+    A crank at rest at the outer dead centre carries the preload of the spring alone:
+
+    >>> bodies = SliderCrankBodies(
+    ...     rod_mass=0.8175, rod_inertia=5.5e-3, slider_mass=5.5487, spring_preload=68.354
+    ... )
+    >>> found = joint_reaction(
+    ...     SliderCrank(crank=0.0762, coupler=0.2032),
+    ...     crank_angle=0.0,
+    ...     crank_speed=0.0,
+    ...     bodies=bodies,
+    ... )
+    >>> print(f"{found.force:.3f} N")
+    68.354 N
     """
-    half, to_pin = (
-        linkage.coupler / 2,
-        linkage.coupler / 2 + linkage.clearance,
-    )  # from the centre of mass
+    require_finite(crank_angle=crank_angle, crank_speed=crank_speed)
+
+    # distances of the two joints from the centre of mass of the rod
+    half, to_pin = linkage.coupler / 2, linkage.coupler / 2 + linkage.clearance
     phi = linkage.coupler_angle(crank_angle)
     phi_rate = linkage.coupler_speed(crank_angle, crank_speed=crank_speed)
     phi_second = linkage.coupler_acceleration(crank_angle, crank_speed=crank_speed)
@@ -98,6 +142,7 @@ def joint_reaction(
     stretched = linkage.crank + linkage.coupler - linkage.slider_position(crank_angle)
     spring = bodies.spring_preload + bodies.spring_stiffness * stretched
 
+    # forces along the line of the slider are known; moments about the pin give the force across it
     on_slider_x = bodies.slider_mass * slider - spring
     force_x = bodies.rod_mass * rod_x + on_slider_x
     inertia = bodies.rod_inertia * phi_second + to_pin * ux * bodies.rod_mass * rod_y
@@ -105,52 +150,137 @@ def joint_reaction(
     sense = np.sign(linkage.joint_speed(crank_angle, crank_speed=crank_speed))
     normal_share = 1 / np.sqrt(1 + bodies.friction**2)
 
+    # the couple of friction depends on the force that it changes
     couple = 0.0 * force_x
-    for _ in range(
-        12
-    ):  # the couple changes the force by some mu r / rod of itself: each pass gains two digits
+    for _ in range(_FRICTION_PASSES):
         force_y = bodies.rod_mass * rod_y + (moment + couple) / ((half + to_pin) * ux)
         force = np.sqrt(force_x**2 + force_y**2)
         couple = sense * bodies.friction * normal_share * force * bodies.pin_radius
+
     lever = linkage.crank * (np.cos(crank_angle) * force_y - np.sin(crank_angle) * force_x)
     return JointReaction(force_x, force_y, force, normal_share * force, lever + couple)
 
 
+@broadcasting
 def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: Values) -> Values:
-    """Force [N] in the coupler of a crank-rocker that turns its rocker with a torque [N m], without inertia.
+    """Compute the force in the coupler of a crank-rocker. Farzaneh (2002), appendix A.3.
 
-    F = T / (rocker sin(transmission angle)). Farzaneh (2002), appendix A.3, takes the sine for 1.
-    """
-    return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
-
-
-def rolling_bearing_life(
-    load: Values, *, rating: Values, speed: Values, exponent: float = 3.0
-) -> Values:
-    """Time [s] that 90 % of rolling bearings live: L10 = 10^6 (2 pi / omega) (C/P)^p. Farzaneh (2002), appendix A.4.1.
+    F = T / (rocker sin(transmission angle)), without inertia; the source takes the sine for 1.
 
     Parameters
     ----------
-    load, rating : float or array
-        Radial load P and dynamic load rating C. [N]
+    linkage : CrankRocker
+        Lengths of the linkage. [m]
+    crank_angle : float or array
+        Angle of the crank. [rad]
+    rocker_torque : float or array
+        Torque T on the rocker. [N m]
+
+    Returns
+    -------
+    float or array
+        Force in the coupler, of the sign of the torque. [N]
+
+    Raises
+    ------
+    ModelError
+        An infinite angle or torque.
+
+    Examples
+    --------
+    At half a turn the transmission angle of the rig is 104.69 degrees, its worst:
+
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> force = coupler_force(rig, crank_angle=np.pi, rocker_torque=2118.5)
+    >>> print(f"{force:.0f} N, {2118.5 / 0.26 / np.sin(np.radians(104.691)):.0f} N")
+    8423 N, 8423 N
+    """
+    require_finite(crank_angle=crank_angle, rocker_torque=rocker_torque)
+    return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
+
+
+@broadcasting
+def rolling_bearing_life(
+    load: Values, *, rating: Values, speed: Values, exponent: Values = 3.0
+) -> Values:
+    """Compute the time that 90 % of rolling bearings survive. Farzaneh (2002), appendix A.4.1.
+
+    L10 = 10^6 (2 pi / omega) (C/P)^p.
+
+    Parameters
+    ----------
+    load : float or array
+        Radial load P. [N]
+    rating : float or array
+        Dynamic load rating C. [N]
     speed : float or array
-        [rad/s]
-    exponent : float
-        3 for ball bearings, 10/3 for roller bearings.
+        Speed omega. [rad/s]
+    exponent : float or array
+        p: 3 for ball bearings, 10/3 for roller bearings. [1]
+
+    Returns
+    -------
+    float or array
+        Life L10. [s]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite.
 
     Notes
     -----
-    The source writes 16667/n hours, n in turns per minute, which is the same. It uses 10/3 for its ball bearings and finds 52,000 and 5,200 hours; with 3 they are 29,000 and 3,600.
+    The source writes 16667/n hours, n in turns per minute, which is the same. It uses 10/3 for its
+    ball bearings and finds 52,000 and 5,200 hours; with 3 they are 29,000 and 3,600.
+
+    Examples
+    --------
+    The machine at 8.2 kN, with the exponent of the source and with that of ball bearings:
+
+    >>> case = {"rating": 23.9e3, "speed": 114 * 2 * np.pi / 60}
+    >>> print(f"{rolling_bearing_life(8.2e3, exponent=10 / 3, **case) / 3600:.0f} h")
+    5171 h
+    >>> print(f"{rolling_bearing_life(8.2e3, **case) / 3600:.0f} h")
+    3620 h
     """
     require_positive(load=load, rating=rating, speed=speed, exponent=exponent)
+    check_load(load=load, rating=rating)
     return 1e6 * 2 * np.pi / speed * (rating / load) ** exponent
 
 
+@broadcasting
 def rod_stress(force: Values, *, diameter: Values) -> Values:
-    """Axial stress [Pa] in a round rod: 4F / (pi d^2). Farzaneh (2002), appendix A.4.1.
+    """Compute the axial stress in a round rod: 4F / (pi d^2). Farzaneh (2002), appendix A.4.1.
 
-    Note: the source finds 16 MPa under 8.2 kN in its half-inch rod, with the diameter in the place of the radius; it is
-    64.7 MPa, above the 50 MPa fatigue strength it gives.
+    Parameters
+    ----------
+    force : float or array
+        Axial force F. [N]
+    diameter : float or array
+        Diameter d. [m]
+
+    Returns
+    -------
+    float or array
+        Stress, of the sign of the force. [Pa]
+
+    Raises
+    ------
+    ModelError
+        A diameter not positive, or an infinite value.
+
+    Notes
+    -----
+    The source finds 16 MPa under 8.2 kN in its half-inch rod, with the diameter in the place of the
+    radius; it is 64.7 MPa, above the 50 MPa fatigue strength it gives.
+
+    Examples
+    --------
+    >>> print(f"{rod_stress(8.2e3, diameter=0.0127) / 1e6:.1f} MPa")
+    64.7 MPa
     """
+    require_finite(force=force)
     require_positive(diameter=diameter)
+    check_load(force=force)
+    check_length(diameter=diameter)
     return 4 * force / (np.pi * diameter**2)

@@ -5,8 +5,14 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.mechanism import CrankRocker, SliderCrank
 from erlif.models.reaction import (
     SliderCrankBodies,
@@ -62,7 +68,10 @@ def test_the_crank_supplies_what_bodies_spring_and_friction_take(
 
 
 def lagrange(angle, *, speed, preload):
-    """Joint force and driving torque from the multipliers of Mukras et al. (2008), eqs. 6, 7 and 10, with l1, l2 halves."""
+    """Joint force and driving torque from multipliers, l1 and l2 half lengths.
+
+    Mukras et al. (2008), eqs. 6, 7 and 10.
+    """
     l1, l2 = 0.0381, 0.1016
     mass = np.diag([0.4045, 0.4045, 204e-6, 0.8175, 0.8175, 5500e-6, 5.5487, 5.5487, 1.0])
     phi1, phi2 = angle, np.arcsin(-l1 * np.sin(angle) / l2)
@@ -86,9 +95,8 @@ def lagrange(angle, *, speed, preload):
 
 
 @given(st.floats(0, 2 * np.pi), st.floats(0.1, 30.0), st.floats(0, 100.0))
-def test_joint_force_is_that_of_the_lagrange_multipliers(
-    angle, speed, preload
-):  # Mukras et al. (2008), eq. 10
+def test_joint_force_is_that_of_the_lagrange_multipliers(angle, speed, preload):
+    """Mukras et al. (2008), eq. 10."""
     bodies = SliderCrankBodies(**BODIES, spring_preload=preload)
     found = joint_reaction(MUKRAS, crank_angle=angle, crank_speed=speed, bodies=bodies)
     expected = lagrange(angle, speed=speed, preload=preload)
@@ -147,7 +155,7 @@ def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
     force = coupler_force(rig, crank_angle=TURN, rocker_torque=2118.5)
     npt.assert_allclose(2118.5 / 0.26, 8.15e3, atol=5)
-    # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is the worse one
+    # the transmission angle runs from 76.30 to 104.69 degrees; the end further from 90 is worse
     npt.assert_allclose(
         force[[0, 360]], 2118.5 / 0.26 / np.sin(np.radians([76.3035, 104.6909])), rtol=1e-6
     )
@@ -161,24 +169,22 @@ def test_link_force_of_the_thesis():  # Farzaneh (2002), appendix A.3: 8.2 kN
     ("exponent", "load", "hours"),
     [(10 / 3, 4.1e3, 52119), (10 / 3, 8.2e3, 5171), (3, 4.1e3, 28960), (3, 8.2e3, 3620)],
 )
-def test_bearing_life_of_the_thesis(
-    exponent, load, hours
-):  # Farzaneh (2002), appendix A.4.1: 23.9 kN, 114 rpm
+def test_bearing_life_of_the_thesis(exponent, load, hours):
+    """Farzaneh (2002), appendix A.4.1: 23.9 kN, 114 rpm."""
     speed = 114 * 2 * np.pi / 60
     life = rolling_bearing_life(load, rating=23.9e3, speed=speed, exponent=exponent)
     npt.assert_allclose(life / 3600, hours, rtol=5e-5)
-    npt.assert_allclose(
-        life / 3600, 16667 / 114 * (23.9e3 / load) ** exponent, rtol=5e-5
-    )  # as the source writes it
+    # as the source writes it
+    npt.assert_allclose(life / 3600, 16667 / 114 * (23.9e3 / load) ** exponent, rtol=5e-5)
 
 
-def test_threaded_rod_of_the_thesis():  # Farzaneh (2002), appendix A.4.1: printed 16 MPa, factor 3.1
+def test_threaded_rod_of_the_thesis():
+    """Farzaneh (2002), appendix A.4.1, prints 16 MPa and a factor of 3.1."""
     stress = rod_stress(8.2e3, diameter=0.0127)
     npt.assert_allclose(stress / 1e6, 64.7, atol=0.05)
     npt.assert_allclose(50e6 / stress, 0.77, atol=5e-3)
-    npt.assert_allclose(
-        rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05
-    )  # the print, d for r
+    # the print, with the diameter in the place of the radius
+    npt.assert_allclose(rod_stress(8.2e3, diameter=2 * 0.0127) / 1e6, 16.2, atol=0.05)
 
 
 def test_negative_mass_is_refused():
@@ -186,3 +192,64 @@ def test_negative_mass_is_refused():
         SliderCrankBodies(rod_mass=1.0, rod_inertia=1e-3, slider_mass=-1.0)
     with pytest.raises(ModelError, match="rating"):
         rolling_bearing_life(1.0, rating=0.0, speed=1.0)
+
+
+RIG = CrankRocker(0.055, 0.44, 0.26, 0.51)
+WORN = SliderCrank(0.0762, 0.2032, 1e-4)
+RUBBED = SliderCrankBodies(**BODIES, spring_preload=68.354, friction=0.15, pin_radius=9.525e-3)
+FORMULAS = {
+    joint_reaction: {"linkage": WORN, "crank_angle": 1.0, "crank_speed": 3.0, "bodies": RUBBED},
+    coupler_force: {"linkage": RIG, "crank_angle": 1.0, "rocker_torque": 2000.0},
+    rolling_bearing_life: {"load": 4.1e3, "rating": 23.9e3, "speed": 12.0, "exponent": 3.0},
+    rod_stress: {"force": 8.2e3, "diameter": 0.0127},
+}
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    assert_infinity_is_named(formula, case)
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "message"),
+    [
+        (rolling_bearing_life, {"rating": 20000000000.0}, "rating = 2e.10 N"),
+        (rod_stress, {"diameter": 12.7}, "diameter = 12.7 m .* mm"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, message):
+    with pytest.warns(UnitWarning, match=message):
+        evaluate(formula, FORMULAS[formula] | slip)
+
+
+def test_bodies_refuse_infinity_and_warn_of_units():
+    for name in BODIES:
+        with pytest.raises(ModelError, match=rf"^{name} must be finite"):
+            SliderCrankBodies(**BODIES | {name: np.inf})
+    with pytest.warns(UnitWarning, match=r"pin_radius = 95.25 m .* mm"):
+        SliderCrankBodies(**BODIES, pin_radius=95.25)
+
+
+def test_several_friction_coefficients_give_the_reaction_of_each():
+    friction = np.array([0.0, 0.15, 0.3])
+    case = {"crank_angle": TURN[:, None], "crank_speed": 3.0}
+    several = SliderCrankBodies(**BODIES, friction=friction, pin_radius=9.525e-3)
+    found = joint_reaction(MUKRAS, bodies=several, **case)
+    assert found.force.shape == (721, 3)
+    for k, one in enumerate(friction):
+        bodies = SliderCrankBodies(**BODIES, friction=float(one), pin_radius=9.525e-3)
+        alone = joint_reaction(MUKRAS, bodies=bodies, **case)
+        npt.assert_allclose(found.crank_torque[:, k], alone.crank_torque[:, 0], rtol=1e-12)

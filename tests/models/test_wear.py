@@ -5,9 +5,15 @@ import numpy.testing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
 from scipy.integrate import quad
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.mechanism import CrankRocker, SliderCrank
 from erlif.models.reaction import SliderCrankBodies
 from erlif.models.wear import (
@@ -53,13 +59,15 @@ def grams(wear):
     return wear.volume[-1] * PTFE * 1e3
 
 
-def test_worn_mass_and_depth_of_mukras():  # Mukras et al. (2008), Table 4: 0.2336 g, 0.6575 mm (preload, width fitted)
+def test_worn_mass_and_depth_of_mukras():
+    """Mukras et al. (2008), Table 4: 0.2336 g, 0.6575 mm, with preload and width fitted."""
     found = mukras_wear(coupled=False)
     npt.assert_allclose(grams(found), 0.2336, rtol=1e-4)
     npt.assert_allclose(found.depth[-1] * 1e3, 0.6575, rtol=1e-4)
 
 
-def test_the_same_preload_predicts_the_second_test():  # Mukras et al. (2008), Table 5: 0.1589 g, 0.4524 mm
+def test_the_same_preload_predicts_the_second_test():
+    """Mukras et al. (2008), Table 5: 0.1589 g, 0.4524 mm."""
     found = mukras_wear(coupled=False, cycles=21_400)
     npt.assert_allclose(grams(found), 0.15622, atol=5e-6)
     npt.assert_allclose(found.depth[-1] * 1e3, 0.4397, atol=5e-5)
@@ -81,7 +89,7 @@ def test_half_lengths_taken_as_full_ones_need_another_preload():
 
 
 def test_wear_relaxes_the_spring():
-    """The force falls by the stiffness times the clearance, to first order: an estimate by hand of the coupling."""
+    """To first order the force falls by the stiffness times the clearance."""
     coupled, alone = (
         mukras_wear(cycles=95_000, extrapolation=100),
         mukras_wear(cycles=95_000, coupled=False),
@@ -200,6 +208,26 @@ def test_surface_temperature_solves_conduction_through_the_ring():  # Strand (20
         (lambda: adhesive_wear(-1.0, sliding_distance=1.0, hardness=1.0, coefficient=1.0), "load"),
         (lambda: wear_depth(1.0, sliding_distance=-1.0, specific_wear=1.0), "sliding_distance"),
         (lambda: mukras_wear(width=0.0), "bushing_width"),
+        (lambda: mukras_wear(cycles=np.inf), "^cycles must be finite"),
+        (lambda: mukras_wear(cycles=np.nan), "^cycles must be a number"),
+        (lambda: mukras_wear(width=np.ones(2)), "^bushing_width must be one number"),
+        (
+            lambda: abrasive_wear(1.0, sliding_distance=1.0, hardness=1e9, asperity_slope=2.0),
+            "^asperity_slope must lie from 0 to below pi/2, got 2 rad",
+        ),
+        (
+            lambda: abrasive_wear(1.0, sliding_distance=1.0, hardness=1e9, asperity_slope=-0.1),
+            "^asperity_slope must lie from 0 to below pi/2, got -0.1 rad",
+        ),
+        (
+            lambda: fatigue_wear(**FORMULAS[fatigue_wear] | {"particle_size": -1.0}),
+            "^particle_size must not be negative",
+        ),
+        (
+            lambda: fatigue_wear(**FORMULAS[fatigue_wear] | {"asperity_distribution": -1.0}),
+            "^asperity_distribution must not be negative",
+        ),
+        (lambda: mean_sliding_speed(-0.2, diameter=0.1, period=1.0), "^half_swing must not be"),
         (lambda: mean_sliding_speed(0.2, diameter=0.1, period=0.0), "period"),
         (lambda: bushing_heat_share(-1.0, bushing_conductivity=1.0), "pin_conductivity"),
     ],
@@ -207,3 +235,88 @@ def test_surface_temperature_solves_conduction_through_the_ring():  # Strand (20
 def test_bad_values_are_named(call, named):
     with pytest.raises(ModelError, match=named):
         call()
+
+
+FORMULAS = {
+    adhesive_wear: {"load": 1e3, "sliding_distance": 50.0, "hardness": 2e9, "coefficient": 1e-4},
+    abrasive_wear: {"load": 1e3, "sliding_distance": 50.0, "hardness": 2e9, "asperity_slope": 0.1},
+    fatigue_wear: {
+        "load": 1e3,
+        "sliding_distance": 50.0,
+        "hardness": 2e9,
+        "asperity_distribution": 2.0,
+        "particle_size": 3.0,
+        "failure_strain": 0.5,
+        "coefficient": 1e-4,
+    },
+    wear_depth: {"pressure": 1e7, "sliding_distance": 90.0, "specific_wear": 5e-13},
+    steady_bushing_wear: {
+        "load": 400.0,
+        "shaft_radius": 0.005,
+        "width": 0.01,
+        "sliding_distance": 1e3,
+        "specific_wear": 5e-13,
+    },
+    mean_sliding_speed: {"half_swing": 0.2, "diameter": 0.08, "period": 0.5},
+    pressure_velocity: {"load": 1e5, "diameter": 0.08, "width": 0.1, "speed": 0.05},
+    friction_heat: {"load": 1e5, "friction": 0.1, "speed": -0.05},
+    bushing_heat_share: {"pin_conductivity": 45.0, "bushing_conductivity": 60.0},
+    surface_temperature: {
+        "measured_temperature": 300.0,
+        "heat": 500.0,
+        "pin_diameter": 0.08,
+        "wall": 0.01,
+        "width": 0.1,
+        "conductivity": 60.0,
+        "arc": 3.0,
+    },
+    thermal_growth: {"diameter": 0.08, "expansion": 12e-6, "temperature_change": 50.0},
+}
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    assert_infinity_is_named(formula, case)
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "message"),
+    [
+        (adhesive_wear, {"hardness": 200.0}, "hardness = 200 Pa .*Brinell"),
+        (abrasive_wear, {"hardness": 200.0}, "hardness = 200 Pa"),
+        (fatigue_wear, {"hardness": 200.0}, "hardness = 200 Pa"),
+        (wear_depth, {"specific_wear": 0.000505}, "specific_wear = 0.000505 1/Pa .* mm3/"),
+        (steady_bushing_wear, {"shaft_radius": 33.36}, "shaft_radius = 33.36 m"),
+        (mean_sliding_speed, {"diameter": 66.72}, "diameter = 66.72 m"),
+        (pressure_velocity, {"width": 100.0}, "width = 100 m"),
+        (friction_heat, {"speed": 50000.0}, "speed = 50000 m/s"),
+        (bushing_heat_share, {"pin_conductivity": 45000.0}, "pin_conductivity = 45000 W"),
+        (
+            surface_temperature,
+            {"measured_temperature": 27.0},
+            "measured_temperature = 27 K .* Celsius",
+        ),
+        (thermal_growth, {"expansion": 12.0}, "expansion = 12 1/K"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, message):
+    with pytest.warns(UnitWarning, match=message):
+        evaluate(formula, FORMULAS[formula] | slip)
+
+
+def test_slip_of_units_in_coupled_wear_warns():
+    with pytest.warns(UnitWarning, match=r"bushing_width = 84.68 m .* mm"):
+        mukras_wear(width=84.68, cycles=1)
