@@ -278,7 +278,7 @@ _MODULUS = _Scale("Pa", 3e5, 1e13, "GPa or MPa")
 _STRENGTH = _Scale("Pa", 1e5, 1e12, "MPa or kgf/mm2 (Brinell, Vickers)")
 """From grey putty to ten times the hardness of diamond."""
 
-_VISCOSITY = _Scale("Pa s", 1e-6, 50.0, "mPa s (cP), or is it kinematic, in cSt")
+_VISCOSITY = _Scale("Pa s", 1e-6, 50.0, "mPa s (cP), or kinematic, in cSt")
 """From a tenth of air to the heaviest gear oil in frost; 0.06 Pa s given in mPa s lies above."""
 
 _KINEMATIC_VISCOSITY = _Scale("m2/s", 1e-8, 0.05, "mm2/s (cSt)")
@@ -341,7 +341,7 @@ def check_modulus(**arguments: Values) -> None:
     ...     warnings.simplefilter("always")
     ...     check_modulus(youngs_1=200)
     >>> print(caught[0].message)
-    youngs_1 = 200 Pa is implausible (300000 to 1e+13 Pa expected): is it in GPa or MPa?
+    youngs_1 = 200 Pa is implausible (300000 to 1e+13 Pa expected): in GPa or MPa?
     """
     _warn_outside(_MODULUS, arguments)
 
@@ -527,24 +527,28 @@ def check_specific_wear(**arguments: Values) -> None:
 
 
 def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
+    """Warn once of all arguments outside a range; zero, NaN and infinity are ignored."""
+    found = []
     for name, value in arguments.items():
-        sizes = np.abs(np.asarray(value, float))
+        values = np.asarray(value, float)
+        sizes = np.abs(values)
         odd = (sizes > 0) & np.isfinite(sizes) & ((sizes < scale.lowest) | (sizes > scale.highest))
-        if not np.any(odd):
-            continue
+        if np.any(odd):
+            found.append(f"{name} = {values[odd].flat[0]:g} {scale.unit}")
+    if not found:
+        return
 
-        worst = np.asarray(value, float)[odd].flat[0]
-        expected = (
-            f"{scale.lowest:g} to {scale.highest:g} {scale.unit}"
-            if scale.lowest > 0
-            else f"at most {scale.highest:g} {scale.unit}"
-        )
-        warnings.warn(
-            f"{name} = {worst:g} {scale.unit} is implausible ({expected} expected): "
-            f"is it in {scale.others}?",
-            UnitWarning,
-            stacklevel=_depth_of_caller(),
-        )
+    expected = (
+        f"{scale.lowest:g} to {scale.highest:g} {scale.unit}"
+        if scale.lowest > 0
+        else f"at most {scale.highest:g} {scale.unit}"
+    )
+    warnings.warn(
+        f"{', '.join(found)} {'is' if len(found) == 1 else 'are'} implausible "
+        f"({expected} expected): in {scale.others}?",
+        UnitWarning,
+        stacklevel=_depth_of_caller(),
+    )
 
 
 def _depth_of_caller() -> int:

@@ -195,9 +195,11 @@ def test_slip_of_units_warns_with_name_value_and_unit(name):
 
 
 def test_warning_names_expected_range_and_likely_unit():
-    message = r"E = 200 Pa is implausible \(300000 to 1e\+13 Pa expected\): is it in GPa or MPa\?"
+    message = r"E = 200 Pa is implausible \(300000 to 1e\+13 Pa expected\): in GPa or MPa\?"
     with pytest.warns(UnitWarning, match=message):
         check_modulus(E=200.0)
+    with pytest.warns(UnitWarning, match=r"E_1 = 200 Pa, E_2 = 2\.7 Pa are implausible"):
+        check_modulus(E_1=200.0, nothing=0.0, E_2=[2.7, 2e11])
     with pytest.warns(UnitWarning, match=r"eta = 120 Pa s .* mPa s \(cP\)"):
         check_viscosity(eta=120.0)
     with pytest.warns(UnitWarning, match=r"T = 40 K .* degrees Celsius"):

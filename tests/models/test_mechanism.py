@@ -7,7 +7,7 @@ import xarray as xr
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from erlif.core.errors import ModelError
+from erlif.core.errors import ModelError, UnitWarning
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
 RIG = CrankRocker(
@@ -106,7 +106,7 @@ def test_limits_bound_the_motion_and_are_reached_at_the_dead_points(linkage):
     )
 
 
-def test_the_rig_swings_as_eq_a1_says():  # Farzaneh (2002), eq. A.1
+def test_swing_of_the_rig_is_that_of_eq_a1():  # Farzaneh (2002), eq. A.1
     npt.assert_allclose(np.degrees(RIG.limits()), [47.4095, 71.8355], atol=5e-5)
     npt.assert_allclose(np.degrees(np.ptp(RIG.limits())), 24.4260, atol=5e-5)
 
@@ -136,7 +136,7 @@ def test_transmission_and_coupler_swing_of_the_rig():
     npt.assert_allclose(np.degrees(np.ptp(RIG.coupler_limits())), 14.362, atol=5e-4)
 
 
-def test_the_crank_for_26_degrees():  # the swing printed in Farzaneh (2002), appendix A.2, needs 5.8484 cm
+def test_the_crank_for_26_degrees():  # printed in Farzaneh (2002), appendix A.2, with 5.5 cm
     crank = crank_for_swing(np.radians(26), coupler=0.44, rocker=0.26, ground=0.51)
     npt.assert_allclose(crank, 0.058484, atol=5e-7)
 
@@ -268,7 +268,8 @@ def test_slider_crank_encoders_give_the_crank_back(crank_angle):
     npt.assert_allclose(np.cos(found - crank_angle), 1, atol=1e-9)
 
 
-def test_clearance_lengthens_the_rod():  # Mukras et al. (2008), eq. 18, root phi1 + alpha = phi2 + pi
+def test_clearance_lengthens_the_rod():
+    # Mukras et al. (2008), eq. 18, root phi1 + alpha = phi2 + pi
     worn = SliderCrank(0.0762, 0.2032, clearance=1e-4)
     npt.assert_allclose(
         worn.slider_position(TURN), SliderCrank(0.0762, 0.2033).slider_position(TURN)
@@ -284,3 +285,101 @@ def test_slider_crank_refuses_bad_links(links, named):
         SliderCrank(*links)
     with pytest.raises(ModelError, match="slider_position must lie in the reach"):
         MUKRAS.crank_angle_from_slider(0.3, rising=True)
+
+
+@pytest.mark.parametrize("field", ["crank", "coupler", "rocker", "ground"])
+def test_links_are_single_finite_numbers(field):
+    lengths = {"crank": 0.055, "coupler": 0.44, "rocker": 0.26, "ground": 0.51}
+    for several in ([0.1, 0.2], np.array([0.1, 0.2]), xr.DataArray([0.1, 0.2])):
+        with pytest.raises(ModelError, match=f"{field} must be one number, got an array of shape"):
+            CrankRocker(**{**lengths, field: several})
+    with pytest.raises(ModelError, match=f"{field} must be finite"):
+        CrankRocker(**{**lengths, field: np.inf})
+
+
+@pytest.mark.parametrize("field", ["crank", "coupler", "clearance"])
+def test_links_of_the_slider_crank_are_single_finite_numbers(field):
+    lengths = {"crank": 0.0762, "coupler": 0.2032, "clearance": 1e-4}
+    with pytest.raises(ModelError, match=f"{field} must be one number"):
+        SliderCrank(**{**lengths, field: np.array([0.1, 0.2])})
+    with pytest.raises(ModelError, match=f"{field} must be finite"):
+        SliderCrank(**{**lengths, field: np.inf})
+
+
+def test_arguments_of_the_synthesis_are_single_finite_numbers():
+    links = {"coupler": 0.44, "rocker": 0.26, "ground": 0.51}
+    with pytest.raises(ModelError, match="swing must be one number"):
+        crank_for_swing([0.1, 0.2], **links)
+    with pytest.raises(ModelError, match="rocker must be finite"):
+        crank_for_swing(0.1, **{**links, "rocker": np.inf})
+    with pytest.raises(ModelError, match="close no triangle"):
+        crank_for_swing(0.1, **{**links, "ground": 0.8})
+
+
+def test_speed_limits_take_one_crank_speed():
+    with pytest.raises(ModelError, match="crank_speed must be one number"):
+        RIG.speed_limits(crank_speed=[1.0, 2.0])
+    with pytest.raises(ModelError, match="crank_speed must be positive"):
+        RIG.speed_limits(crank_speed=-1.0)
+
+
+def test_lengths_in_millimetres_warn():
+    with pytest.warns(
+        UnitWarning, match=r"crank = 55 m, coupler = 440 m, .* are implausible .*: in mm"
+    ):
+        CrankRocker(crank=55, coupler=440, rocker=260, ground=510)
+    with pytest.warns(UnitWarning, match=r"coupler = 203\.2 m"):
+        SliderCrank(crank=76.2, coupler=203.2)
+    with pytest.warns(UnitWarning, match="ground = 510 m"):
+        crank_for_swing(0.4, coupler=440, rocker=260, ground=510)
+
+
+POSITIONS = ["rocker_angle", "coupler_angle", "transmission_angle"]
+SPEEDS = ["rocker_speed", "coupler_speed", "rocker_acceleration"]
+SLIDER_POSITIONS = ["coupler_angle", "slider_position", "joint_angle"]
+SLIDER_SPEEDS = [
+    "coupler_speed",
+    "slider_speed",
+    "joint_speed",
+    "coupler_acceleration",
+    "slider_acceleration",
+]
+METHODS = [
+    *((RIG, name, {}) for name in POSITIONS),
+    *((RIG, name, {"crank_speed": 3}) for name in SPEEDS),
+    *((MUKRAS, name, {}) for name in SLIDER_POSITIONS),
+    *((MUKRAS, name, {"crank_speed": 3}) for name in SLIDER_SPEEDS),
+]
+
+
+@pytest.mark.parametrize(("linkage", "name", "speed"), METHODS)
+def test_scalars_give_floats_and_sequences_give_the_same_values(linkage, name, speed):
+    method = getattr(linkage, name)
+    one, two = method(1, **speed), method(np.float64(2.0), **speed)
+    assert type(one) is type(two) is float
+    for crank_angle in ([1, 2], (1.0, 2.0), range(1, 3), np.array([1, 2])):
+        npt.assert_allclose(method(crank_angle, **speed), [one, two], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("linkage", "name", "speed"), METHODS)
+def test_infinite_angles_and_speeds_are_refused_by_name(linkage, name, speed):
+    with pytest.raises(ModelError, match="crank_angle must be finite"):
+        getattr(linkage, name)([1.0, np.inf], **speed)
+    for argument in speed:
+        with pytest.raises(ModelError, match=f"{argument} must be finite"):
+            getattr(linkage, name)(1.0, **{argument: np.inf})
+    if name.endswith("acceleration"):
+        with pytest.raises(ModelError, match="crank_acceleration must be finite"):
+            getattr(linkage, name)(1.0, **speed, crank_acceleration=-np.inf)
+
+
+def test_inverse_maps_take_lists_and_give_floats_for_scalars():
+    psi = RIG.rocker_angle([1.0, 4.0])
+    npt.assert_allclose(RIG.crank_angle(list(psi), rising=[False, True]), [1.0, 4.0], rtol=1e-9)
+    assert type(RIG.crank_angle(psi[0], rising=False)) is float
+    phi = RIG.coupler_angle(1.0)
+    assert type(RIG.crank_angle_from_coupler(phi, rising=False)) is float
+    x = MUKRAS.slider_position([1.0, 4.0])
+    found = MUKRAS.crank_angle_from_slider(list(x), rising=[False, True])
+    npt.assert_allclose(found, [1.0, 4.0], rtol=1e-9)
+    assert type(MUKRAS.crank_angle(MUKRAS.coupler_angle(1.0), rising=False)) is float
