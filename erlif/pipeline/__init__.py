@@ -3,7 +3,16 @@
 from erlif.pipeline.budget import budget, render_budget
 from erlif.pipeline.check import check
 from erlif.pipeline.fixture import calibrate
+from erlif.pipeline.images import restore_images
 from erlif.pipeline.init import init
 from erlif.pipeline.run import process
 
-__all__ = ["budget", "calibrate", "check", "init", "process", "render_budget"]
+__all__ = [
+    "budget",
+    "calibrate",
+    "check",
+    "init",
+    "process",
+    "render_budget",
+    "restore_images",
+]

@@ -1,0 +1,191 @@
+"""The images behind a map: the light of both cameras and their ratio, computed again from the run.
+
+A film stores its maps and no images. This module repeats the stages from counts to ratio with what
+the film stores of them: settings, camera map, drift of each frame, and difference of sharpness. The
+cameras are not registered anew, so that the ratio is the one that the map was inverted from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import FrameError, OutputError
+from erlif.core.products import AlignedFrames
+from erlif.correction import correct_frames, measure_references
+from erlif.files import check_trigger, open_film, settings_of
+from erlif.ingest import Recording, open_run, read_frames
+from erlif.pipeline.camera_noise import complete_noise
+from erlif.pipeline.chain import Chain, one_thread_per_frame
+from erlif.ratio import BlurDifference, RatioSum, compute_ratio, smooth_ratio
+from erlif.registration import CameraMap, align_frames
+from erlif.settings import RunSettings
+
+
+def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) -> xr.Dataset:
+    """Compute the images behind the map of one trigger.
+
+    Parameters
+    ----------
+    film_path : path
+        ``film.nc`` or ``film.zarr``.
+    run_dir : path
+        Run directory that the film was made from.
+    trigger : int
+        Number of the trigger, counted from 0.
+
+    Returns
+    -------
+    xarray.Dataset
+        light (camera, y, x), corrected and on the pixel grid of camera 1, the mean over the frames
+        of the trigger [DN]; log_ratio (y, x), camera 2 over camera 1, with log_ratio_var (random)
+        and log_ratio_var_shared [1]; flags (y, x). Coordinates x and y [mm]. Attributes trigger,
+        and frames, the numbers of the frame pairs.
+
+    Raises
+    ------
+    ErlifError
+        If the film has no such trigger or no frame of it, or the directory cannot be read or holds
+        another run.
+
+    Examples
+    --------
+    The film thickness behind the logarithm of the ratio is that of the map:
+
+    >>> images = restore_images("film.nc", "run", trigger=2)  # doctest: +SKIP
+    >>> maps = measure_thickness(images, calibration_of(film))  # doctest: +SKIP
+    """
+    film_path, run_dir = Path(film_path), Path(run_dir)
+    stored = _read_stored(film_path, trigger)
+    recording = replace(open_run(run_dir, skip_bad_frames=True), settings=stored.settings)
+    _check_run(recording, stored)
+    frames = [k for k in recording.frames if stored.trigger_of[k] == trigger]
+    if not frames:
+        raise FrameError(
+            f"Expected a frame pair of trigger {trigger}; all of them were left out when the film "
+            "was made. Name another trigger."
+        )
+
+    references = measure_references(recording)
+    chain = complete_noise(Chain(recording, references, stored.camera_map, stored.blur))
+
+    # a difference of sharpness that was estimated again would differ from that behind the map
+    chain = replace(chain, blur=stored.blur)
+    return _combine(chain, stored, frames, trigger)
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """What a film stores of the stages before its maps."""
+
+    settings: RunSettings
+    """Settings of the run."""
+    camera_map: CameraMap
+    """Camera map, with the mean drift taken up."""
+    blur: BlurDifference
+    """Difference of sharpness. [px2]"""
+    trigger_of: npt.NDArray[np.int64]
+    """(frame,): trigger of each frame."""
+    drift: Array
+    """(frame, axis x y): drift on top of the camera map; NaN where it is not known. [px]"""
+    files: tuple[list[str], list[str]]
+    """File of each frame, camera 1 and camera 2."""
+    x: xr.DataArray
+    """Columns in the object plane. [mm]"""
+    y: xr.DataArray
+    """Rows in the object plane. [mm]"""
+
+
+def _read_stored(film_path: Path, trigger: int) -> _Stored:
+    with open_film(film_path) as film:
+        check_trigger(film, trigger)
+        settings, x, y = settings_of(film), film.x.load(), film.y.load()
+
+    with open_film(film_path, group="registration") as registration:
+        camera_map = CameraMap.from_dataset(registration)
+        try:
+            difference = registration.attrs["blur_difference"]
+            std = registration.attrs["blur_difference_std"]
+        except KeyError as missing:
+            raise OutputError(
+                f"Expected the attribute {missing.args[0]} in the group registration of "
+                f"{film_path.name}; there is none. Make the film again with: erlif process RUN_DIR"
+            ) from missing
+
+    with open_film(film_path, group="frames") as frames:
+        drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
+        files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
+        trigger_of = frames.trigger.values.astype(np.int64)
+
+    blur = BlurDifference(*map(float, difference), *map(float, std))
+    return _Stored(settings, camera_map, blur, trigger_of, drift, (files[0], files[1]), x, y)
+
+
+def _check_run(recording: Recording, stored: _Stored) -> None:
+    """Refuse a run directory whose frames are not those of the film."""
+    shape = (stored.y.size, stored.x.size)
+    count = len(stored.trigger_of)
+    found = len(recording.pages[0])
+    if recording.shape != shape or found != count:
+        raise FrameError(
+            "Expected the run that the film was made from, "
+            f"{count} frames of {shape[1]} x {shape[0]} px; {recording.directory.name} has "
+            f"{found} of {recording.shape[1]} x {recording.shape[0]} px. Name the right one as "
+            "run_dir."
+        )
+
+    names = tuple([page.name for page in pages] for pages in recording.pages)
+    if names != stored.files:
+        raise FrameError(
+            "Expected the run that the film was made from, with the frames "
+            f"{stored.files[0][0]} to {stored.files[0][-1]} of camera 1; {recording.directory.name} "
+            f"has {names[0][0]} to {names[0][-1]}. Name the right one as run_dir."
+        )
+
+
+def _combine(chain: Chain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
+    """Mean light and combined ratio of the frames of a trigger."""
+    thickness = stored.settings.thickness
+    total = RatioSum(chain.recording.shape)
+    light = np.zeros((2, *chain.recording.shape))
+    seen = np.zeros_like(light)
+    with one_thread_per_frame():
+        for frame in frames:
+            aligned = _align(chain, frame, stored.drift[frame])
+            ratios = compute_ratio(
+                aligned, no_film_below=thickness.no_film_below, blur=chain.blur
+            )
+            total.add(ratios)
+
+            # camera 2 sees the edge of the image in some frames only, as it drifts
+            signal = aligned.signal.values[:, 0]
+            light += np.nan_to_num(signal, nan=0.0)
+            seen += np.isfinite(signal)
+
+    ratio = total.mean()
+    if thickness.smoothing is not None:
+        ratio = smooth_ratio(ratio, resolution=thickness.smoothing)
+
+    mean = np.divide(light, seen, out=np.full_like(light, np.nan), where=seen > 0)
+    images = xr.Dataset(
+        {"light": (("camera", "y", "x"), mean.astype(np.float32), {"units": "DN"})},
+        {"camera": [1, 2], "x": stored.x, "y": stored.y},
+        {"trigger": trigger, "frames": frames},
+    )
+    names = ("log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
+    return images.assign({name: ratio[name].variable for name in names})
+
+
+def _align(chain: Chain, frame: int, drift: Array) -> AlignedFrames:
+    """Both cameras of one frame, corrected and on one pixel grid by the stored drift."""
+    corrected = correct_frames(
+        read_frames(chain.recording, [frame]),
+        chain.references,
+        least_signal=chain.recording.settings.thickness.least_signal,
+    )
+    return align_frames(corrected, chain.camera_map, drift=drift[None])
