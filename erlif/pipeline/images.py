@@ -142,9 +142,10 @@ def _check_run(recording: Recording, stored: _Stored) -> None:
     names = tuple([page.name for page in pages] for pages in recording.pages)
     if names != stored.files:
         raise FrameError(
-            "Expected the run that the film was made from, with the frames "
-            f"{stored.files[0][0]} to {stored.files[0][-1]} of camera 1; {recording.directory.name} "
-            f"has {names[0][0]} to {names[0][-1]}. Name the right one as run_dir."
+            "Expected the run that the film was made from, with "
+            f"{stored.files[0][0]} to {stored.files[0][-1]} of camera 1; "
+            f"{recording.directory.name} has {names[0][0]} to {names[0][-1]}. Name the right one "
+            "as run_dir."
         )
 
 
@@ -157,9 +158,7 @@ def _combine(chain: Chain, stored: _Stored, frames: list[int], trigger: int) -> 
     with one_thread_per_frame():
         for frame in frames:
             aligned = _align(chain, frame, stored.drift[frame])
-            ratios = compute_ratio(
-                aligned, no_film_below=thickness.no_film_below, blur=chain.blur
-            )
+            ratios = compute_ratio(aligned, no_film_below=thickness.no_film_below, blur=chain.blur)
             total.add(ratios)
 
             # camera 2 sees the edge of the image in some frames only, as it drifts

@@ -1,8 +1,8 @@
-"""Figures of finished products: a film or a calibration and an axes in, artists out.
+"""Figures of finished products: a film or a calibration and axes in, artists out.
 
-Every function that draws one panel takes ``ax`` and makes a figure of one journal column where none is given; those whose
-names end in ``_figure`` put panels together. matplotlib is used through its objects alone: nothing here opens a window or
-changes a setting of the caller's.
+A function that draws one panel takes ``ax``, and makes a figure of one journal column without it.
+Functions whose names end in ``_figure`` combine panels. matplotlib is used through its objects
+alone: no function opens a window or changes a setting of the caller.
 """
 
 from erlif.plots.calibration import (
@@ -12,8 +12,16 @@ from erlif.plots.calibration import (
     ratio_residuals,
     write_calibration_figure,
 )
+from erlif.plots.example import (
+    example_calibration,
+    example_film,
+    example_frames,
+    example_images,
+    example_registration,
+    write_example,
+)
 from erlif.plots.files import find_fixture, find_run, missing_figures, write_figures
-from erlif.plots.frames import band_images, band_images_figure, ratio_image, restore_frames
+from erlif.plots.frames import band_images, band_images_figure, ratio_image
 from erlif.plots.kinematics import (
     cycle_figure,
     film_over_cycle,
@@ -38,6 +46,11 @@ __all__ = [
     "cycle_figure",
     "displacement_map",
     "drift_of_frames",
+    "example_calibration",
+    "example_film",
+    "example_frames",
+    "example_images",
+    "example_registration",
     "film_against_speed",
     "film_and_theory",
     "film_over_cycle",
@@ -51,7 +64,6 @@ __all__ = [
     "ratio_image",
     "ratio_residuals",
     "registration_figure",
-    "restore_frames",
     "save_figure",
     "sliding_profile",
     "speed_against_angle",
@@ -60,5 +72,6 @@ __all__ = [
     "thickness_figure",
     "thickness_map",
     "write_calibration_figure",
+    "write_example",
     "write_figures",
 ]

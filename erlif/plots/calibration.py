@@ -1,13 +1,15 @@
-"""The calibration: the fixture's profile, the ratio it gave, and how well the model goes through it."""
+"""The calibration: profile of the fixture, ratio against thickness, and residuals of the fit."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from erlif.calibration import Calibration, Profile
 from erlif.core.arrays import Array
@@ -19,6 +21,7 @@ from erlif.plots.style import (
     RETURN,
     add_colour_bar,
     colour_map,
+    frame_legend,
     given_or_new,
     letter,
     new_figure,
@@ -26,30 +29,71 @@ from erlif.plots.style import (
     styled,
 )
 
-_SHADE = "#EDEDED"
+_SHADE: dict[str, Any] = {
+    "facecolor": "#EDEDED",
+    "edgecolor": MUTED,
+    "linestyle": ":",
+    "linewidth": 0.5,
+    "zorder": 0,
+}
+"""Look of the calibrated range."""
+
+_GRID = 400  # points of a curve
+
+
+def _draw_points(
+    ax: Axes, x: Array, y: Array, std: Array | None, *, size: float, label: str | None = None
+) -> Line2D:
+    """Draw points with bars of one standard deviation."""
+    bars = ax.errorbar(
+        x,
+        y,
+        std,
+        fmt="o",
+        markersize=size,
+        color=OUTWARD,
+        ecolor=MUTED,
+        elinewidth=0.5,
+        capsize=0,
+        label=label,
+        zorder=2,
+    )
+    line: Line2D = bars.lines[0]
+    return line
 
 
 @styled
 def fixture_profile(
     profile: Profile, *, calibration: Calibration | None = None, ax: Axes | None = None
 ) -> list[Artist]:
-    """Draw what the coordinate measuring machine (CMM) saw of the fixture; the calibrated range is shaded where given.
+    """Draw the profile of a fixture by the coordinate measuring machine (CMM).
 
     Parameters
     ----------
     profile : Profile
         From `erlif.calibration.read_profile`; a line, or a surface drawn as coloured points.
     calibration : Calibration, optional
-        What was made of it.
+        The calibration of this fixture; its calibrated range is shaded in the profile of a line.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     list of Artist
+        The points; for a line with a calibration, the shaded range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from erlif.calibration import Profile
+    >>> wedge = Profile(np.linspace(0, 20, 5), np.linspace(0, 16, 5), np.full(5, 0.1))
+    >>> points, = fixture_profile(wedge)
+    >>> points.axes.get_xlabel(), points.axes.get_ylabel()
+    ('profile x [mm]', 'thickness by CMM [µm]')
     """
     ax = given_or_new(ax)
     if profile.position.ndim == 2:
-        points = ax.scatter(
+        scatter = ax.scatter(
             profile.position[:, 0],
             profile.position[:, 1],
             c=profile.thickness,
@@ -57,82 +101,65 @@ def fixture_profile(
             s=6,
             linewidths=0,
         )
-        add_colour_bar(points, ax, "thickness by CMM [µm]", extend="neither")
+        add_colour_bar(scatter, ax, "thickness by CMM [µm]", extend="neither")
         ax.set(xlabel="profile x [mm]", ylabel="profile y [mm]", aspect="equal")
-        return [points]
+        return [scatter]
+
     artists: list[Artist] = []
     if calibration is not None:
-        low, high = calibration.thickness_range
-        artists.append(
-            ax.axhspan(
-                low,
-                high,
-                facecolor=_SHADE,
-                edgecolor=MUTED,
-                linestyle=":",
-                linewidth=0.5,
-                zorder=0,
-                label="calibrated range",
-            )
-        )
-    bars = ax.errorbar(
-        profile.position,
-        profile.thickness,
-        profile.uncertainty,
-        fmt="o",
-        markersize=1.6,
-        color=OUTWARD,
-        ecolor=MUTED,
-        elinewidth=0.5,
-        capsize=0,
-        label="CMM" if profile.uncertainty is None else "CMM, bars 1 s.d.",
+        shade = ax.axhspan(*calibration.thickness_range, **_SHADE, label="calibrated range")
+        artists.append(shade)
+    label = "CMM" if profile.uncertainty is None else "CMM, bars 1 s.d."
+    points = _draw_points(
+        ax, profile.position, profile.thickness, profile.uncertainty, size=1.6, label=label
     )
     ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
     ax.margins(x=0.01)
     ax.legend(loc="upper left")
-    return [bars.lines[0], *artists]
+    return [points, *artists]
 
 
 def _grid(calibration: Calibration) -> Array:
+    """Thicknesses of a curve, over the calibrated range and all points. [um]"""
     low, high = calibration.thickness_range
     if "curve_thickness" in calibration.curve:
         low = max(min(low, float(calibration.curve.curve_thickness.min())), 0.0)
         high = max(high, float(calibration.curve.curve_thickness.max()))
-    return np.linspace(low, high, 400)
+    return np.linspace(low, high, _GRID)
 
 
 def _band(calibration: Calibration, thickness: Array) -> Array:
-    """Half width of the 95 % band of the ratio that the fit's covariance leaves, as a share of the ratio."""
+    """Half width of the 95 % band of the fitted ratio, relative to the ratio. [1]"""
     return COVERAGE * calibration.log_ratio_std(thickness)
 
 
 @styled
 def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw ratio against thickness: the binned fixture with error bars, the fit with its 95 % band, the range shaded.
+    """Draw ratio against thickness: the points of the fixture and the fit with its 95 % band.
 
     Parameters
     ----------
     calibration : Calibration
-        One read back from a film has no points; the curve is then drawn alone.
+        A calibration read back from a film has no points; the curve is then drawn alone.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     list of Artist
-        Fit, band, and the points where there are any.
+        Fit, band, and the points where there are any. The calibrated range is shaded.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_calibration
+    >>> fit, band, points = ratio_against_thickness(example_calibration())
+    >>> fit.axes.get_xlabel(), fit.axes.get_ylabel()
+    ('thickness [µm]', 'ratio 610 nm / 580 nm [1]')
     """
     ax = given_or_new(ax)
     t = _grid(calibration)
     ratio, share = calibration.predict(t), _band(calibration, t)
-    ax.axvspan(
-        *calibration.thickness_range,
-        facecolor=_SHADE,
-        edgecolor=MUTED,
-        linestyle=":",
-        linewidth=0.5,
-        zorder=0,
-        label="calibrated range",
-    )
+    ax.axvspan(*calibration.thickness_range, **_SHADE, label="calibrated range")
     band = ax.fill_between(
         t,
         ratio * np.exp(-share),
@@ -142,29 +169,26 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
         linewidth=0,
         label="fit, 95 % band",
     )
-    model = "reabsorption model" + ("" if calibration.departure is None else " and departure")
+    model = "reabsorption model" + ("" if calibration.departure is None else " and spline")
     (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label=model)
     artists: list[Artist] = [fit, band]
+
     curve = calibration.curve
     if "curve_ratio" in curve:
-        bars = ax.errorbar(
+        points = _draw_points(
+            ax,
             curve.curve_thickness.values,
             curve.curve_ratio.values,
             curve.curve_ratio_std.values,
-            fmt="o",
-            markersize=1.8,
-            color=OUTWARD,
-            ecolor=MUTED,
-            elinewidth=0.5,
-            capsize=0,
+            size=1.8,
             label="fixture, bars 1 s.d.",
-            zorder=2,
         )
-        artists.append(bars.lines[0])
+        artists.append(points)
+
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
-    ax.legend(loc="lower right")
+    frame_legend(ax, loc="lower right")
     ax.annotate(
         _parameters(calibration),
         (0.04, 0.97),
@@ -177,6 +201,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
 
 
 def _parameters(calibration: Calibration) -> str:
+    """Fitted parameters with their standard deviations, one a line."""
     values, stds = calibration.parameters, calibration.standard_deviations
     lines = [
         f"K = {values[0]:.4f} ± {stds[0]:.4f}",
@@ -190,45 +215,55 @@ def _parameters(calibration: Calibration) -> str:
 
 @styled
 def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw what the fit leaves of the ratio, in per cent of it; parameters and artists as in `ratio_against_thickness`.
+    """Draw the residuals of the fit in per cent of the ratio, with its 95 % band.
 
-    Where a spline departs from the reabsorption model, the model alone is the dashed line.
+    Where a spline corrects the reabsorption model, the model alone is the dashed line.
+
+    Parameters
+    ----------
+    calibration, ax
+        As for `ratio_against_thickness`.
+
+    Returns
+    -------
+    list of Artist
+        Line at zero and band; the model alone where a spline corrects it; the points where there
+        are any.
+
+    Examples
+    --------
+    These points lie on the model:
+
+    >>> from erlif.plots import example_calibration
+    >>> zero, band, points = ratio_residuals(example_calibration())
+    >>> float(abs(points.get_ydata()).max())
+    0.0
     """
     ax = given_or_new(ax)
     t = _grid(calibration)
-    share = 100 * _band(calibration, t)
-    ax.axvspan(
-        *calibration.thickness_range,
-        facecolor=_SHADE,
-        edgecolor=MUTED,
-        linestyle=":",
-        linewidth=0.5,
-        zorder=0,
-    )
-    band = ax.fill_between(t, -share, share, color=RETURN, alpha=0.35, linewidth=0)
-    zero = ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3)
-    artists: list[Artist] = [zero, band]
+    percent = 100 * _band(calibration, t)
+    ax.axvspan(*calibration.thickness_range, **_SHADE)
+    band = ax.fill_between(t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0)
+    artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3), band]
+
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
         artists += ax.plot(
             t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone"
         )
         ax.legend(loc="best")
+
     curve = calibration.curve
     if "curve_ratio" in curve:
         fitted = curve.curve_ratio.values - curve.curve_residual.values
-        bars = ax.errorbar(
+        points = _draw_points(
+            ax,
             curve.curve_thickness.values,
             100 * curve.curve_residual.values / fitted,
             100 * curve.curve_ratio_std.values / fitted,
-            fmt="o",
-            markersize=1.8,
-            color=OUTWARD,
-            ecolor=MUTED,
-            elinewidth=0.5,
-            capsize=0,
+            size=1.8,
         )
-        artists.append(bars.lines[0])
+        artists.append(points)
     ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
     ax.margins(x=0.01)
     return artists
@@ -236,7 +271,24 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
 
 @styled
 def calibration_figure(calibration: Calibration) -> Figure:
-    """Ratio against thickness above and residuals below, one column wide."""
+    """Draw ratio against thickness, and the residuals below.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        As for `ratio_against_thickness`.
+
+    Returns
+    -------
+    Figure
+        One column wide.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_calibration
+    >>> calibration_figure(example_calibration()).axes[0].get_title()
+    'example wedge'
+    """
     figure = new_figure(ONE_COLUMN, 1.12 * ONE_COLUMN)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.1, 1))
     ratio_against_thickness(calibration, ax=above)
@@ -249,5 +301,31 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 
 def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path:
-    """Write the figure of a calibration, PNG, PDF or SVG by the suffix of `path`; raises OutputError."""
+    """Write the figure of a calibration as PNG, PDF or SVG by the suffix of `path`.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        As for `ratio_against_thickness`.
+    path : path
+        The file; an existing one is replaced.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.plots import example_calibration
+    >>> with TemporaryDirectory() as directory:
+    ...     write_calibration_figure(example_calibration(), f"{directory}/wedge.pdf").name
+    'wedge.pdf'
+    """
     return save_figure(calibration_figure(calibration), Path(path))

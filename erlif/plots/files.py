@@ -1,4 +1,4 @@
-"""The whole set of figures of a film, as files."""
+"""The set of figures of a film, and their files."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ from erlif.files import (
     refuse_existing,
     settings_of,
 )
+from erlif.pipeline import restore_images
 from erlif.plots.calibration import calibration_figure, fixture_profile
-from erlif.plots.frames import band_images_figure, ratio_image, restore_frames
+from erlif.plots.frames import band_images_figure, ratio_image
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
 from erlif.plots.registration import registration_figure
@@ -34,10 +35,36 @@ from erlif.settings import read_fixture_settings, read_run_settings
 logger = logging.getLogger(__name__)
 
 _KINDS = ("png", "pdf", "svg")
+_SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
 
 def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Path | None:
-    """The run directory of a film: the one given, else the film's own if its run.toml is that run's; None if there is none."""
+    """Find the run directory of a film.
+
+    Parameters
+    ----------
+    film_path : Path
+        The file of the film.
+    film : xarray.Dataset
+        The film.
+    given : Path, optional
+        The run directory where it is known.
+
+    Returns
+    -------
+    Path or None
+        `given`, else the directory of the film if its run.toml has the name of the run, else None.
+
+    Examples
+    --------
+    A directory without run.toml is not a run directory:
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.plots import example_film
+    >>> with TemporaryDirectory() as directory:
+    ...     find_run(Path(directory) / "film.nc", example_film()) is None
+    True
+    """
     if given is not None:
         return given
     beside = film_path.parent
@@ -48,7 +75,31 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
 
 
 def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = None) -> Path | None:
-    """The fixture directory of a film: the one given, else where run.toml's calibration lies; None if there is none."""
+    """Find the fixture directory of a film.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        The film.
+    run_dir : Path or None
+        Its run directory, from `find_run`.
+    given : Path, optional
+        The fixture directory where it is known.
+
+    Returns
+    -------
+    Path or None
+        `given`, else the directory of the calibration in run.toml if it holds fixture.toml, else
+        None.
+
+    Examples
+    --------
+    The settings of this film name no calibration:
+
+    >>> from erlif.plots import example_film
+    >>> find_fixture(example_film(), Path("run")) is None
+    True
+    """
     if given is not None:
         return given
     named = settings_of(film).calibration
@@ -60,94 +111,92 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = No
 
 @dataclass(frozen=True)
 class FigureSource:
-    """A film and what could be found of where it came from.
-
-    Attributes
-    ----------
-    film_path : Path
-    film : xarray.Dataset
-    trigger : int
-        The one that is shown where one is shown for all.
-    run_dir, fixture_dir : Path or None
-    """
+    """A film, and the directories it was made from as far as they are at hand."""
 
     film_path: Path
+    """The file of the film."""
     film: xr.Dataset
+    """The film."""
     trigger: int
+    """Trigger of the figures that show a single one."""
     run_dir: Path | None
+    """The run directory."""
     fixture_dir: Path | None
+    """The fixture directory."""
 
     @cached_property
-    def restored(self) -> xr.Dataset:
-        """The frames of the trigger; raises ErlifError."""
+    def images(self) -> xr.Dataset:
+        """Images behind the map of the trigger; raises ErlifError."""
         assert self.run_dir is not None
-        return restore_frames(self.film_path, self.run_dir, trigger=self.trigger)
+        return restore_images(self.film_path, self.run_dir, trigger=self.trigger)
 
     @cached_property
     def calibration(self) -> Calibration:
-        """The calibration, with its points where the file is at hand and is the one the film was made with."""
+        """The calibration, with its points if its file is at hand and is that of the film."""
         kept = calibration_of(self.film)
         for path in self._calibration_files():
-            if path.is_file():
-                try:
-                    found = open_calibration(path)
-                except ErlifError as error:
-                    logger.warning("%s", error)
-                    continue
-                if np.allclose(found.parameters, kept.parameters, rtol=1e-9):
-                    return found
-                logger.warning(
-                    "%s is not the calibration that the film was made with; its points are not drawn",
-                    path,
-                )
+            if not path.is_file():
+                continue
+            try:
+                found = open_calibration(path)
+            except ErlifError as error:
+                logger.warning("%s", error)
+                continue
+            if np.allclose(found.parameters, kept.parameters, rtol=_SAME):
+                return found
+            logger.warning(
+                "%s is not the calibration that the film was made with; its points are not drawn",
+                path,
+            )
         return kept
 
     def _calibration_files(self) -> list[Path]:
+        """Where the calibration can lie: as run.toml names it, and beside the fixture."""
         named = settings_of(self.film).calibration
         files = [self.run_dir / named] if self.run_dir is not None and named is not None else []
-        return files + (
-            [self.fixture_dir / "calibration.nc"] if self.fixture_dir is not None else []
-        )
+        if self.fixture_dir is not None:
+            files.append(self.fixture_dir / "calibration.nc")
+        return files
 
     def group(self, name: str) -> xr.Dataset:
-        """A group of the film, in memory."""
+        """Read a group of the film into memory."""
         with open_film(self.film_path, group=name) as group:
             return group.load()
 
 
 @styled
-def _speed(source: FigureSource) -> Figure:
+def _draw_speed(source: FigureSource) -> Figure:
     figure = new_figure()
     speed_against_angle(source.film, ax=figure.add_subplot())
     return figure
 
 
 @styled
-def _profile(source: FigureSource) -> Figure:
+def _draw_fixture(source: FigureSource) -> Figure:
     assert source.fixture_dir is not None
     settings = read_fixture_settings(source.fixture_dir)
-    figure = new_figure()
     profile = read_profile(source.fixture_dir / settings.fixture.profile)
+    figure = new_figure()
     fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
     return figure
 
 
 @styled
-def _ratio(source: FigureSource) -> Figure:
+def _draw_ratio(source: FigureSource) -> Figure:
     figure = new_figure(ONE_COLUMN, image_height(source.film, 0.75 * ONE_COLUMN) + 0.55)
     ax = figure.add_subplot()
-    ratio_image(source.restored, source.film, ax=ax)
+    ratio_image(source.images, source.film, ax=ax)
     ax.set_title(describe_trigger(source.film, source.trigger))
     return figure
 
 
 DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
-    "speed_against_angle": _speed,
-    "fixture_profile": _profile,
+    "speed_against_angle": _draw_speed,
+    "fixture_profile": _draw_fixture,
     "processed_images": lambda source: band_images_figure(
-        source.restored, source.film, trigger=source.trigger
+        source.images, source.film, trigger=source.trigger
     ),
-    "ratio_image": _ratio,
+    "ratio_image": _draw_ratio,
     "calibration": lambda source: calibration_figure(source.calibration),
     "thickness_map": lambda source: thickness_figure(source.film, trigger=source.trigger),
     "film_against_speed": lambda source: speed_figure(source.film),
@@ -161,21 +210,24 @@ DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
 
 
 def reason_missing(name: str, source: FigureSource) -> str | None:
-    """Why a figure cannot be drawn; None if it can."""
+    """Give the reason why a figure cannot be drawn; None if it can."""
     if name in ("processed_images", "ratio_image"):
         if source.run_dir is None:
             return "it needs the frames, and the run directory is neither given nor beside the film"
         try:
-            source.restored  # noqa: B018
+            source.images  # noqa: B018
         except (ErlifError, OSError) as error:
             return f"the frames could not be read again: {error}"
+
     if name == "fixture_profile":
         if source.fixture_dir is None:
-            return "it needs the CMM profile, and the fixture directory is neither given nor where run.toml names it"
-        try:
-            read_profile(
-                source.fixture_dir / read_fixture_settings(source.fixture_dir).fixture.profile
+            return (
+                "it needs the CMM profile, and the fixture directory is neither given nor where "
+                "run.toml names it"
             )
+        try:
+            settings = read_fixture_settings(source.fixture_dir)
+            read_profile(source.fixture_dir / settings.fixture.profile)
         except ErlifError as error:
             return str(error)
     return None
@@ -187,7 +239,33 @@ def missing_figures(
     run_dir: str | Path | None = None,
     fixture_dir: str | Path | None = None,
 ) -> dict[str, str]:
-    """Figures that `write_figures` would leave out, each with the reason."""
+    """List the figures that `write_figures` would leave out.
+
+    Parameters
+    ----------
+    film_path, run_dir, fixture_dir
+        As for `write_figures`.
+
+    Returns
+    -------
+    dict of str to str
+        Name of each missing figure, and the reason.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such film.
+
+    Examples
+    --------
+    A film without its run directory:
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.plots import write_example
+    >>> with TemporaryDirectory() as directory:
+    ...     list(missing_figures(write_example(f"{directory}/film.nc")))
+    ['fixture_profile', 'processed_images', 'ratio_image']
+    """
     with open_film(film_path) as film:
         source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
@@ -201,7 +279,7 @@ def find_source(
     run_dir: str | Path | None,
     fixture_dir: str | Path | None,
 ) -> FigureSource:
-    """Find what belongs to a film; raises ErlifError if it has no such trigger."""
+    """Find the directories a film was made from; raises ErlifError if it has no such trigger."""
     if trigger is None:
         trigger = fastest_trigger(film)
     check_trigger(film, trigger)
@@ -222,18 +300,20 @@ def write_figures(
 ) -> list[Path]:
     """Write the figures of a film.
 
-    Figures that need what is not at hand are left out, and the log says which and why; `missing_figures` answers it beforehand.
+    A figure whose input is not at hand is left out with a warning in the log; `missing_figures`
+    lists them beforehand.
 
     Parameters
     ----------
     film_path : path
         ``film.nc`` or ``film.zarr``.
     out_dir : path
-        Where the files go; it is made if it does not exist.
+        Directory of the files; it is made if it does not exist.
     run_dir, fixture_dir : path, optional
-        Where the frames and the CMM profile are. Default: the film's own directory, and where its run.toml says.
+        Directories of the frames and of the CMM profile. Default: the directory of the film, and
+        the one that its run.toml names.
     trigger : int, optional
-        The one shown where one is shown for all; default: the outward one of highest speed.
+        Trigger of the figures that show a single one; default: the outward one of highest speed.
     formats : sequence of str
         Of ``"png"``, ``"pdf"`` and ``"svg"``.
     overwrite : bool
@@ -242,7 +322,7 @@ def write_figures(
     Returns
     -------
     list of Path
-        What was written, in the order of the method.
+        The files, in the order of the method.
 
     Raises
     ------
@@ -250,22 +330,36 @@ def write_figures(
         If a file exists, cannot be written, or a format is unknown.
     ErlifError
         If the film has no such trigger.
+
+    Examples
+    --------
+    >>> paths = write_figures("run/film.nc", "figures", formats=("pdf",))  # doctest: +SKIP
+
+    Formats are checked before any figure is drawn:
+
+    >>> write_figures("run/film.nc", "figures", formats=("gif",))
+    Traceback (most recent call last):
+    erlif.core.errors.OutputError: Expected figures as png, pdf, svg; got gif.
     """
     unknown = [kind for kind in formats if kind not in _KINDS]
     if unknown:
         raise OutputError(f"Expected figures as {', '.join(_KINDS)}; got {', '.join(unknown)}.")
+
     out_dir = Path(out_dir)
     written: list[Path] = []
     with open_film(film_path) as film:
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
         names = [name for name, reason in reasons.items() if reason is None]
+
+        # an existing file is found before the first figure is written, not after the ninth
         for name in names:
             for kind in formats:
                 refuse_existing(out_dir / f"{name}.{kind}", overwrite=overwrite)
         for name, reason in reasons.items():
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
+
         for name in names:
             figure = DRAWN[name](source)
             written += [save_figure(figure, out_dir / f"{name}.{kind}") for kind in formats]

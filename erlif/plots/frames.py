@@ -1,8 +1,9 @@
-"""What lies before the film: the corrected images of both bands and their ratio, made again from the run directory."""
+"""The images behind a map: the light of both cameras and their ratio.
+
+`erlif.pipeline.restore_images` computes them; here they are drawn.
+"""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -10,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from erlif.core.errors import FrameError
-from erlif.correction import correct_frames, measure_references
-from erlif.files import check_trigger, describe_trigger, open_film, settings_of
-from erlif.ingest import open_run, read_frames
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.files import describe_trigger, settings_of
 from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
 from erlif.plots.style import (
+    FLAGGED,
     ONE_COLUMN,
     TWO_COLUMNS,
     add_colour_bar,
@@ -25,149 +25,148 @@ from erlif.plots.style import (
     new_figure,
     styled,
 )
-from erlif.ratio import compute_ratio
-from erlif.registration import CameraMap, align_frames
+
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 
 
-def restore_frames(film_path: Path, run_dir: Path, *, trigger: int) -> xr.Dataset:
-    """Take the first frame of a trigger through correction, alignment and ratio again.
+def _limits(values: Array, valid: Mask) -> tuple[float, float]:
+    """Ends of the colour scale; 0 to 1 where no pixel is valid."""
+    shown = values[valid & np.isfinite(values)]
+    if shown.size == 0:
+        return 0.0, 1.0
+    low, high = np.percentile(shown, _WITHIN)
+    return float(low), float(high)
 
-    Displacement field and drift come from the film; the cameras are not registered anew.
 
-    Parameters
-    ----------
-    film_path : Path
-        The film.
-    run_dir : Path
-        The run directory it was made from.
-    trigger : int
-
-    Returns
-    -------
-    xarray.Dataset
-        signal (camera, y, x) [DN], both on the pixel grid of camera 1; ratio (y, x) [1], NaN where flagged; attribute frame,
-        its number.
-
-    Raises
-    ------
-    ErlifError
-        If the film has no such trigger, or the directory cannot be read or is another run's.
-    """
-    with open_film(film_path) as film:
-        check_trigger(film, trigger)
-        shape = (film.sizes["y"], film.sizes["x"])
-    with (
-        open_film(film_path, group="frames") as frames,
-        open_film(film_path, group="registration") as registration,
-    ):
-        camera_map = CameraMap.from_dataset(registration)
-        usable = (frames.trigger.values == trigger) & np.isfinite(frames.drift_x.values)
-        if not usable.any():
-            raise FrameError(
-                f"Expected a frame of trigger {trigger}; all of them were left out when the film was made."
-            )
-        number = int(np.argmax(usable))
-        drift = np.array([[float(frames.drift_x[number]), float(frames.drift_y[number])]])
-        count = frames.sizes["frame"]
-    recording = open_run(run_dir, skip_bad_frames=True)
-    if recording.shape != shape or len(recording.pages[0]) != count:
-        raise FrameError(
-            f"Expected the run that the film was made from, {count} frames of {shape[1]} x {shape[0]} px; {run_dir.name} has "
-            f"{len(recording.pages[0])} of {recording.shape[1]} x {recording.shape[0]} px. Name the right one as run_dir."
-        )
-    options = recording.settings.thickness
-    corrected = correct_frames(
-        read_frames(recording, [number]),
-        measure_references(recording),
-        least_signal=options.least_signal,
+def _draw(
+    values: AnyArray, limits: tuple[float, float], film: xr.Dataset, label: str, ax: Axes
+) -> AxesImage:
+    """An image of the joint with its axes and colour bar."""
+    image = ax.imshow(
+        values,
+        cmap=colour_map("batlow", bad=FLAGGED),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=pixel_edges(film),
+        interpolation="none",
     )
-    aligned = align_frames(corrected, camera_map, drift=drift)
-    ratios = compute_ratio(aligned, no_film_below=options.no_film_below)
-    good = ratios.flags.values[0] == 0
-    return xr.Dataset(
-        {
-            "signal": (("camera", "y", "x"), aligned.signal.values[:, 0], {"units": "DN"}),
-            "ratio": (
-                ("y", "x"),
-                np.exp(np.where(good, ratios.log_ratio.values[0], np.nan)),
-                {"units": "1"},
-            ),
-        },
-        attrs={"frame": number},
-    )
+    add_colour_bar(image, ax, label)
+    label_position(ax, film)
+    bare_image(ax)
+    return image
 
 
 @styled
 def band_images(
-    restored: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes | None = None
+    images: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes | None = None
 ) -> AxesImage:
     """Draw the corrected image of one camera.
 
     Parameters
     ----------
-    restored : xarray.Dataset
-        From `restore_frames`.
+    images : xarray.Dataset
+        From `erlif.pipeline.restore_images`.
     film : xarray.Dataset
         The film, for positions and bands.
     camera : int
         1 or 2.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     AxesImage
+        Light of the camera on the pixel grid of camera 1 [DN], grey where it does not see.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film, example_images
+    >>> film = example_film()
+    >>> image = band_images(example_images(film, trigger=1), film, camera=1)
+    >>> image.axes.get_title()
+    'camera 1, 580 nm'
     """
-    ax = given_or_new(ax)
-    signal = restored.signal.values[camera - 1]
-    low, high = np.nanpercentile(signal[np.isfinite(restored.ratio.values)], [0.5, 99.5])
-    image = ax.imshow(
-        signal,
-        cmap=colour_map("batlow", bad="#D9D9D9"),
-        vmin=float(low),
-        vmax=float(high),
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
+    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.5)
+    light = images.light.sel(camera=camera).values
+    limits = _limits(light, images.flags.values == 0)
+    image = _draw(light, limits, film, "corrected light [DN]", ax)
+
     settings = settings_of(film)
     band = (settings.camera1, settings.camera2)[camera - 1].band
-    add_colour_bar(image, ax, "corrected signal [DN]")
     ax.set_title(f"camera {camera}, {band:g} nm")
-    label_position(ax, film)
-    bare_image(ax)
     return image
 
 
 @styled
-def band_images_figure(restored: xr.Dataset, film: xr.Dataset, *, trigger: int) -> Figure:
-    """The processed images of both cameras on the grid of camera 1, two columns wide."""
+def band_images_figure(images: xr.Dataset, film: xr.Dataset, *, trigger: int) -> Figure:
+    """Draw the images of both cameras side by side, on the pixel grid of camera 1.
+
+    Parameters
+    ----------
+    images, film : xarray.Dataset
+        As for `band_images`.
+    trigger : int
+        Number of the trigger that the images belong to, for the title.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film, example_images
+    >>> film = example_film()
+    >>> figure = band_images_figure(example_images(film, trigger=1), film, trigger=1)
+    >>> title = figure.get_suptitle().split(", ")
+    >>> title[0], title[-1]
+    ('trigger 1', 'frame pair 1')
+    """
     figure = new_figure(TWO_COLUMNS, image_height(film, 0.37 * TWO_COLUMNS) + 0.62)
     left, right = figure.subplots(1, 2, sharey=True)
-    band_images(restored, film, camera=1, ax=left)
-    band_images(restored, film, camera=2, ax=right)
+    band_images(images, film, camera=1, ax=left)
+    band_images(images, film, camera=2, ax=right)
+
     right.set_ylabel("")
     letter(left, "a")
     letter(right, "b")
-    figure.suptitle(f"{describe_trigger(film, trigger)}, frame {restored.attrs['frame']}")
+    figure.suptitle(f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
     return figure
 
 
+def _describe_frames(images: xr.Dataset) -> str:
+    """The frame pair of the images, or the number of them."""
+    frames = np.atleast_1d(images.attrs["frames"])
+    return f"frame pair {frames[0]}" if frames.size == 1 else f"mean of {frames.size} frame pairs"
+
+
 @styled
-def ratio_image(restored: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
-    """Draw the ratio camera 2 / camera 1; pixels without an answer are grey. Parameters as in `band_images`."""
+def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
+    """Draw the ratio of camera 2 to camera 1, which rises with film thickness.
+
+    Parameters
+    ----------
+    images, film : xarray.Dataset
+        As for `band_images`.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        The ratio [1]; flagged pixels are grey.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film, example_images
+    >>> film = example_film()
+    >>> image = ratio_image(example_images(film, trigger=1), film)
+    >>> image.axes.child_axes[0].get_ylabel()
+    'ratio 610 nm / 580 nm [1]; grey: flagged'
+    """
     ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.5)
-    ratio = restored.ratio.values
-    low, high = np.nanpercentile(ratio, [0.5, 99.5])
-    image = ax.imshow(
-        ratio,
-        cmap=colour_map("batlow", bad="#D9D9D9"),
-        vmin=float(low),
-        vmax=float(high),
-        extent=pixel_edges(film),
-        interpolation="none",
-    )
+    valid = images.flags.values == 0
+    ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
     label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]; grey: flagged"
-    add_colour_bar(image, ax, label)
-    label_position(ax, film)
-    bare_image(ax)
-    return image
+    return _draw(ratio, _limits(ratio, valid), film, label, ax)

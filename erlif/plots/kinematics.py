@@ -1,9 +1,10 @@
-"""Speed of the joint, and the film, over a cycle of the mechanism."""
+"""Speed of the joint and film thickness over a cycle of the mechanism."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +19,8 @@ from erlif.kinematics import build_mechanism
 from erlif.models.mechanism import SliderCrank
 from erlif.plots.style import (
     COVERAGE,
-    LEAST,
     MEAN,
+    MINIMUM,
     MUTED,
     ONE_COLUMN,
     STROKES,
@@ -31,33 +32,46 @@ from erlif.plots.style import (
 )
 from erlif.settings import RunSettings
 
-_CYCLE = np.linspace(0.0, 2 * math.pi, 721)
+_CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
+_DASHES = (0, (3, 1.5))
 
 
-def exact_cycle(film: xr.Dataset) -> tuple[Array, Array, Array]:
-    """Crank angle [degree], encoder reading [degree] and joint speed [rad/s] over one turn, from the linkage alone."""
+@dataclass(frozen=True)
+class LinkageCycle:
+    """One turn of the crank, from the lengths of the links alone."""
+
+    crank_angle: Array
+    """Crank angle. [degree]"""
+    reading: Array
+    """Encoder reading. [degree]"""
+    speed: Array
+    """Speed of the joint, positive on the outward stroke. [rad/s]"""
+
+
+def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
+    """Compute one turn of the crank by the kinematics of the linkage of a film."""
     settings = settings_of(film)
     mechanism = build_mechanism(settings)
     omega = settings.mechanism.crank_speed
     if isinstance(mechanism, SliderCrank):
-        angle, speed = (
-            mechanism.coupler_angle(_CYCLE),
-            mechanism.joint_speed(_CYCLE, crank_speed=omega),
-        )
+        angle = mechanism.coupler_angle(_CYCLE)
+        speed = mechanism.joint_speed(_CYCLE, crank_speed=omega)
     else:
-        angle, speed = (
-            mechanism.rocker_angle(_CYCLE),
-            mechanism.rocker_speed(_CYCLE, crank_speed=omega),
-        )
+        angle = mechanism.rocker_angle(_CYCLE)
+        speed = mechanism.rocker_speed(_CYCLE, crank_speed=omega)
+
     if settings.encoder.mounted_on == "crank":
         reading = np.degrees(_CYCLE - (settings.encoder.zero or 0.0)) % 360
     else:
         reading = np.degrees(angle - _zero(settings, film, mechanism.limits()))
-    return np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed)
+    return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
 
 
 def _zero(settings: RunSettings, film: xr.Dataset, limits: tuple[float, float]) -> float:
-    """Link angle at reading 0 [rad]; where it was not set, the extremes of the log lie even within the dead points."""
+    """Link angle at reading 0. [rad]
+
+    Without a setting, the readings are centred between the dead points.
+    """
     if settings.encoder.zero is not None:
         return settings.encoder.zero
     reading = np.radians(film.encoder_angle.values)
@@ -65,11 +79,11 @@ def _zero(settings: RunSettings, film: xr.Dataset, limits: tuple[float, float]) 
 
 
 def _draw_strokes(ax: Axes, film: xr.Dataset, x: Array, y: Array) -> list[Artist]:
-    """Points of the triggers, the strokes told apart by marker."""
+    """Draw the triggers, with a marker for each stroke."""
     artists: list[Artist] = []
     for sign, look in STROKES.items():
         of_stroke = film.stroke.values == sign
-        artists += ax.plot(x[of_stroke], y[of_stroke], linestyle="none", zorder=3, **look)  # type: ignore[arg-type]
+        artists += ax.plot(x[of_stroke], y[of_stroke], linestyle="none", zorder=3, **look)
     return artists
 
 
@@ -77,109 +91,157 @@ def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
     return lambda values: np.asarray(values, float) * factor
 
 
-def _add_sliding_axis(ax: Axes, settings: RunSettings) -> None:
-    radius = settings.joint.pin_radius * 1e3
+def _label_speed(ax: Axes, settings: RunSettings) -> None:
+    """Label the joint speed, with a second axis of the sliding speed."""
+    ax.set_ylabel("joint speed [rad/s]")
+    radius = settings.joint.pin_radius * 1e3  # mm
     second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
-    second.set_ylabel("sliding speed of the pin [mm/s]")
+    second.set_ylabel("sliding speed [mm/s]")
     ax.spines["right"].set_visible(False)
 
 
 @styled
 def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw joint speed against encoder angle: the exact curve of the linkage, the triggers on it, sliding speed at the right.
+    """Draw joint speed against encoder angle, and sliding speed on a second axis.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     list of Artist
-        The curve, then the points of the outward and of the return stroke.
+        The curve of the linkage, then the triggers of the outward and of the return stroke.
+
+    Examples
+    --------
+    The rocker of this linkage swings by 24.43 degree:
+
+    >>> import numpy as np
+    >>> from erlif.plots import example_film
+    >>> curve, outward, back = speed_against_angle(example_film())
+    >>> float(np.ptp(curve.get_xdata()).round(2))
+    24.43
     """
     ax = given_or_new(ax)
-    settings = settings_of(film)
-    _, reading, speed = exact_cycle(film)
-    jump = (
-        np.abs(np.diff(reading, prepend=reading[:1])) > 180
-    )  # where an encoder on the crank starts anew
+    cycle = linkage_cycle(film)
+
+    # the reading of an encoder on the crank jumps back to zero after 360 degree
+    jump = np.abs(np.diff(cycle.reading, prepend=cycle.reading[:1])) > 180
     (curve,) = ax.plot(
-        np.where(jump, np.nan, reading),
-        speed,
+        np.where(jump, np.nan, cycle.reading),
+        cycle.speed,
         color=MUTED,
         linewidth=0.9,
-        label="exact linkage",
+        label="kinematics of the linkage",
         zorder=2,
     )
     points = _draw_strokes(ax, film, film.encoder_angle.values, film.rocker_speed.values)
-    if speed.min() < 0:
+    if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+
     ax.set_xlabel("encoder angle [°]")
-    ax.set_ylabel("joint speed [rad/s]")
-    _add_sliding_axis(ax, settings)
+    _label_speed(ax, settings_of(film))
     frame_legend(ax, loc="center")
     return [curve, *points]
 
 
 @styled
 def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw joint speed against crank angle; parameters and artists as in `speed_against_angle`."""
+    """Draw joint speed against crank angle, and sliding speed on a second axis.
+
+    Parameters
+    ----------
+    film, ax
+        As for `speed_against_angle`.
+
+    Returns
+    -------
+    list of Artist
+        The curve of the linkage, then the triggers of the outward and of the return stroke.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> curve, outward, back = speed_over_cycle(example_film())
+    >>> curve.axes.get_xlabel(), curve.axes.get_ylabel()
+    ('crank angle [°]', 'joint speed [rad/s]')
+    """
     ax = given_or_new(ax)
-    crank, _, speed = exact_cycle(film)
-    (curve,) = ax.plot(crank, speed, color=MUTED, linewidth=0.9, zorder=2)
+    cycle = linkage_cycle(film)
+    (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=0.9, zorder=2)
     points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
-    if speed.min() < 0:
+    if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
     _label_crank(ax)
-    ax.set_ylabel("joint speed [rad/s]")
-    _add_sliding_axis(ax, settings_of(film))
+    _label_speed(ax, settings_of(film))
     return [curve, *points]
 
 
 @styled
 def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw mean and least film against crank angle, with bands of 95 % that hold random and shared errors.
+    """Draw mean and minimum film thickness against crank angle, with 95 % bands.
 
-    Parameters and artists as in `speed_against_angle`: for each of the two films its band, then the points of both strokes.
+    Parameters
+    ----------
+    film, ax
+        As for `speed_against_angle`.
+
+    Returns
+    -------
+    list of Artist
+        Band and line of each stretch of one stroke, first of the mean, then of the minimum. The
+        bands hold random and shared errors.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> band, line, *_ = film_over_cycle(example_film())
+    >>> line.get_label(), line.axes.get_ylabel()
+    ('mean of the region', 'film thickness [µm]')
     """
     ax = given_or_new(ax)
     artists: list[Artist] = []
-    for name, colour, style, label in (
-        ("film_mean", MEAN, (0, (3, 1.5)), "mean of the region"),
-        ("film_min", LEAST, "-", "least film"),
+    for name, colour, dashes, label in (
+        ("film_mean", MEAN, _DASHES, "mean of the region"),
+        ("film_min", MINIMUM, "-", "minimum"),
     ):
-        value, std = film[name].values, film[f"{name}_std"].values
-        for n, members in enumerate(_runs(film)):
-            x, y, half = film.crank_angle.values[members], value[members], COVERAGE * std[members]
+        value, half = film[name].values, COVERAGE * film[f"{name}_std"].values
+        for n, members in enumerate(_strokes_in_order(film)):
+            x, y, reach = film.crank_angle.values[members], value[members], half[members]
             artists.append(
-                ax.fill_between(x, y - half, y + half, color=colour, alpha=0.3, linewidth=0)
+                ax.fill_between(x, y - reach, y + reach, color=colour, alpha=0.3, linewidth=0)
             )
-            artists += ax.plot(
-                x, y, color=colour, linestyle=style, linewidth=0.9, label=label if n == 0 else None
-            )
-        for sign, look in STROKES.items():
-            of_stroke = film.stroke.values == sign
-            artists += ax.plot(
-                film.crank_angle.values[of_stroke],
-                value[of_stroke],
-                linestyle="none",
-                marker=str(look["marker"]),
-                markersize=2.4,
-                color=colour,
-                markerfacecolor=colour if sign > 0 else "white",
-            )
+            own = label if n == 0 else None  # one key for all stretches
+            artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=0.9, label=own)
+        _mark_strokes(ax, film, value, colour)
+
     _label_crank(ax)
     ax.set_ylabel("film thickness [µm]")
     ax.set_ylim(0, None)
-    frame_legend(
-        ax, loc="lower center", ncols=2, title="bands 95 %, random and shared", title_fontsize=6.5
-    )
+    frame_legend(ax, loc="lower center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
     return artists
 
 
-def _runs(film: xr.Dataset) -> list[npt.NDArray[np.intp]]:
+def _mark_strokes(ax: Axes, film: xr.Dataset, value: Array, colour: str) -> None:
+    """Draw the triggers in one colour, with a marker for each stroke."""
+    for sign, look in STROKES.items():
+        of_stroke = film.stroke.values == sign
+        ax.plot(
+            film.crank_angle.values[of_stroke],
+            value[of_stroke],
+            linestyle="none",
+            marker=str(look["marker"]),
+            markersize=2.4,
+            color=colour,
+            markerfacecolor=colour if sign > 0 else "white",
+        )
+
+
+def _strokes_in_order(film: xr.Dataset) -> list[npt.NDArray[np.intp]]:
     """Triggers in the order of the crank, cut where the stroke changes."""
     order = np.argsort(film.crank_angle.values)
     cuts = np.nonzero(np.diff(film.stroke.values[order]) != 0)[0] + 1
@@ -194,16 +256,37 @@ def _label_crank(ax: Axes) -> None:
 
 @styled
 def cycle_figure(film: xr.Dataset) -> Figure:
-    """Film above and speed below against crank angle, one column wide; dotted lines where the motion turns."""
+    """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Figure
+        One column wide.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> figure = cycle_figure(example_film())
+    >>> [ax.get_ylabel() for ax in figure.axes]
+    ['film thickness [µm]', 'joint speed [rad/s]']
+    """
     figure = new_figure(ONE_COLUMN, 1.15 * ONE_COLUMN)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.35, 1))
     film_over_cycle(film, ax=above)
     speed_over_cycle(film, ax=below)
     above.set_xlabel("")
-    crank, _, speed = exact_cycle(film)
-    for turn in crank[1:][np.diff(np.sign(speed)) != 0]:
+
+    cycle = linkage_cycle(film)
+    turns = cycle.crank_angle[1:][np.diff(np.sign(cycle.speed)) != 0]
+    for turn in turns:
         for ax in (above, below):
             ax.axvline(turn, color=MUTED, linewidth=0.5, linestyle=":", zorder=1)
+
     below.legend(loc="lower right", ncols=1)
     letter(above, "a")
     letter(below, "b")

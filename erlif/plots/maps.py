@@ -1,4 +1,4 @@
-"""Maps of film thickness and profiles through them."""
+"""Maps of film thickness, and profiles along the sliding direction."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -22,6 +23,7 @@ from erlif.files import check_trigger, describe_trigger, region_of, settings_of
 from erlif.plots.style import (
     COVERAGE,
     FLAG_COLOURS,
+    FLAGGED,
     ONE_COLUMN,
     OUTWARD,
     RETURN,
@@ -37,20 +39,26 @@ from erlif.trend import average_across_sliding, rigid_gap
 
 Limits = tuple[float, float]
 
-_SHEET_COLUMNS = 10
+_WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
+_EVERY = 3  # the limits need no more than every third pixel along each axis
+_LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
+_SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
+_SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
+_ROOM = (0.42, 0.08)  # below and above a profile for text, in heights of the profile
 
 
 def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Limits:
-    """Thickness that all but the 0.5 % thinnest and thickest pixels keep within. [um]"""
+    """Find the thickness range of all but the 0.5 % thinnest and thickest pixels. [um]"""
     chosen = range(film.sizes["trigger"]) if triggers is None else triggers
-    samples = [film.thickness.isel(trigger=k).values[::3, ::3].ravel() for k in chosen]
+    samples = [film.thickness.isel(trigger=k).values[::_EVERY, ::_EVERY].ravel() for k in chosen]
     values = np.concatenate(samples)
     values = values[np.isfinite(values)]
     if values.size == 0:
         return 0.0, 1.0
-    low, high = np.percentile(values, [0.5, 99.5])
-    return float(low), float(max(high, low + 1e-3))
+
+    low, high = np.percentile(values, _WITHIN)
+    return float(low), float(max(high, low + _LEAST_SPAN))
 
 
 def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
@@ -62,20 +70,20 @@ def pixel_edges(film: xr.Dataset) -> tuple[float, float, float, float]:
 
 
 def image_height(film: xr.Dataset, width: float) -> float:
-    """Height of the joint's image at a width, both in inches."""
+    """Height of the joint's image at a given width, both in inches."""
     left, right, bottom, top = pixel_edges(film)
     return width * (bottom - top) / (right - left)
 
 
 def label_position(ax: Axes, film: xr.Dataset) -> None:
-    """Name the axes of an image of the joint."""
+    """Label the axes of an image of the joint."""
     along = settings_of(film).optics.x_axis
     ax.set_xlabel("x (sliding) [mm]" if along == "sliding" else "x (axial) [mm]")
     ax.set_ylabel("y (axial) [mm]" if along == "sliding" else "y (sliding) [mm]")
 
 
 def bare_image(ax: Axes) -> None:
-    """A full frame about an image, as its edge is data."""
+    """Draw all four sides of the frame, because the edge of an image is data."""
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
 
@@ -89,27 +97,37 @@ def thickness_map(
     limits: Limits | None = None,
     region: bool = True,
 ) -> AxesImage:
-    """Draw film thickness at one trigger, with the pixels that do not answer in the colour of their reason.
+    """Draw the map of film thickness at one trigger; flagged pixels have the colour of their flag.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
     trigger : int
+        Number of the trigger, counted from 0.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
     limits : (float, float), optional
-        Ends of the colour scale [um]; default: those all but 1 % of this map keep within.
+        Ends of the colour scale [um]; default: the range of all but 1 % of the pixels of this map.
     region : bool
         Outline the region of interest.
 
     Returns
     -------
     AxesImage
+        Film thickness [um], NaN where flagged.
 
     Raises
     ------
     ErlifError
         If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> image = thickness_map(example_film(), trigger=2, limits=(2, 8))
+    >>> image.get_clim(), image.axes.get_xlabel()
+    ((2.0, 8.0), 'x (sliding) [mm]')
     """
     check_trigger(film, trigger)
     ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.65)
@@ -122,30 +140,31 @@ def thickness_map(
         extent=pixel_edges(film),
         interpolation="none",
     )
-    legend = _draw_flags(ax, film.flags.isel(trigger=trigger).values, film)
+    handles = _draw_flags(ax, film.flags.isel(trigger=trigger).values, film)
     add_colour_bar(image, ax, "film thickness [µm]")
+
     if region:
-        outline = _outline_region(ax, film)
-        legend.append(outline)
-    if legend:
+        handles.append(_outline_region(ax, film))
+    if handles:
         ax.legend(
-            handles=legend,
+            handles=handles,
             loc="upper center",
-            bbox_to_anchor=(0.5, -0.17),
+            bbox_to_anchor=(0.5, -0.17),  # below the label of the x axis
             ncols=2,
             handlelength=1.8,
             handleheight=1.0,
             columnspacing=1.2,
             labelspacing=0.35,
         )
+
     label_position(ax, film)
     bare_image(ax)
     ax.set_title(describe_trigger(film, trigger))
     return image
 
 
-def first_reason(flags: FlagImage) -> FlagImage:
-    """Number the reason that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, and so on."""
+def first_flag(flags: FlagImage) -> FlagImage:
+    """Number the flag that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, ..."""
     shown = np.zeros(flags.shape, np.uint8)
     for n, flag in reversed(list(enumerate(FLAG_COLOURS, 1))):
         shown[(flags & int(flag)) != 0] = n
@@ -153,12 +172,19 @@ def first_reason(flags: FlagImage) -> FlagImage:
 
 
 def flag_title(flag: Flag) -> str:
-    """Name of a flag as a reader sees it."""
+    """Write the name of a flag as plain text."""
     return str(flag.name).lower().replace("_", " ")
 
 
+def flag_swatch(flag: Flag) -> str:
+    """Write the colour of a flag as a web page does."""
+    red, green, blue, _ = (round(255 * part) for part in to_rgba(FLAG_COLOURS[flag]))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
 def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
-    shown = first_reason(flags)
+    """Draw flagged pixels over the map; returns the keys of the flags that occur."""
+    shown = first_flag(flags)
     palette = ListedColormap(["none", *FLAG_COLOURS.values()])
     ax.imshow(
         shown,
@@ -181,65 +207,73 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
 
 
 def _outline_region(ax: Axes, film: xr.Dataset) -> Line2D:
-    """Outline the region of interest, black on white so that it shows on every colour; returns its key."""
+    """Outline the region of interest, black on white to be visible on every colour."""
     region = region_of(film)
     x = [region.x[0], region.x[1], region.x[1], region.x[0], region.x[0]]
     y = [region.y[0], region.y[0], region.y[1], region.y[1], region.y[0]]
-    ax.plot(x, y, color="white", linewidth=1.1, scalex=False, scaley=False)
+    look: dict[str, Any] = {"linewidth": 1.1, "scalex": False, "scaley": False}
+    ax.plot(x, y, color="white", **look)
     (dashes,) = ax.plot(
-        x,
-        y,
-        color="black",
-        linewidth=1.1,
-        linestyle=(0, (4, 3)),
-        scalex=False,
-        scaley=False,
-        label="region of interest",
+        x, y, color="black", linestyle=(0, (4, 3)), label="region of interest", **look
     )
     return dashes
 
 
 @styled
 def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
-    """Draw the film along sliding, averaged over the region's axial extent, and the gap of rigid bodies for comparison.
+    """Draw the profile along sliding with the gap of rigid bodies.
 
-    The dark band holds 95 % of the random error, the dashed lines that of the error that all pixels share.
+    The profile is the average over the axial extent of the region of interest. The band is 95 % of
+    the random error, the dashed lines are 95 % of the error that all pixels share.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
     trigger : int
+        Number of the trigger, counted from 0.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     list of Artist
-        Profile, random band, upper and lower limit of the shared error; the rigid gap where it could be fitted.
+        Profile, random band, upper and lower limit of the shared error; the rigid gap where it
+        could be fitted.
 
     Raises
     ------
     ErlifError
         If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> line, *_ = sliding_profile(example_film(), trigger=1)
+    >>> line.axes.get_xlabel(), line.axes.get_ylabel()
+    ('x (sliding) [mm]', 'film thickness [µm]')
     """
     ax = given_or_new(ax)
     profile = average_across_sliding(film, trigger=trigger)
     x, h = profile.position.values, profile.thickness.values
     artists = _draw_profile(ax, profile, np.zeros_like(x))
+
     gap = rigid_gap(profile, film)
     if gap is not None:
         artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
-        words = (
+        text = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"rigid gap: {1 / gap.radius:.4f} µm/mm²\nits least {gap.least:.2f} µm (mean over y)"
+            f"of the rigid gap {1 / gap.radius:.4f} µm/mm²\n"
+            f"minimum of the rigid gap {gap.least:.2f} µm"
         )
         ax.annotate(
-            words, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5
+            text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5
         )
+
+    # the limits leave room for the text; the rigid gap may leave them beside the measured profile
     if np.isfinite(h).any():
-        # room below the curve for the words on curvature, and no more of the rigid gap than was measured
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        ax.set_ylim(low - 0.42 * (high - low), high + 0.08 * (high - low))
+        ax.set_ylim(low - _ROOM[0] * (high - low), high + _ROOM[1] * (high - low))
     ax.set_ylabel("film thickness [µm]")
     ax.legend(loc="upper center")
     return artists
@@ -247,40 +281,94 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
 
 @styled
 def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> list[Artist]:
-    """Draw what the gap of rigid bodies leaves of the profile along sliding; as in `sliding_profile` otherwise."""
+    """Draw the difference of the profile along sliding and the gap of rigid bodies.
+
+    Parameters
+    ----------
+    film, trigger, ax
+        As for `sliding_profile`.
+
+    Returns
+    -------
+    list of Artist
+        Difference, random band, upper and lower limit of the shared error, line at zero.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    The noise of one pixel is 0.05 um, and the profile averages 17 rows:
+
+    >>> import numpy as np
+    >>> from erlif.plots import example_film
+    >>> line, *_ = profile_residual(example_film(), trigger=1)
+    >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
+    True
+    """
     ax = given_or_new(ax)
     profile = average_across_sliding(film, trigger=trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values
     artists = _draw_profile(ax, profile, np.zeros_like(x) if gap is None else gap.thickness(x))
+
     artists.append(ax.axhline(0, color=RETURN, linewidth=0.8))
-    ax.set_ylabel("minus rigid gap [µm]")
+    ax.set_ylabel("difference [µm]")
     return artists
 
 
 def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
-    """Profile less `base`, with its random band and the limits of its shared error."""
+    """Draw the profile less `base`, with its random band and the limits of its shared error."""
     x, h = profile.position.values, profile.thickness.values - base
-    random, shared = (
-        COVERAGE * profile.thickness_std.values,
-        COVERAGE * profile.thickness_std_shared.values,
-    )
+    random = COVERAGE * profile.thickness_std.values
+    shared = COVERAGE * profile.thickness_std_shared.values
     (line,) = ax.plot(x, h, color=OUTWARD, linewidth=0.7, label="measured")
     band = ax.fill_between(
         x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
     )
+
+    # about a difference, the shared error lies about zero
     look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "linestyle": (0, (2, 1.5))}
     centre = np.where(np.isfinite(h), 0.0, np.nan) if base.any() else h
     (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
     (below,) = ax.plot(x, centre - shared, **look)
-    ax.set_xlabel(str(profile.position.attrs["long_name"]).replace(", sliding", " (sliding) [mm]"))
+
+    axis = str(profile.position.attrs["long_name"]).partition(",")[0]
+    ax.set_xlabel(f"{axis} (sliding) [mm]")
     ax.set_xlim(float(x[0]), float(x[-1]))
     return [line, band, above, below]
 
 
 @styled
 def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
-    """Map of film thickness at one trigger and the profile through it, two columns wide."""
+    """Draw the map at one trigger, its profile along sliding, and the difference to a rigid gap.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> figure = thickness_figure(example_film(), trigger=1)
+    >>> [ax.get_ylabel() for ax in figure.axes]
+    ['y (axial) [mm]', 'film thickness [µm]', 'difference [µm]']
+    """
     figure = new_figure(TWO_COLUMNS, image_height(film, 0.43 * TWO_COLUMNS) + 1.05)
     panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
     thickness_map(film, trigger=trigger, ax=panels["m"])
@@ -288,6 +376,8 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     profile_residual(film, trigger=trigger, ax=panels["r"])
     panels["p"].set_xlabel("")
     panels["p"].tick_params(labelbottom=False)
+
+    # one legend below all panels, so that map and profiles end at one height
     below_map = panels["m"].get_legend()
     if below_map is not None:
         handles = below_map.legend_handles
@@ -295,6 +385,7 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
         figure.legend(
             handles=handles, loc="outside lower center", ncols=4, handlelength=1.8, handleheight=1.0
         )
+
     panels["m"].set_title("")
     figure.suptitle(describe_trigger(film, trigger))
     for name, text in (("m", "a"), ("p", "b"), ("r", "c")):
@@ -304,70 +395,98 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
 
 @styled
 def map_sheet_figure(film: xr.Dataset) -> Figure:
-    """All maps of a cycle on one sheet with one colour scale, outward stroke above, return stroke below.
+    """Draw the maps of a cycle on one sheet with one colour scale, outward stroke first.
 
-    Where a cycle has more than sixty triggers, sixty evenly chosen ones are shown.
+    With more than sixty triggers, sixty evenly chosen ones are shown.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    Six maps and the colour bar:
+
+    >>> from erlif.plots import example_film
+    >>> len(map_sheet_figure(example_film()).axes)
+    7
     """
-    count = film.sizes["trigger"]
-    chosen = np.unique(np.linspace(0, count - 1, min(count, _SHEET_MOST)).round().astype(int))
-    strokes = film.stroke.values[chosen]
-    groups = [(name, chosen[strokes == sign]) for name, sign in (("outward", 1), ("return", -1))]
-    groups = [(name, members) for name, members in groups if members.size]
+    groups = _sheet_groups(film)
     columns = _best_columns([members.size for _, members in groups])
     rows = [math.ceil(members.size / columns) for _, members in groups]
     left, right, bottom, top = pixel_edges(film)
-    cell = (TWO_COLUMNS - 0.75) / columns
-    height = cell * (bottom - top) / (right - left) + 0.17
+    height = (TWO_COLUMNS - 0.75) / columns * (bottom - top) / (right - left) + 0.17
     figure = new_figure(TWO_COLUMNS, sum(rows) * height + 0.2)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
+
+    # a dozen maps are enough for the limits, and are read much faster than all
+    chosen = np.sort(np.concatenate([members for _, members in groups]))
     limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
-    every = max(1, film.sizes["x"] // 240)
+
     first = 0
-    for (name, members), count_rows in zip(groups, rows, strict=True):
-        grid = panels[first : first + count_rows]
-        first += count_rows
+    for (name, members), count in zip(groups, rows, strict=True):
+        grid = panels[first : first + count]
+        first += count
         for ax, trigger in zip(grid.ravel().tolist(), members.tolist(), strict=False):
-            one = film.isel(trigger=trigger)
-            image = ax.imshow(
-                one.thickness.values[::every, ::every],
-                cmap=colour_map("batlow", bad="#D9D9D9"),
-                vmin=limits[0],
-                vmax=limits[1],
-                extent=pixel_edges(film),
-            )
-            ax.set_title(f"{float(one.encoder_angle):.2f}°", fontsize=6, pad=1.5)
-            ax.set(xticks=[], yticks=[])
-            bare_image(ax)
+            image = _draw_small_map(ax, film, trigger, limits)
         for ax in grid[:, 0]:
             ax.set_ylabel(name, labelpad=2)
         for ax in grid.ravel()[members.size :]:
             ax.set_axis_off()
+
     figure.colorbar(
         image,
         ax=panels,
-        label="film thickness [µm]; grey: no answer",
+        label="film thickness [µm]; grey: flagged",
         extend="both",
         aspect=40,
         shrink=0.9,
         pad=0.01,
     )
     figure.supxlabel(
-        f"encoder angle above each map; each map {right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
+        "encoder angle above each map; each map "
+        f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
         fontsize=6.5,
     )
     return figure
 
 
+def _sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
+    """Triggers of a sheet, by stroke."""
+    count = film.sizes["trigger"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _SHEET_MOST)).round().astype(np.intp))
+    strokes = film.stroke.values[chosen]
+    groups = [(name, chosen[strokes == sign]) for name, sign in (("outward", 1), ("return", -1))]
+    return [(name, members) for name, members in groups if members.size]
+
+
 def _best_columns(sizes: list[int]) -> int:
-    """Columns that leave the fewest gaps where every group starts a new row."""
-    most = min(_SHEET_COLUMNS, max(sizes))
-    fewest = min(7, most)
+    """Number of columns with the fewest gaps where every group starts a new row."""
+    most = min(_SHEET_COLUMNS[1], max(sizes))
+    fewest = min(_SHEET_COLUMNS[0], most)
     return min(
         range(most, fewest - 1, -1), key=lambda columns: sum(-size % columns for size in sizes)
     )
 
 
-def flag_swatch(flag: Flag) -> str:
-    """Colour of a flag as a web page writes it."""
-    red, green, blue, _ = (round(255 * part) for part in to_rgba(FLAG_COLOURS[flag]))
-    return f"#{red:02x}{green:02x}{blue:02x}"
+def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) -> AxesImage:
+    """Draw one map of a sheet, thinned to the resolution of print."""
+    one = film.isel(trigger=trigger)
+    every = max(1, film.sizes["x"] // _SHEET_PIXELS)
+    image = ax.imshow(
+        one.thickness.values[::every, ::every],
+        cmap=colour_map("batlow", bad=FLAGGED),
+        vmin=limits[0],
+        vmax=limits[1],
+        extent=pixel_edges(film),
+    )
+    ax.set_title(f"{float(one.encoder_angle):.2f}°", fontsize=6, pad=1.5)
+    ax.set(xticks=[], yticks=[])
+    bare_image(ax)
+    return image

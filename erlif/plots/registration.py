@@ -1,4 +1,4 @@
-"""How camera 2 lies over camera 1."""
+"""Displacement and drift of camera 2 against camera 1."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from matplotlib.image import AxesImage
 
 from erlif.plots.maps import bare_image
 from erlif.plots.style import (
+    FLAGGED,
     MUTED,
     OUTWARD,
     RETURN,
@@ -24,12 +25,16 @@ from erlif.plots.style import (
     styled,
 )
 
+_LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
+_EDGES = {"overlap": "black", "poor": "#E4002B"}  # edges of these masks, and their colours
+_ROOM = 0.22  # above the drift for the legend, in heights of the axis
+
 
 @styled
 def displacement_map(
     registration: xr.Dataset, *, component: str, ax: Axes | None = None
 ) -> AxesImage:
-    """Draw one component of the displacement of camera 2 against camera 1, less its mean, which the title gives.
+    """Draw one component of the displacement of camera 2 against camera 1, less its mean.
 
     Parameters
     ----------
@@ -38,23 +43,32 @@ def displacement_map(
     component : str
         ``"x"`` or ``"y"``.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     AxesImage
+        The displacement less its mean [px]; the title gives the mean.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_registration
+    >>> image = displacement_map(example_registration(), component="x")
+    >>> image.axes.get_title()
+    'mean Δx = +3.00 px'
     """
     ax = given_or_new(ax)
     field = registration[f"displacement_{component}"].values.astype(float)
     mean = float(np.nanmean(field))
-    reach = max(float(np.nanmax(np.abs(field - mean))), 1e-3)
+    reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
     image = ax.imshow(
         field - mean,
-        cmap=colour_map("vik", bad="#D9D9D9"),
+        cmap=colour_map("vik", bad=FLAGGED),
         vmin=-reach,
         vmax=reach,
         interpolation="none",
     )
-    _outline_overlap(ax, registration)
+    _outline_masks(ax, registration)
     add_colour_bar(image, ax, f"Δ{component} less its mean [px]", extend="neither")
     ax.set_title(f"mean Δ{component} = {signed(mean)} px")
     ax.set(xlabel="column [px]", ylabel="row [px]")
@@ -62,9 +76,9 @@ def displacement_map(
     return image
 
 
-def _outline_overlap(ax: Axes, registration: xr.Dataset) -> None:
-    """Dashed edge of what camera 2 sees too."""
-    for name, colour in (("overlap", "black"), ("poor", "#E4002B")):
+def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
+    """Draw the edges of the overlap and of poor registration, where the image holds any."""
+    for name, colour in _EDGES.items():
         if name in registration and 0 < registration[name].values.mean() < 1:
             ax.contour(
                 registration[name].values.astype(float),
@@ -84,11 +98,19 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     frames : xarray.Dataset
         Group ``frames`` of a film.
     ax : Axes, optional
+        Default: those of a new figure, one column wide.
 
     Returns
     -------
     list of Artist
-        Drift along x and along y.
+        Drift along x and along y [px].
+
+    Examples
+    --------
+    >>> from erlif.plots import example_frames
+    >>> along_x, along_y = drift_of_frames(example_frames())
+    >>> along_x.get_label()
+    'along x, rms 0.10 px'
     """
     ax = given_or_new(ax)
     number = frames.frame.values
@@ -106,30 +128,49 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
             markersize=2.4,
             label=f"along {name}, rms {spread:.2f} px",
         )
+
     ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
-    ax.set_xlabel("frame")
+    ax.set_xlabel("number of the frame pair [1]")
     ax.set_ylabel("drift of camera 2 [px]")
     ax.margins(x=0.01)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high + 0.22 * (high - low))  # room for the legend
+    ax.set_ylim(low, high + _ROOM * (high - low))
     ax.legend(loc="upper right", ncols=2)
     return artists
 
 
 @styled
 def registration_figure(registration: xr.Dataset, frames: xr.Dataset) -> Figure:
-    """Displacement field above and drift per frame below, two columns wide."""
+    """Draw both components of the displacement, and the drift of each frame below.
+
+    Parameters
+    ----------
+    registration, frames : xarray.Dataset
+        Groups of a film.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_frames, example_registration
+    >>> figure = registration_figure(example_registration(), example_frames())
+    >>> [ax.get_title(loc="left") for ax in figure.axes]
+    ['(a)', '(b)', '(c)']
+    """
     height, width = registration.displacement_x.shape
-    tall = 0.36 * TWO_COLUMNS * height / width
+    tall = 0.36 * TWO_COLUMNS * height / width  # of the images, in inches
     figure = new_figure(TWO_COLUMNS, tall + 2.3)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, 1.5))
     displacement_map(registration, component="x", ax=panels["x"])
     displacement_map(registration, component="y", ax=panels["y"])
     drift_of_frames(frames, ax=panels["d"])
+
     quality = float(registration.attrs["registration_quality"])
-    panels["d"].set_title(
-        f"correlation of the aligned textures {quality:.3f}; {registration.attrs['registration_model']}"
-    )
+    model = registration.attrs["registration_model"]
+    panels["d"].set_title(f"correlation of the aligned textures {quality:.3f}; model: {model}")
     for name, text in (("x", "a"), ("y", "b"), ("d", "c")):
         letter(panels[name], text)
     return figure

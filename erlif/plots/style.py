@@ -1,4 +1,7 @@
-"""How the figures look, and how they become files."""
+"""The look of the figures, and their files.
+
+Colours of lines after Okabe and Ito (2008), of images after Crameri (2018).
+"""
 
 from __future__ import annotations
 
@@ -22,14 +25,18 @@ from erlif.files import replacing
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
 """Widths of a journal's columns. [inch]"""
 
-OUTWARD, RETURN, MEAN, LEAST, MUTED = "#0072B2", "#D55E00", "#009E73", "#000000", "#6B6B6B"
-"""Colours that the colour-blind tell apart, after Okabe and Ito; markers and dashes tell them apart in grey."""
+OUTWARD, RETURN, MEAN, MINIMUM, MUTED = "#0072B2", "#D55E00", "#009E73", "#000000", "#6B6B6B"
+"""Colours for colour-blind readers after Okabe and Ito; markers and dashes differ too, for print
+in grey."""
 
-STROKES = {
+FLAGGED = "#D9D9D9"
+"""Colour of pixels without a value."""
+
+STROKES: dict[int, dict[str, Any]] = {
     1: {"label": "outward", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD},
     -1: {"label": "return", "color": RETURN, "marker": "s", "markerfacecolor": "white"},
 }
-"""The two strokes: filled circles while the encoder angle rises, open squares while it falls."""
+"""Looks of the strokes: filled circles for rising encoder angle, open squares for falling."""
 
 COVERAGE = 1.96
 """Standard deviations on either side of a 95 % band."""
@@ -44,10 +51,11 @@ FLAG_COLOURS = {
     Flag.BELOW_RANGE: "#000000",
     Flag.ABOVE_RANGE: "#FFFFFF",
 }
-"""Colours that the map of film thickness does not hold. The first that applies to a pixel is shown."""
+"""Colours that the colour map of film thickness does not contain. A pixel with several flags has
+the colour of the first."""
 
 _STYLE: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same everywhere
+    "font.family": "DejaVu Sans",  # part of matplotlib, so the same on every machine
     "font.size": 7.0,
     "axes.labelsize": 7.0,
     "axes.titlesize": 7.0,
@@ -84,7 +92,7 @@ _STYLE: Any = {
     "path.simplify": True,
 }
 
-# without these, a file would change with the day it was made
+# the same figure gives the same file on every day and machine
 _METADATA: dict[str, Mapping[str, Any]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": "erlif"},
@@ -96,7 +104,7 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in erlif's style, and leave the caller's settings as they were."""
+    """Let a function draw in the style of erlif without a change to the settings of the caller."""
 
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -107,59 +115,85 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def colour_map(name: str, *, bad: str | None = None) -> Colormap:
-    """A perceptually uniform map of F. Crameri's collection (doi 10.5281/zenodo.1243862)."""
+    """Load a perceptually uniform colour map of Crameri (2018); `bad` is the colour of NaN."""
     colours: Colormap = cmap.Colormap(f"crameri:{name}").to_mpl()
     return colours.with_extremes(bad=bad) if bad is not None else colours
 
 
 def new_figure(width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN) -> Figure:
-    """An empty figure whose panels keep out of each other's way. Sizes in inches."""
+    """Make an empty figure whose panels and labels do not overlap. Sizes in inches."""
     return Figure(
         figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.03)
     )
 
 
 def given_or_new(ax: Axes | None, *, height: float = 0.72 * ONE_COLUMN) -> Axes:
-    """The axes to draw into. `height` of a new figure in inches."""
+    """Take the given axes, or those of a new figure of this height [inch]."""
     return new_figure(height=height).add_subplot() if ax is None else ax
 
 
 def add_colour_bar(image: ScalarMappable, ax: Axes, label: str, *, extend: str = "both") -> None:
-    """A colour bar exactly as tall as the image beside it."""
+    """Add a colour bar of the height of the image."""
     beside = ax.inset_axes((1.025, 0.0, 0.04, 1.0))
     figure_of(ax).colorbar(image, cax=beside, label=label, extend=extend, extendfrac=0.03)
 
 
 def frame_legend(ax: Axes, **options: Any) -> None:
-    """A legend on white, so that lines do not run through its words and light swatches are seen."""
+    """Add a legend on white, so that no line crosses its text."""
     legend = ax.legend(frameon=True, facecolor="white", edgecolor="none", framealpha=1.0, **options)
     legend.set_zorder(5)
 
 
 def signed(value: float, digits: int = 2) -> str:
-    """A number with its sign, and a minus of proper width."""
+    """Write a number with its sign, and a minus of the width of a plus."""
     return f"{value:+.{digits}f}".replace("-", "−")
 
 
 def letter(ax: Axes, text: str) -> None:
-    """Name a panel, (a), (b), ..., at its upper left."""
+    """Mark a panel as (a), (b), ... at its upper left."""
     ax.set_title(f"({text})", loc="left", fontweight="bold")
 
 
 def figure_of(ax: Axes) -> Figure | SubFigure:
-    """The figure that an axes belongs to."""
+    """Return the figure of an axes."""
     figure = ax.get_figure()
     assert figure is not None
     return figure
 
 
 def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
-    """Write a figure as PNG, PDF or SVG by the suffix of `path`; the same figure gives the same bytes.
+    """Write a figure as PNG, PDF or SVG by the suffix of `path`.
+
+    The same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        From a function of this stage, or any other.
+    path : Path
+        The file; an existing one is replaced in one step.
+    dpi : float
+        Pixels per inch of a PNG, and of images in a PDF or SVG.
+
+    Returns
+    -------
+    Path
+        `path`.
 
     Raises
     ------
     OutputError
-        If it cannot be written; a previous file is then as it was.
+        If it cannot be written; an existing file is then unchanged.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> figure = new_figure()
+    >>> panel = figure.add_subplot()
+    >>> with TemporaryDirectory() as directory:
+    ...     path = save_figure(figure, Path(directory) / "panel.png")
+    ...     path.read_bytes()[1:4]
+    b'PNG'
     """
     content = figure_bytes(figure, kind=path.suffix.removeprefix("."), dpi=dpi)
     with replacing(path) as scratch:
@@ -169,13 +203,18 @@ def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
 
 @styled
 def figure_bytes(figure: Figure, *, kind: str, dpi: float = 300.0) -> bytes:
-    """A figure as a file of kind ``"png"``, ``"pdf"`` or ``"svg"`` would hold it. Its layout is then fixed."""
+    """Return the content of a file of kind ``"png"``, ``"pdf"`` or ``"svg"``.
+
+    The layout of the figure is fixed by this call.
+    """
     engine = figure.get_layout_engine()
     if engine is not None:
-        # what keeps its aspect needs a second round to fit its labels in
-        for _ in range(2 if any(ax.get_aspect() != "auto" for ax in figure.axes) else 1):
+        # images of fixed aspect change their size in the first round, and their labels with them
+        rounds = 2 if any(ax.get_aspect() != "auto" for ax in figure.axes) else 1
+        for _ in range(rounds):
             engine.execute(figure)
         figure.set_layout_engine("none")
+
     content = io.BytesIO()
     figure.savefig(content, format=kind, dpi=dpi, metadata=_METADATA.get(kind))
     return content.getvalue()

@@ -1,6 +1,8 @@
-"""Film against speed over load, measured and predicted."""
+"""Film thickness against speed over load, measured and predicted."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.plots.style import (
-    LEAST,
     MEAN,
+    MINIMUM,
     MUTED,
     OUTWARD,
     RETURN,
@@ -27,80 +29,111 @@ from erlif.plots.style import (
 from erlif.trend import SLOWEST
 
 _LABEL = "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
+_MILLI = 1e3  # speed over load is drawn in thousandths
+_DASHES = (0, (3, 1.5))
+_DASH_DOT = (0, (4, 1.5, 1, 1.5))
+_ROOM = 0.3  # above the curves for the legend, as a power of the range of the axis
 
 
 def speed_over_load(film: xr.Dataset) -> Array:
-    """|rocker_speed| / load of each trigger. [rad s-1 N-1]"""
+    """Speed over load of each trigger, without sign. [rad s-1 N-1]"""
     return np.asarray(np.abs(film.rocker_speed.values) / film["load"].values)
 
 
 @styled
 def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw least and mean film against speed over load, strokes apart, with the fitted powers.
+    """Draw mean and minimum film thickness against speed over load, with the fitted powers.
 
-    Bars are one standard deviation, random and shared. Triggers that the fit leaves out are drawn in grey.
+    Bars are one standard deviation, random and shared. Triggers too slow for the fit are grey.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
     ax : Axes, optional
-        Its scales become logarithmic.
+        Default: those of a new figure, one column wide. Both scales become logarithmic.
 
     Returns
     -------
     list of Artist
-        The points of both strokes for mean and least film, then the two fitted lines.
+        The points of both strokes for mean and minimum, then the two fitted lines.
+
+    Examples
+    --------
+    The minimum film thickness of this film is proportional to the speed to the power of 0.6:
+
+    >>> import numpy as np
+    >>> from erlif.plots import example_film
+    >>> *_, line = film_against_speed(example_film())
+    >>> x, y = np.log(line.get_data())
+    >>> float(np.polyfit(x, y, 1)[0].round(6))
+    0.6
     """
     ax = given_or_new(ax)
     ax.set(xscale="log", yscale="log")
-    x = speed_over_load(film)
-    speed = np.abs(film.rocker_speed.values)
-    fitted = speed >= SLOWEST * speed.max()
     artists: list[Artist] = []
     lines: list[Line2D] = []
-    for name, exponent, colour, dashes, words in (
-        ("film_mean", "speed_exponent_mean", MEAN, (0, (3, 1.5)), "mean"),
-        ("film_min", "speed_exponent", LEAST, "-", "least"),
+    for name, exponent, colour, dashes, label in (
+        ("film_mean", "speed_exponent_mean", MEAN, _DASHES, "mean"),
+        ("film_min", "speed_exponent", MINIMUM, "-", "minimum"),
     ):
-        value, std = film[name].values, film[f"{name}_std"].values
-        for sign, look in STROKES.items():
-            for used, paint in ((fitted, colour), (~fitted, MUTED)):
-                which = (film.stroke.values == sign) & used & np.isfinite(value) & (value > 0)
-                if not which.any():
-                    continue
-                bars = ax.errorbar(
-                    1e3 * x[which],
-                    value[which],
-                    std[which],
-                    fmt=str(look["marker"]),
-                    color=paint,
-                    markerfacecolor=paint if sign > 0 else "white",
-                    elinewidth=0.7,
-                )
-                artists.append(bars.lines[0])
-        power, scale = float(film[exponent]), film[exponent].attrs.get("log_scale", np.nan)
-        if np.isfinite(power) and np.isfinite(scale):
-            ends = np.geomspace(x[fitted].min(), x[fitted].max(), 50)
-            lines += ax.plot(
-                1e3 * ends,
-                np.exp(float(scale)) * ends**power,
-                color=colour,
-                linestyle=dashes,
-                linewidth=0.8,
-                label=f"{words} film, n = {power:.3f} ± {float(film[exponent + '_std']):.3f}",
-                zorder=4,
-            )
-    artists += lines
+        artists += _draw_points(ax, film, name, colour)
+        lines += _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+
     ax.set_xlabel(_LABEL)
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
     ax.legend(handles=[*lines, *_stroke_keys()], loc="best")
+    return [*artists, *lines]
+
+
+def _used_in_fit(film: xr.Dataset) -> Mask:
+    """Triggers fast enough for the fit of the power."""
+    speed = np.abs(film.rocker_speed.values)
+    return np.asarray(speed >= SLOWEST * speed.max())
+
+
+def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Artist]:
+    """Draw one statistic with its error bars, by stroke, in grey where the fit leaves it out."""
+    x, fitted = speed_over_load(film), _used_in_fit(film)
+    value, std = film[name].values, film[f"{name}_std"].values
+    drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
+    artists: list[Artist] = []
+    for sign, look in STROKES.items():
+        for used, paint in ((fitted, colour), (~fitted, MUTED)):
+            which = (film.stroke.values == sign) & used & drawable
+            if not which.any():
+                continue
+            bars = ax.errorbar(
+                _MILLI * x[which],
+                value[which],
+                std[which],
+                fmt=str(look["marker"]),
+                color=paint,
+                markerfacecolor=paint if sign > 0 else "white",
+                elinewidth=0.7,
+            )
+            artists.append(bars.lines[0])
     return artists
 
 
+def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) -> list[Line2D]:
+    """Draw a fitted power over the range of its triggers; nothing where none was fitted."""
+    power, std = float(film[name]), float(film[f"{name}_std"])
+    scale = float(film[name].attrs.get("log_scale", np.nan))
+    if not (np.isfinite(power) and np.isfinite(scale)):
+        return []
+
+    x = speed_over_load(film)[_used_in_fit(film)]
+    ends = np.geomspace(x.min(), x.max(), 50)
+    label = f"{label}, n = {power:.3f} ± {std:.3f}"
+    return ax.plot(
+        _MILLI * ends, np.exp(scale) * ends**power, linewidth=0.8, label=label, zorder=4, **look
+    )
+
+
 def _stroke_keys() -> list[Line2D]:
-    """Keys of the strokes' markers in the colour of neither film."""
+    """Keys of the markers of the strokes, in the colour of neither statistic."""
     return [
         Line2D(
             [],
@@ -117,18 +150,30 @@ def _stroke_keys() -> list[Line2D]:
 
 @styled
 def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
-    """Draw the least film with what theory expects at the same speed and load; parameters as in `film_against_speed`.
+    """Draw minimum film thickness with theory at the same speed and load.
+
+    Parameters
+    ----------
+    film, ax
+        As for `film_against_speed`.
 
     Returns
     -------
     list of Artist
-        Measured points of both strokes, the film that the regime map selects, the line-contact formula with 2.65.
+        Measured points of both strokes, the film of the regime that the regime map selects, the
+        line-contact formula with the factor 2.65.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> *_, theory, formula = film_and_theory(example_film())
+    >>> theory.get_label()
+    'theory, isoviscous-rigid'
     """
     ax = given_or_new(ax)
     ax.set(xscale="log", yscale="log")
-    x = 1e3 * speed_over_load(film)
+    x = _MILLI * speed_over_load(film)
     value = film.film_min.values
-    order = np.argsort(x)
     artists: list[Artist] = []
     for sign, look in STROKES.items():
         which = (film.stroke.values == sign) & (value > 0)
@@ -137,36 +182,34 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             value[which],
             film.film_min_std.values[which],
             fmt=str(look["marker"]),
-            color=LEAST,
-            markerfacecolor=LEAST if sign > 0 else "white",
+            color=MINIMUM,
+            markerfacecolor=MINIMUM if sign > 0 else "white",
             elinewidth=0.7,
-            label=f"least film, {look['label']}",
+            label=f"measured minimum, {look['label']}",
         )
         artists.append(bars.lines[0])
+
+    order = np.argsort(x)
     regime = str(film.film_theory.attrs.get("regime", "steady"))
     for name, colour, dashes, label in (
         ("film_theory", RETURN, "-", f"theory, {regime}"),
-        (
-            "film_hamrock_dowson",
-            OUTWARD,
-            (0, (4, 1.5, 1, 1.5)),
-            "2.65 formula (piezoviscous-elastic)",
-        ),
+        ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "2.65 formula, piezoviscous-elastic"),
     ):
         artists += ax.plot(
             x[order], film[name].values[order], color=colour, linestyle=dashes, label=label
         )
+
     ax.set_xlabel(_LABEL)
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high * (high / low) ** 0.3)  # room for the legend
+    ax.set_ylim(low, high * (high / low) ** _ROOM)
     ax.legend(loc="upper left")
     return artists
 
 
 def _plain_ticks(ax: Axes) -> None:
-    """Ticks of logarithmic axes as plain numbers, close enough to read a short range."""
+    """Write the ticks of logarithmic axes as plain numbers, close enough to read a short range."""
     for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
         decades = np.log10(limits[1] / limits[0])
         every: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
@@ -181,7 +224,24 @@ def _plain_ticks(ax: Axes) -> None:
 
 @styled
 def speed_figure(film: xr.Dataset) -> Figure:
-    """Measured film with its fit, and beside it with theory on scales that hold both; two columns wide."""
+    """Draw the measured film with its fit, and beside it with theory on wider scales.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> [ax.get_ylabel() for ax in speed_figure(example_film()).axes]
+    ['film thickness [µm]', 'film thickness [µm]']
+    """
     figure = new_figure(TWO_COLUMNS, 0.4 * TWO_COLUMNS)
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)

@@ -1,4 +1,4 @@
-"""A small run whose film, ratio and speed are known by formula, for the tests of figures and report."""
+"""A small run of known film thickness, ratio and speed, for figures and report."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import tifffile
 import xarray as xr
 
-from erlif.core.flags import FLAG_ATTRS
+from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.registration import CameraMap, MapKind
 from erlif.settings import RunSettings, read_run_settings, to_toml
 
@@ -21,7 +21,7 @@ K, P, Q = 0.66, 0.39, 0.245
 PLACE, TILT = 8.1, 0.3  # mm, um across the image
 NOISE = 0.01  # of the logarithm of the ratio
 POWER = 0.6
-LEAST_ANGLE = 47.4095  # degree, rocker at its inner dead point (thesis, Appendix A)
+INNER_ANGLE = 47.4095  # degree, rocker at its inner dead point (thesis, Appendix A)
 
 RUN_TOML = """
 [run]
@@ -74,7 +74,7 @@ def true_ratio(thickness: np.ndarray) -> np.ndarray:
 
 
 def rocker_angle(crank: np.ndarray) -> np.ndarray:
-    """Interior rocker angle [degree], from the triangles either side of the diagonal (law of cosines)."""
+    """Interior rocker angle [degree] by the law of cosines on both sides of the diagonal."""
     a, b, c, d = 0.055, 0.44, 0.26, 0.51
     t = np.radians(crank)
     x, y = a * np.cos(t), a * np.sin(t)
@@ -97,15 +97,23 @@ def rocker_speed(crank: np.ndarray) -> np.ndarray:
 
 
 def true_film() -> np.ndarray:
-    """Gap of rigid bodies with a tilt along y, (trigger, y, x) in um; its least value follows |speed|^POWER."""
+    """Gap of rigid bodies with a tilt along y. (trigger, y, x) [um]
+
+    Its minimum is proportional to |speed|^POWER.
+    """
     x, y = PITCH * np.arange(COLUMNS), np.linspace(-0.5, 0.5, ROWS)
-    least = least_film()[:, None, None]
-    return least + (x - PLACE) ** 2 / (2 * RADIUS) + TILT * y[None, :, None]
+    minimum = minimum_film()[:, None, None]
+    return minimum + (x - PLACE) ** 2 / (2 * RADIUS) + TILT * y[None, :, None]
 
 
-def least_film() -> np.ndarray:
-    """Film in the middle of each trigger's gap. [um]"""
+def minimum_film() -> np.ndarray:
+    """Minimum film thickness of each trigger, at half height of the image. [um]"""
     return 2.0 * np.abs(rocker_speed(CRANK)) ** POWER
+
+
+def frame_names() -> list[str]:
+    """Names of the files of a camera."""
+    return [f"frame_{k:02d}.tif" for k in range(TRIGGERS)]
 
 
 def make_run(directory: Path) -> RunSettings:
@@ -117,118 +125,146 @@ def make_run(directory: Path) -> RunSettings:
         one = np.full(film.shape, 1000.0)
         for camera, light in ((1, one), (2, one * true_ratio(film))):
             tifffile.imwrite(
-                directory / f"camera{camera}" / f"frame_{k:02d}.tif",
+                directory / f"camera{camera}" / frame_names()[k],
                 np.rint(light + 64).astype(np.uint16),
             )
-    angle = rocker_angle(CRANK) - LEAST_ANGLE
+    angle = rocker_angle(CRANK) - INNER_ANGLE
     rows = "".join(f"{k},{0.05 * k:.3f},{value:.6f}\n" for k, value in enumerate(angle))
     (directory / "encoder.csv").write_text(f"frame,time_s,angle_deg\n{rows}")
     return read_run_settings(directory)
 
 
-def without_answers(film: xr.Dataset) -> xr.Dataset:
-    """The same film, every pixel of it beyond the range."""
-    mute = film.load().copy(deep=True)
-    mute.flags.values[:] = 32
-    for name, variable in mute.data_vars.items():
+def without_valid_pixels(film: xr.Dataset) -> xr.Dataset:
+    """The same film with all pixels above the calibrated range."""
+    empty = film.load().copy(deep=True)
+    empty.flags.values[:] = Flag.ABOVE_RANGE
+    for name, variable in empty.data_vars.items():
         if str(name).startswith(("thickness", "film_m", "film_p", "speed_exponent")):
-            mute[name] = variable * np.nan
-    return mute
+            empty[name] = variable * np.nan
+    return empty
 
 
 def make_film(directory: Path) -> Path:
-    """Write a run directory and the film made of it, noise drawn with a fixed seed; returns the path of film.nc."""
+    """Write a run directory and its film with noise of a fixed seed; returns the path."""
     settings = make_run(directory)
-    rng = np.random.default_rng(7)
-    truth = true_film()
-    grid = np.linspace(0.1, 20, 4000)
-    noisy = np.log(true_ratio(truth)) + NOISE * rng.standard_normal(truth.shape)
-    thickness = np.interp(noisy, np.log(true_ratio(grid)), grid)
-    # as in a measurement, the error bar is that of the noisy value
-    std = NOISE * np.interp(thickness, grid, np.gradient(grid, np.log(true_ratio(grid))))
-    flags = np.zeros(truth.shape, np.uint8)
-    flags[:, :, :3] = 8  # outside overlap
-    flags[1, 20:24, 30:34] = 128  # bubble
-    flags[2, 5, 40] = 4 | 2  # bad and dim
-    flags[thickness > 16] = 32
-    covariance = np.diag([1e-3, 2e-3, 1e-3]) ** 2
-    speed = rocker_speed(CRANK)
-    least = least_film()
-    columns = {
-        "encoder_angle": (rocker_angle(CRANK) - LEAST_ANGLE, "degree"),
-        "crank_angle": (CRANK, "degree"),
-        "rocker_speed": (speed, "rad s-1"),
-        "sliding_speed": (np.abs(speed) * 0.03336, "m s-1"),
-        "load": (np.full(TRIGGERS, LOAD), "N"),
-        "stroke": (np.where(speed > 0, 1, -1), "1"),
-        "frames_used": (np.ones(TRIGGERS, int), "1"),
-        "film_mean": (truth.mean(axis=(1, 2)), "um"),
-        "film_mean_std": (np.full(TRIGGERS, 0.02), "um"),
-        "film_min": (least, "um"),
-        "film_min_std": (np.full(TRIGGERS, 0.03), "um"),
-        "film_hamrock_dowson": (0.3 * least, "um"),
-        "film_theory": (20.0 * least, "um"),
-        "film_parameter": (least / (math.sqrt(2) * 0.2), "1"),
-    }
     film = xr.Dataset(
-        {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()},
+        {
+            name: ("trigger", values, {"units": unit})
+            for name, (values, unit) in trigger_columns().items()
+        },
         {
             "trigger": np.arange(TRIGGERS),
             "x": ("x", PITCH * np.arange(COLUMNS), {"units": "mm"}),
             "y": ("y", PITCH * np.arange(ROWS), {"units": "mm"}),
         },
     )
-    for name, values in {
-        "thickness": np.where(flags == 0, thickness, np.nan),
-        "thickness_std": np.where(flags == 0, std, np.nan),
-        "thickness_std_shared": np.where(flags == 0, 0.02 + 0 * std, np.nan),
-    }.items():
-        film[name] = (("trigger", "y", "x"), values.astype(np.float32), {"units": "um"})
-    film["flags"] = (("trigger", "y", "x"), flags, FLAG_ATTRS)
+    film = film.assign(noisy_maps())
+
     for suffix, power in (("", POWER), ("_mean", 0.4)):
-        scale = math.log(2.0 * LOAD**POWER)
-        film[f"speed_exponent{suffix}"] = (
-            (),
-            power,
-            {"log_scale": scale, "triggers_used": TRIGGERS},
-        )
+        attrs = {"log_scale": math.log(2.0 * LOAD**POWER), "triggers_used": TRIGGERS}
+        film[f"speed_exponent{suffix}"] = ((), power, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
     film.film_theory.attrs.update(
         regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""
     )
-    kept = {
+
+    calibration = {
         "fixture": "known wedge",
         "ratio_at_zero": K,
         "attenuation_camera1": P,
         "attenuation_camera2": Q,
-        "covariance": covariance.tolist(),
+        "covariance": (np.diag([1e-3, 2e-3, 1e-3]) ** 2).tolist(),
         "thickness_range": [0.2, 16.0],
     }
     film.attrs.update(
+        title=f"oil-film thickness, {settings.name}",
         settings=to_toml(settings),
-        calibration=json.dumps(kept),
+        calibration=json.dumps(calibration),
         erlif_version="0.1.0",
         history="made by formula",
         notes="gain < measured",
         input_hashes=json.dumps({"run.toml": "ab" * 32}),
     )
-    frames = xr.Dataset(
+
+    path = directory / "film.nc"
+    film.to_netcdf(path, engine="h5netcdf")
+    for name, group in {"frames": frames_group(), "registration": registration_group()}.items():
+        group.to_netcdf(path, engine="h5netcdf", mode="a", group=name)
+    return path
+
+
+def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
+    """Values of the triggers with their units."""
+    speed, minimum = rocker_speed(CRANK), minimum_film()
+    return {
+        "encoder_angle": (rocker_angle(CRANK) - INNER_ANGLE, "degree"),
+        "crank_angle": (CRANK, "degree"),
+        "rocker_speed": (speed, "rad s-1"),
+        "sliding_speed": (np.abs(speed) * 0.03336, "m s-1"),
+        "load": (np.full(TRIGGERS, LOAD), "N"),
+        "stroke": (np.where(speed > 0, 1, -1), "1"),
+        "frames_used": (np.ones(TRIGGERS, int), "1"),
+        "film_mean": (true_film().mean(axis=(1, 2)), "um"),
+        "film_mean_std": (np.full(TRIGGERS, 0.02), "um"),
+        "film_min": (minimum, "um"),
+        "film_min_std": (np.full(TRIGGERS, 0.03), "um"),
+        "film_hamrock_dowson": (0.3 * minimum, "um"),
+        "film_theory": (20.0 * minimum, "um"),
+        "film_parameter": (minimum / (math.sqrt(2) * 0.2), "1"),
+    }
+
+
+def noisy_maps() -> dict[str, tuple]:
+    """Maps with noise, error bars and flags."""
+    rng = np.random.default_rng(7)
+    truth = true_film()
+    grid = np.linspace(0.1, 20, 4000)
+    noisy = np.log(true_ratio(truth)) + NOISE * rng.standard_normal(truth.shape)
+    thickness = np.interp(noisy, np.log(true_ratio(grid)), grid)
+
+    # as in a measurement, the error bar is that of the noisy value
+    std = NOISE * np.interp(thickness, grid, np.gradient(grid, np.log(true_ratio(grid))))
+
+    flags = np.zeros(truth.shape, np.uint8)
+    flags[:, :, :3] = Flag.OUTSIDE_OVERLAP
+    flags[1, 20:24, 30:34] = Flag.NO_FILM
+    flags[2, 5, 40] = Flag.BAD_PIXEL | Flag.DIM
+    flags[thickness > 16] = Flag.ABOVE_RANGE
+
+    dims = ("trigger", "y", "x")
+    images = {
+        "thickness": thickness,
+        "thickness_std": std,
+        "thickness_std_shared": np.full(truth.shape, 0.02),
+    }
+    maps: dict[str, tuple] = {
+        name: (dims, np.where(flags == 0, values, np.nan).astype(np.float32), {"units": "um"})
+        for name, values in images.items()
+    }
+    return maps | {"flags": (dims, flags, FLAG_ATTRS)}
+
+
+def frames_group() -> xr.Dataset:
+    """One frame a trigger, without drift."""
+    return xr.Dataset(
         {
             "trigger": ("frame", np.arange(TRIGGERS)),
             "drift_x": ("frame", np.zeros(TRIGGERS)),
             "drift_y": ("frame", np.zeros(TRIGGERS)),
             "pulse_energy": ("frame", np.ones(TRIGGERS)),
+            **{f"file_camera{n}": ("frame", frame_names()) for n in (1, 2)},
         },
         {"frame": np.arange(TRIGGERS)},
     )
+
+
+def registration_group() -> xr.Dataset:
+    """Cameras without displacement, of equal sharpness; camera 2 does not see three columns."""
     zero = np.zeros((ROWS, COLUMNS), np.float32)
-    overlap = np.ones((ROWS, COLUMNS), bool)
+    nowhere = np.zeros((ROWS, COLUMNS), bool)
+    overlap = ~nowhere
     overlap[:, :3] = False
-    camera_map = CameraMap(
-        zero, zero, zero + 0.01, overlap, ~overlap & False, 0.97, MapKind.SURFACE
+    camera_map = CameraMap(zero, zero, zero + 0.01, overlap, nowhere, 0.97, MapKind.SURFACE)
+    return camera_map.to_dataset().assign_attrs(
+        blur_difference=[0.0, 0.0], blur_difference_std=[0.0, 0.0]
     )
-    path = directory / "film.nc"
-    film.to_netcdf(path, engine="h5netcdf")
-    frames.to_netcdf(path, engine="h5netcdf", mode="a", group="frames")
-    camera_map.to_dataset().to_netcdf(path, engine="h5netcdf", mode="a", group="registration")
-    return path

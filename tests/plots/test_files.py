@@ -1,0 +1,229 @@
+"""The set of figures: which are drawn, from which directories, and what is written."""
+
+from __future__ import annotations
+
+import logging
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif import plots
+from erlif.calibration import save_calibration
+from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.pipeline import restore_images
+from erlif.plots import files as plot_files
+from erlif.plots.files import DRAWN, find_source, reason_missing
+from erlif.plots.style import figure_bytes
+
+NEED_A_DIRECTORY = {"fixture_profile", "processed_images", "ratio_image"}
+
+
+@pytest.fixture
+def alone(film_path, tmp_path):
+    """The film without its run directory."""
+    return shutil.copy(film_path, tmp_path / "film.nc")
+
+
+@pytest.fixture
+def fixture_dir(tmp_path):
+    """A fixture directory as far as the figures read it."""
+    directory = tmp_path / "fixture"
+    directory.mkdir()
+    cameras = "".join(
+        f'[camera{n}]\nfiles = "camera{n}/*.tif"\nband = "{band} nm"\noffset = "64 DN"\n'
+        for n, band in ((1, 580), (2, 610))
+    )
+    (directory / "fixture.toml").write_text(
+        '[fixture]\nname = "known wedge"\nprofile = "profile.csv"\n'
+        + cameras
+        + '[optics]\npixel_pitch = "200 um"\n'
+    )
+    rows = "".join(f"{x:.1f},{0.8 * x:.2f},0.05\n" for x in np.linspace(0, 20, 41))
+    (directory / "profile.csv").write_text(f"x_mm,thickness_um,uncertainty_um\n{rows}")
+    return directory
+
+
+def few(monkeypatch, *names):
+    """Draw some of the figures only."""
+    monkeypatch.setattr(plot_files, "DRAWN", {name: DRAWN[name] for name in names})
+
+
+def source_of(film_path, film, **directories):
+    options = {"run_dir": None, "fixture_dir": None} | directories
+    return find_source(film_path, film, None, options["run_dir"], options["fixture_dir"])
+
+
+@pytest.mark.slow
+def test_all_figures_are_written_twice_alike(film_path, tmp_path):
+    first = plots.write_figures(film_path, tmp_path / "a", formats=("png",))
+    assert [path.stem for path in first] == [name for name in DRAWN if name != "fixture_profile"]
+    for path in first:
+        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    again = plots.write_figures(film_path, tmp_path / "b", formats=("png",))
+    assert [path.read_bytes() for path in again] == [path.read_bytes() for path in first]
+
+
+@pytest.mark.slow
+def test_all_axes_name_their_units(film_path, film, fixture_dir):
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    for name, draw in DRAWN.items():
+        figure = draw(source)
+        panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
+        labels = [label for ax in panels for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
+        strokes = {"outward", "return"} if name == "map_sheet" else set()
+        assert set(labels) - strokes
+        assert all("[" in label and "]" in label for label in set(labels) - strokes), labels
+
+
+@pytest.mark.slow
+def test_no_label_is_cut_off(film_path, film, fixture_dir):
+    """Text of titles, axes and legends lies within the figure."""
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    for name, draw in DRAWN.items():
+        figure = draw(source)
+        figure_bytes(figure, kind="png", dpi=50)  # fixes the layout
+        figure.draw_without_rendering()
+        width, height = figure.bbox.width, figure.bbox.height
+        panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
+        texts = [t for ax in panels for t in (ax.title, ax.xaxis.label, ax.yaxis.label)]
+        texts += [t for legend in figure.legends for t in legend.get_texts()]
+        for text in texts:
+            if text.get_text() and text.get_visible():
+                box = text.get_window_extent()
+                inside = box.x0 > -1 and box.y0 > -1 and box.x1 < width + 1 and box.y1 < height + 1
+                assert inside, (name, text.get_text())
+
+
+def test_formats_are_written_side_by_side(film_path, tmp_path, monkeypatch):
+    few(monkeypatch, "calibration")
+    paths = plots.write_figures(film_path, tmp_path, formats=("svg", "pdf"))
+    assert [path.name for path in paths] == ["calibration.svg", "calibration.pdf"]
+
+
+def test_without_the_run_the_rest_is_drawn_and_the_log_gives_the_reason(
+    alone, tmp_path, caplog, monkeypatch
+):
+    few(monkeypatch, *NEED_A_DIRECTORY, "speed_against_angle")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        written = plots.write_figures(alone, tmp_path, formats=("svg",))
+    assert [path.name for path in written] == ["speed_against_angle.svg"]
+    assert all(any(name in message for message in caplog.messages) for name in NEED_A_DIRECTORY)
+
+
+def test_missing_figures_have_reasons(alone, film_path, fixture_dir):
+    missing = plots.missing_figures(alone)
+    assert set(missing) == NEED_A_DIRECTORY
+    assert "run directory" in missing["ratio_image"]
+    assert "fixture directory" in missing["fixture_profile"]
+    assert set(plots.missing_figures(alone, run_dir=film_path.parent)) == {"fixture_profile"}
+    given = {"run_dir": film_path.parent, "fixture_dir": fixture_dir}
+    assert plots.missing_figures(alone, **given) == {}
+
+
+def test_damaged_profile_is_the_reason_of_its_figure(film_path, film, fixture_dir):
+    (fixture_dir / "profile.csv").write_text("nothing of use\n")
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    assert "profile.csv" in reason_missing("fixture_profile", source)
+
+
+def test_frames_of_another_run_are_the_reason_of_their_figures(film_path, film, tmp_path):
+    scene.make_run(tmp_path / "other")
+    for camera in (1, 2):
+        (tmp_path / "other" / f"camera{camera}" / "frame_05.tif").unlink()
+    log = (tmp_path / "other" / "encoder.csv").read_text().splitlines()[:-1]
+    (tmp_path / "other" / "encoder.csv").write_text("\n".join(log) + "\n")
+    with pytest.raises(FrameError, match="6 frames of 80 x 64"):
+        restore_images(film_path, tmp_path / "other", trigger=0)
+    source = source_of(film_path, film, run_dir=tmp_path / "other")
+    assert "could not be read again" in reason_missing("processed_images", source)
+
+
+def test_images_are_those_of_the_pipeline(film_path, film):
+    source = source_of(film_path, film)
+    images = restore_images(film_path, film_path.parent, trigger=source.trigger)
+    npt.assert_array_equal(source.images.log_ratio, images.log_ratio)
+    assert source.images is source.images  # computed once for two figures
+
+
+def test_run_directory_is_recognised_by_the_name_of_the_run(film_path, film, tmp_path):
+    assert plots.find_run(film_path, film) == film_path.parent
+    assert plots.find_run(tmp_path / "film.nc", film) is None
+    (tmp_path / "run.toml").write_text(scene.RUN_TOML.replace("known", "other"))
+    assert plots.find_run(tmp_path / "film.nc", film) is None
+    assert plots.find_run(tmp_path / "film.nc", film, film_path.parent) == film_path.parent
+
+
+def test_fixture_is_found_where_the_settings_name_its_calibration(with_settings, tmp_path):
+    named = with_settings(("[run]", 'calibration = "../wedge/calibration.nc"\n\n[run]'))
+    run = tmp_path / "run"
+    run.mkdir()
+    assert plots.find_fixture(named, run) is None  # no such directory
+    (tmp_path / "wedge").mkdir()
+    (tmp_path / "wedge" / "fixture.toml").write_text("")
+    assert plots.find_fixture(named, run).resolve() == tmp_path / "wedge"
+    assert plots.find_fixture(named, None) is None
+    assert plots.find_fixture(named, run, tmp_path) == tmp_path
+
+
+def test_calibration_with_points_is_taken_if_it_is_that_of_the_film(
+    film_path, film, fixture_dir, calibration
+):
+    save_calibration(calibration, fixture_dir / "calibration.nc")
+    found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    npt.assert_array_equal(found.curve.curve_ratio, calibration.curve.curve_ratio)
+
+
+def test_points_of_another_calibration_are_not_drawn(film_path, film, fixture_dir, caplog):
+    """The fixture was calibrated again after the film was made."""
+    other = plots.example_calibration()
+    changed = type(other)(**{**vars(other), "ratio_at_zero": 0.7})
+    save_calibration(changed, fixture_dir / "calibration.nc")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    assert "curve_ratio" not in found.curve
+    assert "not the calibration that the film was made with" in caplog.text
+
+
+def test_damaged_calibration_is_passed_over(film_path, film, fixture_dir, caplog):
+    (fixture_dir / "calibration.nc").write_bytes(b"no calibration")
+    with caplog.at_level(logging.WARNING, logger="erlif"):
+        found = source_of(film_path, film, fixture_dir=fixture_dir).calibration
+    npt.assert_allclose(found.parameters, [scene.K, scene.P, scene.Q])
+    assert "calibration.nc" in caplog.text
+
+
+def test_default_trigger_is_the_fastest_outward_one(film_path, film):
+    speed = scene.rocker_speed(scene.CRANK)
+    assert source_of(film_path, film).trigger == int(np.argmax(speed))
+
+
+def test_trigger_that_the_film_lacks_is_refused(film_path, tmp_path):
+    with pytest.raises(ErlifError, match="from 0 to 5"):
+        plots.write_figures(film_path, tmp_path / "figures", trigger=6)
+    assert not (tmp_path / "figures").exists()
+
+
+def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
+    (tmp_path / "calibration.svg").write_text("mine")
+    with pytest.raises(OutputError, match="--overwrite"):
+        plots.write_figures(film_path, tmp_path, formats=("svg",))
+    assert [path.name for path in tmp_path.iterdir()] == ["calibration.svg"]
+    assert (tmp_path / "calibration.svg").read_text() == "mine"
+
+
+def test_existing_figures_are_replaced_on_request(film_path, tmp_path, monkeypatch):
+    few(monkeypatch, "calibration")
+    target = tmp_path / "calibration.svg"
+    plots.write_calibration_figure(plots.example_calibration(), target)
+    earlier = target.read_bytes()
+    plots.write_figures(film_path, tmp_path, formats=("svg",), overwrite=True)
+    assert target.read_bytes() != earlier
+
+
+def test_unknown_format_is_refused_before_the_work(film_path, tmp_path):
+    with pytest.raises(OutputError, match="gif"):
+        plots.write_figures(film_path, tmp_path / "figures", formats=("gif",))
+    assert not (tmp_path / "figures").exists()

@@ -1,0 +1,148 @@
+"""Film thickness against speed over load: points, bars, powers and theory are those of the film."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif import plots
+from erlif.plots.style import MEAN, MINIMUM, MUTED
+from erlif.plots.trend import speed_over_load
+
+SPEED_OVER_LOAD = 1e3 * np.abs(scene.rocker_speed(scene.CRANK)) / scene.LOAD
+
+
+def labels_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def points_of(artists, colour):
+    """All points of one colour, in the order of their places."""
+    x = np.concatenate([line.get_xdata() for line in artists if line.get_color() == colour])
+    y = np.concatenate([line.get_ydata() for line in artists if line.get_color() == colour])
+    order = np.argsort(x)
+    return x[order], y[order]
+
+
+@pytest.fixture
+def changed(film):
+    """A copy of the film that a test may change."""
+    return film.load().copy(deep=True)
+
+
+def test_speed_over_load_has_no_sign(film):
+    npt.assert_allclose(1e3 * speed_over_load(film), SPEED_OVER_LOAD, rtol=1e-6)
+
+
+def test_points_are_the_statistics_of_the_triggers(film):
+    artists = plots.film_against_speed(film)[:-2]
+    order = np.argsort(SPEED_OVER_LOAD)
+    for name, colour in (("film_mean", MEAN), ("film_min", MINIMUM)):
+        x, y = points_of(artists, colour)
+        npt.assert_allclose(x, SPEED_OVER_LOAD[order], rtol=1e-6)
+        npt.assert_array_equal(y, film[name].values[order])
+
+
+def test_bars_are_one_standard_deviation(film):
+    ax = plots.film_against_speed(film)[0].axes
+    half = set()
+    for box in ax.containers:
+        segments = np.array([path.vertices for path in box.lines[2][0].get_paths()])
+        half |= set(np.round(np.ptp(segments[:, :, 1], axis=1) / 2, 6))
+    assert half == {0.02, 0.03}
+
+
+def test_drawn_power_goes_through_the_films(film):
+    *_, line = plots.film_against_speed(film)
+    x, y = line.get_data()
+    npt.assert_allclose(np.polyfit(np.log(x), np.log(y), 1)[0], scene.POWER, rtol=1e-6)
+    drawn = np.exp(np.interp(np.log(np.sort(SPEED_OVER_LOAD)), np.log(x), np.log(y)))
+    npt.assert_allclose(drawn, np.sort(scene.minimum_film()), rtol=1e-6)
+    npt.assert_allclose([x.min(), x.max()], [SPEED_OVER_LOAD.min(), SPEED_OVER_LOAD.max()])
+
+
+def test_legend_gives_the_powers_and_the_strokes(film):
+    ax = plots.film_against_speed(film)[0].axes
+    assert labels_of(ax) == [
+        "mean, n = 0.400 ± 0.010",
+        "minimum, n = 0.600 ± 0.010",
+        "outward",
+        "return",
+    ]
+
+
+def test_axes_are_logarithmic_and_name_their_units(film):
+    for draw in (plots.film_against_speed, plots.film_and_theory):
+        ax = draw(film)[0].axes
+        assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+        assert ax.get_xlabel() == "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
+        assert ax.get_ylabel() == "film thickness [µm]"
+
+
+def test_ticks_are_plain_numbers(film):
+    ax = plots.film_against_speed(film)[0].axes
+    ax.get_figure().draw_without_rendering()
+    texts = [text.get_text() for text in ax.get_yticklabels() if text.get_text()]
+    assert len(texts) >= 2
+    assert all(text == f"{float(text):g}" for text in texts)
+
+
+def test_triggers_too_slow_for_the_fit_are_grey(changed):
+    changed.rocker_speed.values[0] *= 0.02
+    artists = plots.film_against_speed(changed)
+    x, y = points_of(artists[:-2], MUTED)
+    npt.assert_array_equal(np.sort(y), np.sort([changed.film_mean[0], changed.film_min[0]]))
+    npt.assert_allclose(x, 1e3 * abs(float(changed.rocker_speed[0])) / scene.LOAD)
+    # the fitted line ends at the slowest trigger of the fit
+    assert artists[-1].get_xdata().min() > x.max()
+
+
+def test_trigger_without_a_film_is_not_drawn(changed):
+    changed.film_min.values[1] = np.nan
+    changed.film_min.values[2] = -0.1
+    _, y = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
+    assert y.size == scene.TRIGGERS - 2
+
+
+def test_power_that_was_not_fitted_is_not_drawn(changed):
+    changed["speed_exponent"] = changed.speed_exponent * np.nan
+    changed["speed_exponent_mean"] = changed.speed_exponent_mean * np.nan
+    ax = plots.film_against_speed(changed)[0].axes
+    assert labels_of(ax) == ["outward", "return"]
+
+
+def test_theory_is_drawn_with_the_film(film):
+    *points, theory, formula = plots.film_and_theory(film)
+    order = np.argsort(np.abs(scene.rocker_speed(scene.CRANK)))
+    npt.assert_allclose(theory.get_ydata(), 20 * scene.minimum_film()[order])
+    npt.assert_allclose(formula.get_ydata(), 0.3 * scene.minimum_film()[order])
+    npt.assert_allclose(theory.get_xdata(), SPEED_OVER_LOAD[order], rtol=1e-6)
+    measured = np.concatenate([line.get_ydata() for line in points])
+    npt.assert_array_equal(np.sort(measured), np.sort(film.film_min.values))
+
+
+def test_legend_names_regime_and_formula(film):
+    ax = plots.film_and_theory(film)[0].axes
+    assert labels_of(ax) == [
+        "theory, isoviscous-rigid",
+        "2.65 formula, piezoviscous-elastic",
+        "measured minimum, outward",
+        "measured minimum, return",
+    ]
+
+
+def test_all_curves_lie_within_the_axes(film):
+    """Theory is twenty times the measured film, the formula a third of it."""
+    artists = plots.film_and_theory(film)
+    low, high = artists[0].axes.get_ylim()
+    for artist in artists:
+        assert low < artist.get_ydata().min()
+        assert artist.get_ydata().max() < high
+
+
+def test_figure_has_both_panels_even_without_a_film(film):
+    for one in (film, scene.without_valid_pixels(film)):
+        figure = plots.speed_figure(one)
+        assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
