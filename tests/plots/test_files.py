@@ -216,10 +216,10 @@ def test_existing_figures_are_kept_without_overwrite(film_path, tmp_path):
 
 def test_existing_figures_are_replaced_on_request(film_path, tmp_path, monkeypatch):
     few(monkeypatch, "calibration")
-    target = tmp_path / "calibration.svg"
+    target = tmp_path / "calibration.pdf"
     plots.write_calibration_figure(plots.example_calibration(), target)
     earlier = target.read_bytes()
-    plots.write_figures(film_path, tmp_path, formats=("svg",), overwrite=True)
+    plots.write_figures(film_path, tmp_path, formats=("pdf",), overwrite=True)
     assert target.read_bytes() != earlier
 
 

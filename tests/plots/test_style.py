@@ -89,7 +89,7 @@ def test_drawing_is_loaded_only_when_needed_and_never_opens_a_window():
 
 
 def test_thicker_film_is_brighter():
-    """Lightness of batlow rises throughout (Crameri 2018), so that print in grey keeps the order."""
+    """Lightness of batlow rises throughout (Crameri 2018), which print in grey preserves."""
     red, green, blue, _ = colour_map("batlow")(np.linspace(0, 1, 64)).T
     luminance = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
     lightness = 116 * np.cbrt(luminance) - 16
