@@ -186,7 +186,7 @@ def test_a_film_without_answers_is_reported_as_such(film_path, tmp_path, monkeyp
     monkeypatch.setattr(report_page, "DRAWN", {})
     target = tmp_path / "film.nc"
     with open_film(film_path) as film:
-        scene.without_answers(film).to_netcdf(target, engine="h5netcdf")
+        scene.without_valid_pixels(film).to_netcdf(target, engine="h5netcdf")
     for group in ("frames", "registration"):
         with open_film(film_path, group=group) as part:
             part.to_netcdf(target, engine="h5netcdf", mode="a", group=group)
