@@ -1,4 +1,8 @@
-"""Camera 2 onto the pixel grid of camera 1, with its noise and its flags."""
+"""Camera 2 onto the pixel grid of camera 1, with its noise and its flags.
+
+The light is interpolated by cubic B-splines (`erlif.registration.interpolation`), the variance
+bilinearly, and every flag reaches all pixels that depend on the flagged one.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import numba
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
@@ -19,56 +23,91 @@ _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
 def align_frames(
     frames: CorrectedFrames, camera_map: CameraMap, *, drift: Array | None = None
 ) -> AlignedFrames:
-    """Sample camera 2 where camera 1 has its pixels.
+    """Sample camera 2 at the points where camera 1 has its pixels.
 
-    The signal is interpolated by a cubic B-spline; its variance is that of the neighbourhood times the factor by which the
-    spline averages noise at this sub-pixel position. A pixel inherits the flags of the sixteen it is made from.
+    The signal is interpolated by a cubic B-spline; its variance is that of the neighbourhood times
+    the factor by which the spline averages noise at this sub-pixel position. A pixel inherits the
+    flags of the sixteen pixels that it is interpolated from.
 
     Parameters
     ----------
     frames : CorrectedFrames
-        signal, signal_var and flags (camera, frame, y, x).
+        signal, signal_var, signal_var_fixed and flags (camera, frame, y, x).
     camera_map : CameraMap
         The fixed map from camera 1 to camera 2.
     drift : array, (frame, 2), optional
-        Translation (x, y) of camera 2 in each frame, on top of the map; NaN where it is not known, which flags the frame
-        poor_registration. [px]
+        Translation (x, y) of camera 2 in each frame, on top of the map; NaN where it is not known,
+        which flags the frame poor_registration. [px]
 
     Returns
     -------
     AlignedFrames
-        As `frames`, with displacement_std (y, x), the standard deviation of one component of the map [px], and interpolation (frame), the
-        mean factor by which the interpolation lowers the variance of a pixel of camera 2.
+        As `frames`, with displacement_std (y, x), the standard deviation of one component of the
+        map [px], and interpolation (frame), the mean factor by which the interpolation lowers the
+        variance of a pixel of camera 2.
+
+    Raises
+    ------
+    ErlifError
+        If a variable of the frames is missing.
+
+    Examples
+    --------
+    Camera 2 has a bright point one column to the right of camera 1.
+
+    >>> from erlif.registration import CameraMap, MapKind
+    >>> flat = np.zeros((5, 6), np.float32)
+    >>> camera_map = CameraMap(flat + 1, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    >>> light = np.ones((2, 1, 5, 6), np.float32)
+    >>> light[1, 0, 2, 3] = 9.0
+    >>> dims = ("camera", "frame", "y", "x")
+    >>> noise = {name: (dims, light * 0) for name in ("signal_var", "signal_var_fixed")}
+    >>> flags = (dims, np.zeros(light.shape, np.uint8))
+    >>> frames = xr.Dataset({"signal": (dims, light), **noise, "flags": flags})
+    >>> aligned = align_frames(CorrectedFrames(frames), camera_map)
+    >>> aligned.signal.values[1, 0, 2].round(3)
+    array([ 1.,  1.,  9.,  1.,  1., nan], dtype=float32)
+    >>> [Flag(int(bits)).name for bits in aligned.flags.values[1, 0, 2, [4, 5]]]
+    [None, 'OUTSIDE_OVERLAP']
     """
     names = ("signal", "signal_var", "signal_var_fixed", "flags")
     require(frames, *names)
-    signal, variance, fixed, flags = (np.empty_like(frames[name].values) for name in names)
-    for out, name in zip((signal, variance, fixed, flags), names, strict=True):
-        out[0] = frames[name].values[0]
+    aligned = {name: np.empty_like(frames[name].values) for name in names}
+    for name, out in aligned.items():
+        out[0] = frames[name].values[0]  # camera 1 keeps its pixels
+
     turn = camera_map.settings.orientation
-    offsets = np.zeros((signal.shape[1], 2)) if drift is None else np.asarray(drift, float)
+    count = aligned["signal"].shape[1]
+    offsets = np.zeros((count, 2)) if drift is None else np.asarray(drift, float)
     dx, dy = camera_map.displacement_x, camera_map.displacement_y
-    averaging = np.ones(signal.shape[1])
+    averaging = np.ones(count)
+
     for n, (x, y) in enumerate(offsets.tolist()):
-        moving, *noise, moving_flags = (
-            np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
-        )
-        signal[1, n] = warp(moving, dx, dy, (x, y))
+        own = {
+            name: np.ascontiguousarray(orient(frames[name].values[1, n], turn)) for name in names
+        }
+        aligned["signal"][1, n] = warp(own["signal"], dx, dy, (x, y))
+
         factor = interpolation_variance_factor(dx, dy, (x, y))
-        _gather_flags(moving_flags, dx, dy, x, y, flags[1, n])
-        for own, out in zip(noise, (variance, fixed), strict=True):
-            _gather(own, dx, dy, x, y, factor, out[1, n])
+        for name in ("signal_var", "signal_var_fixed"):
+            _gather(own[name], dx, dy, x, y, factor, aligned[name][1, n])
         averaging[n] = np.nanmean(factor) if np.isfinite(factor).any() else 1.0
-        flags[1, n][~camera_map.overlap] |= _OUTSIDE
-        flags[1, n][camera_map.poor | np.isnan(x)] |= _POOR
+
+        flags = aligned["flags"][1, n]
+        _gather_flags(own["flags"], dx, dy, x, y, flags)
+        flags[~camera_map.overlap] |= _OUTSIDE
+        flags[camera_map.poor | np.isnan(x)] |= _POOR
+
     dims = ("camera", "frame", "y", "x")
+    described = {
+        name: (dims, aligned[name], frames[name].attrs)
+        for name in ("signal", "signal_var", "signal_var_fixed")
+    }
     return AlignedFrames(
         xr.Dataset(
             {
-                "signal": (dims, signal, frames.signal.attrs),
-                "signal_var": (dims, variance, frames.signal_var.attrs),
-                "signal_var_fixed": (dims, fixed, frames.signal_var_fixed.attrs),
-                "flags": (dims, flags, FLAG_ATTRS),
+                **described,
+                "flags": (dims, aligned["flags"], FLAG_ATTRS),
                 "displacement_std": (("y", "x"), camera_map.displacement_std, {"units": "px"}),
                 "interpolation": ("frame", averaging, {"units": "1"}),
             },
@@ -78,9 +117,11 @@ def align_frames(
 
 
 @numba.njit(nogil=True, cache=True)
-def _flags_of_four(flags, out):  # type: ignore[no-untyped-def]
+def _flags_of_four(flags: AnyArray, out: AnyArray) -> None:
     """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
     height, width = flags.shape
+
+    # first along x, then along y: eight reads a pixel instead of sixteen
     along = np.empty((height, width), flags.dtype)
     for i in range(height):
         for j in range(width):
@@ -93,7 +134,14 @@ def _flags_of_four(flags, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _gather_flags(flags, displacement_x, displacement_y, drift_x, drift_y, out):  # type: ignore[no-untyped-def]
+def _gather_flags(
+    flags: AnyArray,
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
+    drift_x: float,
+    drift_y: float,
+    out: AnyArray,
+) -> None:
     """All flags of the 4 x 4 pixels about each point."""
     height, width = flags.shape
     spread = np.empty((height, width), flags.dtype)
@@ -109,8 +157,16 @@ def _gather_flags(flags, displacement_x, displacement_y, drift_x, drift_y, out):
 
 
 @numba.njit(nogil=True, cache=True)
-def _gather(variance, displacement_x, displacement_y, drift_x, drift_y, factor, out):  # type: ignore[no-untyped-def]
-    """Variance about each point by bilinear interpolation, times `factor`."""
+def _gather(
+    variance: AnyArray,
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
+    drift_x: float,
+    drift_y: float,
+    factor: AnyArray,
+    out: AnyArray,
+) -> None:
+    """Variance about each point by bilinear interpolation, times `factor`; NaN outside."""
     height, width = variance.shape
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
@@ -119,6 +175,8 @@ def _gather(variance, displacement_x, displacement_y, drift_x, drift_y, factor, 
             if not (x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1):
                 out[i, j] = np.nan
                 continue
+
+            # the last row and column are reached from the pixel before them
             k, m = min(int(y), height - 2), min(int(x), width - 2)
             v, u = y - k, x - m
             top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
