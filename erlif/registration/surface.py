@@ -1,10 +1,12 @@
 """Smooth displacement surfaces: tensor products of uniform cubic B-splines fitted to the cell sums.
 
-A camera-to-camera map is smooth, so the whole frame may support a few coefficients instead of each window its own
-vector. How many is decided by data that the fit has not seen.
+A camera-to-camera map is smooth, so a few coefficients describe the whole frame, where separate
+windows would need a vector each. `erlif.registration.selection` decides how many the data support.
+The splines are those of de Boor (1978) on equidistant knots.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numba import njit
@@ -14,12 +16,18 @@ from erlif.core.arrays import AnyArray
 from erlif.registration.matching import EE, WEIGHT
 
 Box = tuple[float, float, float, float]
+"""x0, x1, y0, y1 of a rectangle of camera-1 pixels. [px]"""
+
+RIDGE: Final = 1e-9
+"""Ridge in parts of the mean diagonal of the normal matrix: far below all that data support."""
+LIT_SHARE: Final = 0.25
+"""Cells with less than this part of the pixels of a full cell have no weight."""
 
 
 def spline_weights(
     positions: AnyArray, start: float, stop: float, elements: int
 ) -> tuple[AnyArray, AnyArray]:
-    """Cubic B-spline weights of positions on an interval cut into equal elements.
+    """Return the cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
     ----------
@@ -39,6 +47,8 @@ def spline_weights(
     """
     t = (np.asarray(positions, float) - start) * (elements / (stop - start))
     first = np.clip(np.floor(t), 0, elements - 1).astype(np.int64)
+
+    # the four pieces of the B-spline as polynomials of the place within the element
     u = t - first
     weights = (
         np.stack(
@@ -50,7 +60,7 @@ def spline_weights(
 
 
 def design(positions: AnyArray, start: float, stop: float, elements: int) -> AnyArray:
-    """The same weights as a full matrix (position, coefficient)."""
+    """The weights of `spline_weights` as a full matrix (position, coefficient)."""
     first, weights = spline_weights(positions, start, stop, elements)
     matrix = np.zeros((len(first), elements + 3))
     for k in range(4):
@@ -83,7 +93,10 @@ def _evaluate(
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def bilinear(values: AnyArray, row: AnyArray, column: AnyArray) -> AnyArray:
-    """Bilinear interpolation of a small float32 table at fractional rows and columns, constant beyond it."""
+    """Interpolate a small float32 table at fractional rows and columns, constant beyond its edges.
+
+    The rows are interpolated once for each output row, then the columns.
+    """
     rows, cols = values.shape
     out = np.empty((row.size, column.size), np.float32)
     line = np.empty(cols, np.float32)
@@ -105,9 +118,9 @@ class Surface:
     """A displacement surface on a box of camera-1 pixels."""
 
     box: Box
-    """x0, x1, y0, y1. [px]"""
+    """Region on which the elements are equal; beyond it the outer ones are continued. [px]"""
     coefficients: AnyArray
-    """(component, y, x); component 0 is x. [px]"""
+    """(component, y, x), three more than elements along each axis; component 0 is x. [px]"""
 
     @property
     def elements(self) -> tuple[int, int]:
@@ -115,7 +128,7 @@ class Surface:
         return self.coefficients.shape[2] - 3, self.coefficients.shape[1] - 3
 
     def evaluate(self, x: AnyArray, y: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Displacement (dx, dy) at the grid of coordinates x and y; each (len(y), len(x)). [px]"""
+        """Displacement (dx, dy) at the grid of coordinates x and y, each (len(y), len(x)). [px]"""
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         across = design(x, x0, x1, nx)
@@ -123,12 +136,16 @@ class Surface:
         return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
 
     def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[AnyArray, AnyArray]:
-        """Displacement on every pixel of a frame of that shape, in pixels of that binning; float32."""
+        """Displacement (dx, dy) on all pixels of a binned frame, float32. [binned px]
+
+        Binned pixel k covers the pixels from ``k * binning`` and lies at their centre.
+        """
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         centre = (binning - 1) / 2
         first_x, weight_x = spline_weights(np.arange(shape[1]) * binning + centre, x0, x1, nx)
         first_y, weight_y = spline_weights(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+
         fields = []
         for c in self.coefficients:
             field = np.empty(shape, np.float32)
@@ -152,9 +169,8 @@ class Surface:
 def affine_surface(box: Box, matrix: AnyArray, offset: AnyArray) -> Surface:
     """The affine displacement ``matrix @ (x, y) + offset`` as a surface of one element."""
     x0, x1, y0, y1 = box
-    gx = x0 + (x1 - x0) * np.arange(
-        -1, 3
-    )  # a cubic B-spline reproduces a line from its values at these abscissae
+    # a cubic B-spline whose coefficients are the values of a line at these places is the line
+    gx = x0 + (x1 - x0) * np.arange(-1, 3)
     gy = y0 + (y1 - y0) * np.arange(-1, 3)
     x, y = np.meshgrid(gx, gy)
     return Surface(
@@ -163,10 +179,15 @@ def affine_surface(box: Box, matrix: AnyArray, offset: AnyArray) -> Surface:
 
 
 def degree_basis(degree: int) -> AnyArray:
-    """Coefficients of a one-element surface (16,) that make the polynomials of at most this total degree; (16, p)."""
+    """Orthonormal coefficients (16, p) of the polynomials up to this total degree, at most 3.
+
+    A surface of one element has 16 coefficients and holds all polynomials of the third degree in
+    each coordinate; the columns span those whose degrees add up to at most ``degree``.
+    """
     t = np.linspace(0, 1, 4)
     power = np.stack([(2 * t - 1) ** k for k in range(4)], axis=1)
     one = np.linalg.solve(design(t, 0.0, 1.0, 1), power)  # spline coefficients (4,) of each power
+
     columns = [
         np.outer(one[:, j], one[:, i]).ravel()
         for i in range(4)
@@ -191,19 +212,24 @@ def _assemble(
 ) -> None:
     """Add each cell to the normal equations, first along its row and then, row by row, along y.
 
-    ``matrix`` is (xx xy yy, y, x, y, x), ``right`` (component, y, x).
+    ``matrix`` is (xx xy yy, y, x, y, x), ``right`` (component, y, x). The solution is the whole
+    displacement: the part that the cells already have, ``here``, goes to the right-hand side.
     """
     rows, cols = weight.shape
     nx = right.shape[2]
     band = np.empty((3, nx + 3, 4))
     line = np.empty((2, nx))
+
     for r in range(rows):
         band[:] = 0.0
         line[:] = 0.0
+
+        # the equations along x of this row: four weights on each, so a band of four
         for c in range(cols):
             w = weight[r, c]
             if w <= 0:
                 continue
+
             gxx = w * sums[r, c, 0]
             gxy = w * sums[r, c, 1]
             gyy = w * sums[r, c, 2]
@@ -218,6 +244,8 @@ def _assemble(
                     band[0, i, q - p] += both * gxx
                     band[1, i, q - p] += both * gxy
                     band[2, i, q - p] += both * gyy
+
+        # times the weights along y, with the band unfolded into both triangles
         for p in range(4):
             j = first_y[r] + p
             for i in range(nx):
@@ -239,33 +267,37 @@ class Equations:
     """Normal equations of one spline grid."""
 
     box: Box
+    """Region of the spline. [px]"""
     elements: tuple[int, int]
+    """Elements along x and along y."""
     matrix: AnyArray
-    """(2p, 2p), x coefficients first."""
+    """(2p, 2p), x coefficients first: information on the coefficients. [1/px^2]"""
     right: AnyArray
-    """(2p,)"""
+    """(2p,): the matrix times the solution. [1/px]"""
     start: AnyArray
-    """(2p,), the plane to which coefficients without data fall back."""
+    """(2p,): the plane to which coefficients without data fall back. [px]"""
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Cell sums with where they were taken and how much they count."""
+    """Cell sums with their places, the displacement at which they hold, and their weights."""
 
     sums: AnyArray
-    """(row, column, 11)"""
+    """(row, column, 11), see `erlif.registration.matching.SUMS`."""
     x: AnyArray
-    """Cell centres. [px]"""
+    """Columns of the cell centres. [px]"""
     y: AnyArray
+    """Rows of the cell centres. [px]"""
     here_x: AnyArray
-    """Displacement at which the sums were taken, (row, column). [px]"""
+    """(row, column): displacement along x at which the sums were taken. [px]"""
     here_y: AnyArray
+    """(row, column): displacement along y at which the sums were taken. [px]"""
     weight: AnyArray
-    """Reciprocal of the residual variance, (row, column)."""
+    """(row, column): reciprocal of the residual variance of the textures. [1]"""
 
     @property
     def box(self) -> Box:
-        """The smallest box that holds every cell with weight. [px]"""
+        """The smallest box that holds all cells with weight. [px]"""
         across = np.nonzero((self.weight > 0).any(0))[0]
         down = np.nonzero((self.weight > 0).any(1))[0]
         hx = (self.x[1] - self.x[0]) / 2
@@ -279,18 +311,24 @@ class Cells:
 
 
 def cell_weights(sums: AnyArray) -> AnyArray:
-    """Reciprocal residual variance of each cell, the larger of its own and that of its surroundings; 0 if empty."""
+    """Reciprocal residual variance of each cell; 0 if it is nearly empty.
+
+    The larger of the cell's own variance and that of the 3 by 3 cells around it counts: a single
+    cell may match by chance.
+    """
     n, ee = sums[..., WEIGHT], sums[..., EE]
     near_n, near_e = _box3(n), _box3(ee)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(n > 0, ee / n, 0)
         near = np.where(near_n > 0, near_e / near_n, 0)
         variance = np.maximum(own, near)
-        weight: AnyArray = np.where((n > 0.25 * n.max()) & (variance > 0), 1 / variance, 0)
+        lit = n > LIT_SHARE * n.max()
+        weight: AnyArray = np.where(lit & (variance > 0), 1 / variance, 0)
     return weight
 
 
 def _box3(cells: AnyArray) -> AnyArray:
+    """Sum over 3 by 3 cells; nothing beyond the edges."""
     p = np.pad(cells, 1)
     p = p[:-2] + p[1:-1] + p[2:]
     return np.asarray(p[:, :-2] + p[:, 1:-1] + p[:, 2:])
@@ -307,11 +345,17 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
         Elements along x and y.
     box : Box, optional
         Region of the spline; that of the cells if missing.
+
+    Returns
+    -------
+    Equations
+        Solved by `solve_surface`.
     """
     box = cells.box if box is None else box
     nx, ny = elements
     first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
     first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
+
     p = (nx + 3) * (ny + 3)
     blocks = np.zeros((3, ny + 3, nx + 3, ny + 3, nx + 3))
     right = np.zeros((2, ny + 3, nx + 3))
@@ -327,42 +371,50 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
         blocks,
         right,
     )
+
     xx, xy, yy = blocks.reshape(3, p, p)
     matrix = np.block([[xx, xy], [xy, yy]])
     return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
 
 
 def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> AnyArray:
-    """Spline coefficients (2p,) of the plane nearest to the displacement at which the sums were taken."""
+    """Spline coefficients (2p,) of the plane nearest to the displacement of the cells."""
     x, y = np.meshgrid(
         (cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2])
     )
     on = cells.weight > 0
     terms = np.stack([np.ones(on.sum()), x[on], y[on]], axis=1)
     here = np.stack([cells.here_x[on], cells.here_y[on]], axis=1)
-    fit = np.linalg.solve(terms.T @ terms + 1e-9 * len(terms) * np.eye(3), terms.T @ here)
+    fit = np.linalg.solve(terms.T @ terms + RIDGE * len(terms) * np.eye(3), terms.T @ here)
+
+    # as in `affine_surface`, on the box scaled to 1
     gx, gy = np.meshgrid(*(np.arange(-1, n + 2) / n for n in elements))
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
 def solve_surface(system: Equations, *, basis: AnyArray | None = None) -> Surface:
-    """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`)."""
+    """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`).
+
+    The unknowns are the departures from the plane, so that the ridge pulls towards the plane.
+    """
     matrix = system.matrix
     nx, ny = system.elements
+
     right = system.right - matrix @ system.start
     if basis is not None:
         both = np.kron(np.eye(2), basis)
         solution = both @ _solve(both.T @ matrix @ both, both.T @ right)
     else:
         solution = _solve(matrix, right)
+
     solution = solution + system.start
     return Surface(system.box, solution.reshape(2, ny + 3, nx + 3))
 
 
 def _solve(matrix: AnyArray, right: AnyArray) -> AnyArray:
-    """Solve a symmetric system with a ridge far below every coefficient that data support."""
+    """Solve a symmetric system with a ridge; zeros if it is empty."""
     n = len(matrix)
-    ridge = 1e-9 * np.trace(matrix) / n
+    ridge = RIDGE * np.trace(matrix) / n
     if not ridge > 0:
         return np.zeros(n)
     solution: AnyArray = cho_solve(

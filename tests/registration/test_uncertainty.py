@@ -1,0 +1,177 @@
+"""Standard deviation of a fitted surface: closed forms, and the scatter of repeated fits."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
+from erlif.registration.selection import Model, moved_to
+from erlif.registration.surface import Cells, degree_basis, equations, solve_surface
+from erlif.registration.uncertainty import blocks_of, surface_covariance, surface_std
+
+STEP = 8
+SHAPE = (64, 80)
+BOX = (-0.5, 639.5, -0.5, 511.5)
+X, Y = np.linspace(10, 629, 9), np.linspace(10, 501, 7)
+
+
+def cells_with(scores, *, step=STEP, seed=5):
+    """Cells of one texture at no displacement, with these scores (row, column, 2)."""
+    rng = np.random.default_rng(seed)
+    shape = scores.shape[:2]
+    sums = np.zeros((*shape, SUMS))
+    sums[..., GXX] = rng.uniform(8, 12, shape)
+    sums[..., GYY] = rng.uniform(18, 22, shape)
+    sums[..., GXY] = rng.uniform(-5, 5, shape)
+    sums[..., [BX, BY]] = scores
+    y, x = (np.arange(n) * step + (step - 1) / 2 for n in shape)
+    flat = np.zeros(shape)
+    return Cells(sums, x, y, flat, flat, np.full(shape, 0.5))
+
+
+def fit(cells, model):
+    surface = solve_surface(equations(cells, model.elements, box=BOX), basis=model.basis)
+    covariance = surface_covariance(moved_to(cells, surface), model, BOX)
+    return surface.evaluate(X, Y), surface_std(covariance, model, BOX, X, Y)
+
+
+@pytest.mark.parametrize(
+    "model", [Model((1, 1), 1), Model((1, 1), 3), Model((2, 2))], ids=["plane", "cubic", "spline"]
+)
+def test_standard_deviation_is_the_scatter_of_repeated_fits(model):
+    """Independent scores whose noise differs by a factor of four across the field."""
+    rng = np.random.default_rng(6)
+    size = np.linspace(1, 4, SHAPE[1])[None, :, None] * np.array([1.0, 2.0])
+    fields, stds = [], []
+    for _ in range(60):
+        field, std = fit(cells_with(size * rng.normal(size=(*SHAPE, 2))), model)
+        fields.append(field)
+        stds.append(std)
+    ratio = np.sqrt(np.mean(np.square(stds), axis=0) / np.mean(np.square(fields), axis=(0, 1)))
+    # 60 fits of two components know their scatter to 6 % at one point
+    assert ratio.min() > 0.8
+    assert np.mean(ratio[2:-2, 2:-2]) == pytest.approx(1, abs=0.1)
+    # the corners, which the fit follows, have a somewhat large standard deviation
+    assert ratio.mean() < 1.2
+
+
+def test_noise_that_neighbouring_cells_share_widens_the_standard_deviation():
+    """The same noise in 2 by 2 cells of 8 px has twice the effect; the blocks of 32 px hold it."""
+    rng = np.random.default_rng(7)
+    model = Model((1, 1), 2)
+    found = {"shared": [], "own": []}
+    for _ in range(20):
+        coarse = rng.normal(size=(32, 40, 2))
+        shared = np.repeat(np.repeat(coarse, 2, axis=0), 2, axis=1)
+        found["shared"].append(fit(cells_with(shared), model)[1])
+        found["own"].append(fit(cells_with(rng.normal(size=(*SHAPE, 2))), model)[1])
+    ratio = np.sqrt(np.mean(np.square(found["shared"])) / np.mean(np.square(found["own"])))
+    assert ratio == pytest.approx(2, rel=0.12)
+
+
+def test_standard_deviation_is_proportional_to_the_scores():
+    scores = np.random.default_rng(8).normal(size=(*SHAPE, 2))
+    model = Model((2, 2))
+    one, three = (fit(cells_with(factor * scores), model)[1] for factor in (1, 3))
+    npt.assert_allclose(three, 3 * one, rtol=1e-9)
+
+
+def test_cells_without_weight_do_not_count():
+    rng = np.random.default_rng(9)
+    scores = rng.normal(size=(*SHAPE, 2))
+    wild = scores.copy()
+    wild[5:9, 6:12] *= 1000
+    found = []
+    for cells in (cells_with(scores), cells_with(wild)):
+        cells.weight[5:9, 6:12] = 0
+        found.append(fit(cells, Model((1, 1), 3))[1])
+    npt.assert_allclose(found[0], found[1], rtol=1e-12)
+
+
+def test_block_that_the_fit_followed_counts_more():
+    """The jackknife: a score in a corner, which a cubic follows, is divided by 1 - leverage/2."""
+    scores = np.zeros((*SHAPE, 2))
+    scores[:4, :4] = 1.0  # a block of 32 px
+    model = Model((1, 1), 3)
+    cells = cells_with(scores)
+    covariance = surface_covariance(cells, model, BOX)
+
+    # the same sandwich with dense matrices
+    system = equations(cells, model.elements, box=BOX)
+    both = np.kron(np.eye(2), degree_basis(3))
+    inverse = both @ np.linalg.inv(both.T @ system.matrix @ both) @ both.T
+    corner = cells_with(scores)
+    corner.weight[4:] = corner.weight[:, 4:] = 0
+    block = equations(corner, model.elements, box=BOX)
+    leverage = np.trace(block.matrix @ inverse)
+    assert 0.1 < leverage < 1.5
+    score = block.right / (1 - leverage / 2)
+    expected = np.outer(inverse @ score, inverse @ score)
+    npt.assert_allclose(covariance, expected, atol=1e-4 * expected.max())
+
+
+def test_leverage_is_limited():
+    """One cell determines two of the coefficients alone; its score is divided by 0.1, not by 0."""
+    scores = np.zeros((4, 4, 2))
+    scores[0, 0] = 1.0
+    cells = cells_with(scores, step=48)
+    cells.weight[:] = 1e-3
+    cells.weight[0, 0] = 1.0
+    model = Model((1, 1), 1)
+    covariance = surface_covariance(cells, model, BOX)
+    system = equations(cells, model.elements, box=BOX)
+    both = np.kron(np.eye(2), degree_basis(1))
+    inverse = both @ np.linalg.inv(both.T @ system.matrix @ both) @ both.T
+    error = inverse @ system.right / 0.1
+    npt.assert_allclose(covariance, np.outer(error, error), atol=1e-4 * np.max(error**2))
+
+
+@pytest.mark.parametrize(
+    ("model", "side"),
+    [(Model((1, 1), 2), 32), (Model((4, 4)), 32), (Model((5, 4)), 16)],
+    ids=["polynomial", "49 coefficients", "56 coefficients"],
+)
+def test_blocks_of_many_coefficients_are_smaller(model, side):
+    cells = cells_with(np.zeros((*SHAPE, 2)))
+    block = blocks_of(cells, model, BOX)
+    n = side // STEP
+    assert len(np.unique(block)) == 512 * 640 // side**2
+    for row, column in ((0, 0), (n, 2 * n), (64 - n, 80 - n)):
+        inside = block[row : row + n, column : column + n]
+        assert (inside == inside[0, 0]).all()
+        assert (block == inside[0, 0]).sum() == n * n
+
+
+def test_blocks_are_an_eighth_of_a_small_frame_and_no_smaller_than_a_cell():
+    small = (0.0, 192.0, 0.0, 128.0)
+    cells = cells_with(np.zeros((16, 24, 2)))
+    block = blocks_of(cells, Model((1, 1)), small)
+    assert len(np.unique(block)) == 8 * 12  # of 16 px
+    coarse = cells_with(np.zeros((4, 6, 2)), step=32)
+    assert len(np.unique(blocks_of(coarse, Model((1, 1)), small))) == 4 * 6
+
+
+@pytest.mark.parametrize(("component", "variance"), [(0, 4.0), (1, 9.0)])
+def test_standard_deviation_is_the_rms_of_both_components(component, variance):
+    """Independent coefficients at a knot, where the B-splines are 1/6, 4/6 and 1/6: 1/2 is the sum
+    of their squares along an axis, and half the variance of one component that of the mean."""
+    model = Model((2, 2))
+    covariance = np.zeros((50, 50))
+    half = slice(25 * component, 25 * (component + 1))
+    covariance[half, half] = variance * np.eye(25)
+    knot_x, knot_y = np.array([319.5]), np.array([255.5])
+    std = surface_std(covariance, model, BOX, knot_x, knot_y)
+    npt.assert_allclose(std, np.sqrt(0.5 * variance) * 0.5, rtol=1e-12)
+
+
+def test_standard_deviation_follows_the_grid_of_positions():
+    """The error of one coefficient, the last along x and the first along y, is felt in its corner."""
+    model = Model((4, 3))
+    covariance = np.zeros((84, 84))
+    covariance[6, 6] = 1.0
+    x, y = np.array([0.0, 320.0, 639.0]), np.array([0.0, 400.0])
+    std = surface_std(covariance, model, BOX, x, y)
+    assert std.shape == (2, 3)
+    assert std[0, 2] > 0
+    std[0, 2] = 0
+    assert (std == 0).all()
