@@ -4,6 +4,7 @@ Nothing is fetched while building or reading: formulas become MathML, figures co
 run in the repository, and there are no links into other projects' inventories.
 """
 
+import inspect
 import os
 import re
 import sys
@@ -54,7 +55,7 @@ nb_merge_streams = True
 autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types stand in the signature's place in the Parameters section
-autodoc_default_options = {"members": True}
+autodoc_default_options = {"members": True, "exclude-members": "model_config"}
 numpydoc_show_class_members = False
 python_maximum_signature_line_length = 88
 
@@ -94,7 +95,18 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": [], "glossary": [], "bibliography": []}
+SINGLE_PAGES = (
+    "index",
+    "your_data",
+    "tutorial",
+    "files",
+    "glossary",
+    "architecture",
+    "matlab",
+    "shell_completion",
+    "bibliography",
+)
+html_sidebars = {page: [] for page in SINGLE_PAGES}  # they have no section to navigate
 
 STAGES = (
     "ingest",
@@ -128,16 +140,21 @@ MODELS = (
 
 
 def exported(name: str) -> list[str]:
-    """Names of a module's ``__all__``, or its public functions and classes where it has none."""
+    """Functions and classes that a module exports, by ``__all__`` or, without one, all public ones."""
     module = import_module(name)
     names = getattr(module, "__all__", None)
-    if names is not None:  # unit types of the settings, such as Length, are written down in Files
-        return [each for each in names if get_origin(getattr(module, each)) is None]
-    return sorted(
-        each
-        for each, thing in vars(module).items()
-        if not each.startswith("_") and getattr(thing, "__module__", None) == name
-    )
+    if names is None:
+        names = sorted(
+            each
+            for each, thing in vars(module).items()
+            if not each.startswith("_") and getattr(thing, "__module__", None) == name
+        )
+    return [each for each in names if is_documented(getattr(module, each))]
+
+
+def is_documented(thing: object) -> bool:
+    """Whether a page lists it: constants and the unit types of the settings have no page."""
+    return inspect.isroutine(thing) or inspect.isclass(thing) and get_origin(thing) is None
 
 
 def write_api_pages(app: Sphinx) -> None:

@@ -50,7 +50,7 @@ ax.contourf(g_v, g_e, governing, levels=np.arange(5) - 0.5, colors=colours)
 for k, name in enumerate(names):
     inside = governing == k
     place = 10 ** np.log10(g_v[inside]).mean(), 10 ** np.log10(g_e[inside]).mean()
-    ax.annotate(name, place, ha="center", fontsize=9, color="0.35")
+    ax.annotate(name.replace("-", "-\n"), place, ha="center", fontsize=9, color="0.35")
 
 for name, (modulus, load) in joints.items():
     found = line_contact_film(
@@ -63,7 +63,7 @@ for name, (modulus, load) in joints.items():
     )
     print(f"{name:18s} {found.regime:21s} {float(found.film) * 1e6:7.2f} um")
     ax.plot(found.gV, found.gE, "o", color="black", markersize=5)
-    label = f"{name}\n{float(found.film) * 1e6:.2g} µm"
+    label = f"{name}\n{float(found.film) * 1e6:.3g} µm"
     ax.annotate(label, (found.gV, found.gE), (6, 4), textcoords="offset points", fontsize=8)
 ax.set(xscale="log", yscale="log", xlabel="viscosity parameter $g_V$")
 ax.set_ylabel("elasticity parameter $g_E$")
