@@ -154,7 +154,7 @@ def exported(name: str) -> list[str]:
 
 def is_documented(thing: object) -> bool:
     """Whether a page lists it: constants and the unit types of the settings have no page."""
-    return inspect.isroutine(thing) or inspect.isclass(thing) and get_origin(thing) is None
+    return inspect.isroutine(thing) or (inspect.isclass(thing) and get_origin(thing) is None)
 
 
 def write_api_pages(app: Sphinx) -> None:
