@@ -1,8 +1,9 @@
-"""Whether two calibrations differ by more than chance: the check for drift."""
+"""Comparison of two calibrations: whether they differ by more than chance, the check for drift."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -11,56 +12,58 @@ from scipy.stats import f as fisher
 
 from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
+from erlif.calibration.regression import MAD_TO_STD, OUTLIER
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
 
 FALSE_ALARM = 0.01
-"""Probability of chance below which a difference is taken for one."""
+"""Probability of chance below which a difference is significant."""
 
-_GRID = 60
-_NO_VARIANCE = 1e-5  # share of the largest variance below which a shape of the difference is not told by the covariances
+DRIFT = 2.0
+"""Standard deviations of a calibration beyond which a significant difference is a drift."""
+
+_GRID = 60  # films at which the curves are compared
+_NO_VARIANCE = 1e-5  # of the largest: shapes below it are fixed by the covariance's rounding
 _SHARED = 0.8  # of the CMM points: above it, two calibrations rest on the same readings
-_ROUNDING = 1e-5  # mm and um: nearer points of the CMM are one
-_PLACES = ("curve_x", "curve_y")
+_MINIMUM_PAIRS = 20  # points for a comparison of their scatter
+_ROUNDING = 1e-5  # mm and um: readings that differ by less are one, stored twice
+_RESOLVED = 1e-4  # of the largest singular value: functions below it are not separable
+_PASSES = 5  # without outliers
+_SMALLEST_SPREAD = 1e-12  # of the log ratio, so that equal images keep their points
+_SMALLEST_VARIANCE = 1e-20  # its square is below any noise of a mean ratio
+_CORRELATED = 2.0  # standard deviations from which on neighbours are taken as correlated
+_SHOWN_FILMS = (1.0, 3.0, 8.0)  # um: films of the verdict
+_POSITIONS = ("curve_x", "curve_y")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A calibration less an earlier one.
-
-    Attributes
-    ----------
-    thickness : array, (film,)
-        Over the range that both answer. [um]
-    difference, difference_std : array, (film,)
-        Of the logarithm of the ratio.
-    film_change, film_change_std : array, (film,)
-        Thickness read with the new calibration less that read with the earlier one, from the same ratio. [um]
-    own_std : array, (film,)
-        What the new calibration alone leaves in a thickness. [um]
-    probability : float
-        Of a difference as large by chance.
-    bends : bool
-        Whether the ratio changed by more at some films than at others.
-    same_profile : bool or None
-        Whether both rest on the same CMM readings; None where that is not recorded.
-    paired : bool
-        Whether the ratios were compared point by point, so that the error of the readings cancels.
-    earlier : str
-        Name and date of the earlier calibration.
-    """
+    """Difference of a calibration from an earlier one."""
 
     thickness: Array
+    """Films of the range that both cover, (film,). [um]"""
     difference: Array
+    """Difference of the logarithm of the ratio, new less earlier, (film,). [1]"""
     difference_std: Array
+    """Its standard deviation, (film,). [1]"""
     film_change: Array
+    """Thickness by the new calibration less that by the earlier one, from the same ratio, (film,).
+    [um]"""
     film_change_std: Array
+    """Its standard deviation, (film,). [um]"""
     own_std: Array
+    """Standard deviation of a thickness due to the new calibration alone, (film,). [um]"""
     probability: float
+    """Probability of a difference as large by chance. [1]"""
     bends: bool
+    """Whether the ratio changed by more at some films than at others."""
     same_profile: bool | None
+    """Whether both rest on the same CMM readings; None where that is not recorded."""
     paired: bool
+    """Whether the ratios were compared point by point, so that the error of the readings
+    cancels."""
     earlier: str
+    """Name and date of the earlier calibration."""
 
     @property
     def significant(self) -> bool:
@@ -69,136 +72,218 @@ class Comparison:
 
     @property
     def drifted(self) -> bool:
-        """Whether the difference is significant and somewhere beyond two standard deviations of the calibration itself."""
-        return self.significant and bool(np.any(np.abs(self.film_change) > 2 * self.own_std))
+        """Whether the difference is significant and exceeds the calibration's own error.
+
+        It does where it is beyond two standard deviations of the calibration at any film.
+        """
+        return self.significant and bool(np.any(np.abs(self.film_change) > DRIFT * self.own_std))
 
     @property
     def verdict(self) -> str:
-        """What was found, in a sentence or two."""
+        """The result in a sentence or two."""
         basis = self._basis()
         if not self.significant:
-            return f"not drifted from {self.earlier}: {self._size()}, as chance has it (probability {self.probability:.2f}; {basis})"
+            return (
+                f"not drifted from {self.earlier}: {self._size()}, consistent with chance "
+                f"(probability {self.probability:.2f}; {basis})"
+            )
         chance = "below 1e-12" if self.probability < 1e-12 else f"{self.probability:.1g}"
-        told = f"{self._size()} (probability of chance {chance}; {basis})"
+        size = f"{self._size()} (probability of chance {chance}; {basis})"
         if not self.drifted:
-            return f"not drifted from {self.earlier} beyond what the calibration leaves uncertain itself (two standard deviations), but measurably: {told}"
+            return (
+                f"not drifted from {self.earlier} beyond the uncertainty of the calibration itself "
+                f"(two standard deviations), but measurably: {size}"
+            )
+
+        # K scales the ratio of all films alike; p and q change it more for thick films
         ratio = 100 * np.expm1(self.difference)
         if self.bends:
             cause = (
-                f"The ratio changed by {ratio[0]:+.2f} % at {self.thickness[0]:.1f} um and by {ratio[-1]:+.2f} % at {self.thickness[-1]:.1f} um: "
-                "p or q changed, as with dye concentration or temperature, or the fixture lay elsewhere"
+                f"The ratio changed by {ratio[0]:+.2f} % at {self.thickness[0]:.1f} um and by "
+                f"{ratio[-1]:+.2f} % at {self.thickness[-1]:.1f} um: p or q changed, as with dye "
+                "concentration or temperature, or the position of the fixture changed"
             )
         else:
             cause = (
-                f"The ratio changed by {ratio.mean():+.2f} % alike at all films: K changed, as with filters, exposure or gain of a camera, or "
-                "bleaching"
+                f"The ratio changed by {ratio.mean():+.2f} % at all films alike: K changed, as "
+                "with filters, exposure or gain of a camera, or bleaching"
             )
-        return f"drifted from {self.earlier}: {told}. {cause}"
+        return f"drifted from {self.earlier}: {size}. {cause}"
 
     def _basis(self) -> str:
-        """How the error of the CMM readings counts."""
+        """Treatment of the error of the CMM readings, as text."""
         if self.paired:
             return "both rest on the same CMM readings, whose error cancels"
         if self.same_profile:
-            return "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
+            return (
+                "both rest on the same CMM readings, but not on the same points of them; they were "
+                "taken as independent"
+            )
         if self.same_profile is None:
-            return "whether both rest on the same CMM readings is not recorded; they were taken as independent"
+            return (
+                "whether both rest on the same CMM readings is not recorded; they were taken as "
+                "independent"
+            )
         return "the CMM readings differ and count with all their error"
 
     def _size(self) -> str:
-        """How differently films are read, at most and at some films."""
+        """Size of the difference at some films and at its largest, as text."""
         low, high = self.thickness[0], self.thickness[-1]
-        at = [film for film in (1.0, 3.0, 8.0) if low <= film <= high] or [(low + high) / 2]
-        changes, n = (
-            np.interp(at, self.thickness, self.film_change),
-            int(np.argmax(np.abs(self.film_change))),
-        )
+        at = [film for film in _SHOWN_FILMS if low <= film <= high] or [(low + high) / 2]
+        changes = np.interp(at, self.thickness, self.film_change)
         films = ", ".join(
             f"{change:+.3f} um at {film:.1f} um" for film, change in zip(at, changes, strict=True)
         )
-        largest = f"{self.film_change[n]:+.3f} ± {self.film_change_std[n]:.3f} um ({100 * self.film_change[n] / self.thickness[n]:+.2g} %)"
-        return f"films are read differently by {films}, and at most by {largest} at {self.thickness[n]:.1f} um"
+
+        n = int(np.argmax(np.abs(self.film_change)))
+        film, change, std = self.thickness[n], self.film_change[n], self.film_change_std[n]
+        return (
+            f"measured films change by {films}, and at most by {change:+.3f} ± {std:.3f} um "
+            f"({100 * change / film:+.2g} %) at {film:.1f} um"
+        )
 
 
 def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comparison:
-    """Set a calibration against an earlier one over the range that both answer.
+    """Compare a calibration with an earlier one over the range that both cover.
 
-    The difference of the curves is set against the covariances of both, shape by shape (chi-square of the principal components that the
-    covariances tell). Two photographs of one fixture whose CMM readings are the same share the readings' error, which is most of
-    both covariances: then the ratios are compared point by point, and the scatter of their difference about a smooth change says
-    how large chance is (F test). Assumed: errors of the ratio are independent between the two; a fixture laid elsewhere counts as drift.
+    The difference of the curves is tested against the covariances of both (chi-square of the
+    principal components that the covariances resolve). Two photographs of one fixture with the
+    same CMM readings share the readings' error, which is most of both covariances. Their ratios
+    are then compared point by point, and the scatter of the difference about a smooth change
+    gives the size of chance (F test).
+
+    Errors of the ratio are assumed independent between the two; a fixture in another position
+    counts as drift.
 
     Parameters
     ----------
     calibration, earlier : Calibration
+        The new calibration and the one to compare with, of the same filter bands.
+
+    Returns
+    -------
+    Comparison
 
     Raises
     ------
     CalibrationError
-        If the bands differ, or no film is answered by both.
+        If the bands differ, or the calibrated ranges do not overlap.
+
+    Examples
+    --------
+    The ratio rises by 2 % at all films, while its standard deviation by the covariance of both is
+    0.1 %:
+
+    >>> from dataclasses import replace
+    >>> import xarray as xr
+    >>> earlier = Calibration(
+    ...     1.0, 0.40, 0.25, np.diag([5e-7, 1e-12, 1e-12]), (0.5, 10.0), (580.0, 610.0),
+    ...     xr.Dataset(), 1.0, "wedge",
+    ... )
+    >>> found = compare_calibrations(replace(earlier, ratio_at_zero=1.02), earlier)
+    >>> found.drifted, found.bends
+    (True, False)
+    >>> bool(np.allclose(found.difference, np.log(1.02)))
+    True
     """
     if not share_bands(calibration.bands, earlier.bands):
         raise CalibrationError(
-            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm, the other of "
-            f"{earlier.bands[0]:g} and {earlier.bands[1]:g} nm."
+            f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and "
+            f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
+            f"{earlier.bands[1]:g} nm."
         )
-    low, high = (
-        limit(calibration.thickness_range[n], earlier.thickness_range[n])
-        for n, limit in ((0, max), (1, min))
+    film = np.linspace(*_common_range(calibration, earlier), _GRID)
+    pairs = _match_points(calibration, earlier)
+    change = (
+        _test_curves(calibration, earlier, film)
+        if pairs is None
+        else _test_pairs(calibration, film, pairs)
     )
+
+    slope = calibration.slope(film)
+    date = f" of {earlier.date}" if earlier.date else ""
+    return Comparison(
+        thickness=film,
+        difference=change.difference,
+        difference_std=change.std,
+        film_change=-change.difference
+        / slope,  # a higher curve gives the same ratio a thinner film
+        film_change_std=change.std / slope,
+        own_std=calibration.thickness_std(film),
+        probability=change.probability,
+        bends=change.bends,
+        same_profile=_share_readings(calibration, earlier, paired=pairs is not None),
+        paired=pairs is not None,
+        earlier=f"{earlier.fixture or 'the earlier calibration'}{date}",
+    )
+
+
+def _common_range(calibration: Calibration, earlier: Calibration) -> tuple[float, float]:
+    """Lower and upper end of the films that both calibrations cover. [um]"""
+    one, other = calibration.thickness_range, earlier.thickness_range
+    low, high = max(one[0], other[0]), min(one[1], other[1])
     if high <= low:
         raise CalibrationError(
-            f"Expected calibrations that share a range of films; one answers {calibration.thickness_range[0]:.2f} to "
-            f"{calibration.thickness_range[1]:.2f} um, the other {earlier.thickness_range[0]:.2f} to {earlier.thickness_range[1]:.2f} um. Compare "
-            "calibrations of the same fixture."
+            f"Expected calibrations that share a range of films; one covers {one[0]:.2f} to "
+            f"{one[1]:.2f} um, the other {other[0]:.2f} to {other[1]:.2f} um. Compare calibrations "
+            "of the same fixture."
         )
-    film = np.linspace(low, high, _GRID)
-    pairs = _match_points(calibration, earlier)
-    if pairs is None:
-        difference = calibration.predict_log(film) - earlier.predict_log(film)
-        covariance = sum(
+    return low, high
+
+
+class _Change(NamedTuple):
+    """Change of the curve and its test against chance."""
+
+    difference: Array
+    """Change of the logarithm of the ratio, (film,). [1]"""
+    std: Array
+    """Its standard deviation, (film,). [1]"""
+    probability: float
+    """Probability of such a change by chance."""
+    bends: bool
+    """Whether it is significantly other than a constant."""
+
+
+def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) -> _Change:
+    """Test the difference of two curves against the sum of their covariances."""
+    difference = calibration.predict_log(film) - earlier.predict_log(film)
+    covariance = np.asarray(
+        sum(
             each.gradient(film).T @ each.full_covariance @ each.gradient(film)
             for each in (calibration, earlier)
         )
-        probability, bends = _test_curves(difference, np.asarray(covariance))
-        std = np.sqrt(np.diag(np.asarray(covariance)))
-    else:
-        difference, std, probability, bends = _test_pairs(calibration, film, *pairs)
-    slope = calibration.slope(film)
-    return Comparison(
-        film,
-        difference,
-        std,
-        -difference / slope,
-        std / slope,
-        calibration.thickness_std(film),
-        probability,
-        bends,
-        _rest_on_same_readings(calibration, earlier, paired=pairs is not None),
-        pairs is not None,
-        f"{earlier.fixture or 'the earlier calibration'}{f' of {earlier.date}' if earlier.date else ''}",
     )
 
-
-def _test_curves(difference: Array, covariance: Array) -> tuple[float, bool]:
-    """Probability of the difference by chance, and whether it is other than a constant."""
+    # principal components with a variance of their own, in units of it
     variance, shapes = np.linalg.eigh(covariance)
-    told = variance > _NO_VARIANCE * variance[-1]
-    std = np.sqrt(variance[told])
-    own = shapes[:, told].T @ difference / std
-    constant = shapes[:, told].T @ np.ones(difference.size) / std
-    count = int(told.sum())
+    resolved = variance > _NO_VARIANCE * variance[-1]
+    std = np.sqrt(variance[resolved])
+    own = shapes[:, resolved].T @ difference / std
+    count = int(resolved.sum())
+    probability = float(chi2.sf(float(own @ own), count))
+
+    # what the best constant leaves is a bend
+    constant = shapes[:, resolved].T @ np.ones(difference.size) / std
     left = own - constant * float(constant @ own) / float(constant @ constant)
     bends = bool(chi2.sf(float(left @ left), max(count - 1, 1)) < FALSE_ALARM)
-    return float(chi2.sf(float(own @ own), count)), bends
+    return _Change(difference, np.sqrt(np.diag(covariance)), probability, bends)
 
 
-def _match_points(
-    calibration: Calibration, earlier: Calibration
-) -> tuple[Array, Array, Array] | None:
-    """Place, CMM thickness and change of log ratio of the points that both share; None where they rest on other readings."""
-    names = [name for name in _PLACES if name in calibration.curve]
-    if not names or names != [name for name in _PLACES if name in earlier.curve]:
+class _Pairs(NamedTuple):
+    """CMM points that two calibrations share."""
+
+    position: Array
+    """(point, axis) [mm]"""
+    thickness: Array
+    """By the CMM, (point,). [um]"""
+    change: Array
+    """Change of the logarithm of the ratio, new less earlier, (point,). [1]"""
+
+
+def _match_points(calibration: Calibration, earlier: Calibration) -> _Pairs | None:
+    """Points that both calibrations share; None where they rest on other readings."""
+    names = [name for name in _POSITIONS if name in calibration.curve]
+    if not names or names != [name for name in _POSITIONS if name in earlier.curve]:
         return None
     ones, others = (
         np.stack([each.curve[name].values for name in [*names, "curve_thickness"]], axis=1)
@@ -206,74 +291,77 @@ def _match_points(
     )
     distance, other = (np.asarray(found) for found in cKDTree(others).query(ones))
     shared = distance <= _ROUNDING
-    if shared.sum() < 20 or shared.sum() < _SHARED * min(len(ones), len(others)):
+    if shared.sum() < _MINIMUM_PAIRS or shared.sum() < _SHARED * min(len(ones), len(others)):
         return None
     change = np.log(
         calibration.curve.curve_ratio.values[shared]
         / earlier.curve.curve_ratio.values[other[shared]]
     )
-    return ones[shared, :-1], ones[shared, -1], change
+    return _Pairs(position=ones[shared, :-1], thickness=ones[shared, -1], change=change)
 
 
-def _rest_on_same_readings(
-    calibration: Calibration, earlier: Calibration, *, paired: bool
-) -> bool | None:
-    """Whether both rest on the same CMM readings: by their points, or by the file's hash; None where neither tells."""
+def _share_readings(calibration: Calibration, earlier: Calibration, *, paired: bool) -> bool | None:
+    """Whether both rest on the same CMM readings, by their points or by the hash of the profile.
+
+    None where neither is recorded.
+    """
     if paired:
         return True
-    # a fixture's other inputs are its settings and frames
-    ones, others = (
-        {
-            value
-            for name, value in each.input_hashes.items()
-            if name.lower().endswith((".csv", ".txt"))
-        }
-        for each in (calibration, earlier)
-    )
+    ones, others = _profile_hashes(calibration), _profile_hashes(earlier)
     if ones and others:
         return not ones.isdisjoint(others)
     return False if all("curve_x" in each.curve for each in (calibration, earlier)) else None
 
 
-def _test_pairs(
-    calibration: Calibration, film: Array, position: Array, thickness: Array, change: Array
-) -> tuple[Array, Array, float, bool]:
-    """Change of the log ratio over `film` and its standard deviation, the probability of it by chance, and whether it is no constant."""
-    design = calibration.gradient(thickness).T
-    # functions that the films cannot tell apart are taken once
-    shapes, sizes, turn = np.linalg.svd(
-        design / np.linalg.norm(design, axis=0), full_matrices=False
-    )
-    told = sizes > 1e-4 * sizes[0]
+def _profile_hashes(calibration: Calibration) -> set[str]:
+    """Hash of the CMM profile, or of all inputs that can be one where its name is not recorded."""
+    hashes = calibration.input_hashes
+    if calibration.profile_file:
+        found = hashes.get(calibration.profile_file)
+        return set() if found is None else {found}
+    # a fixture's other inputs are its settings and frames, which no text table can be
+    tables = (".csv", ".txt")
+    return {value for name, value in hashes.items() if name.lower().endswith(tables)}
+
+
+def _test_pairs(calibration: Calibration, film: Array, pairs: _Pairs) -> _Change:
+    """Fit a smooth change to that of the points and test it against their scatter."""
+    change = pairs.change
+    design = calibration.gradient(pairs.thickness).T
+    scale = np.linalg.norm(design, axis=0)
+
+    # functions that the films cannot separate are used once
+    shapes, sizes, turn = np.linalg.svd(design / scale, full_matrices=False)
+    resolved = sizes > _RESOLVED * sizes[0]
     use = np.ones(change.size, bool)
-    for _ in range(5):  # without dust that came between
-        basis = shapes[use][:, told]
+    for _ in range(_PASSES):  # without dust that settled between the photographs
+        basis = shapes[use][:, resolved]
         values, *_ = np.linalg.lstsq(basis, change[use], rcond=None)
-        residual = change - shapes[:, told] @ values
-        spread = 1.4826 * float(np.median(np.abs(residual[use])))
-        now = np.abs(residual) <= 4.5 * max(spread, 1e-12)
+        residual = change - shapes[:, resolved] @ values
+        spread = MAD_TO_STD * float(np.median(np.abs(residual[use])))
+        now = np.abs(residual) <= OUTLIER * max(spread, _SMALLEST_SPREAD)
         if np.array_equal(now, use):
             break
         use = now
-    count, points = int(told.sum()), int(use.sum())
+
+    # correlated neighbours leave fewer independent points and a larger variance of their mean
+    count, points = int(resolved.sum()), int(use.sum())
     freedom = points - count
-    variance = max(float((residual[use] ** 2).sum()) / freedom, 1e-20)
-    correlation, significance = find_correlation(position[use], residual[use])
-    if significance > 2:
-        variance *= (1 + correlation) / max(1 - correlation, 0.1)
-        freedom = max(int(freedom * (1 - correlation) / (1 + correlation)), 1)
+    variance = max(float((residual[use] ** 2).sum()) / freedom, _SMALLEST_VARIANCE)
+    correlation = find_correlation(pairs.position[use], residual[use])
+    if correlation.significance > _CORRELATED:
+        r = correlation.coefficient
+        variance *= correlation.inflation
+        freedom = max(int(freedom * (1 - r) / (1 + r)), 1)
+
+    # F test of the whole change, then of what a constant does not explain
     explained = float(change[use] @ change[use] - residual[use] @ residual[use])
     probability = float(fisher.sf(explained / count / variance, count, freedom))
     beyond_constant = explained - points * float(change[use].mean()) ** 2
-    bends = bool(
-        fisher.sf(beyond_constant / max(count - 1, 1) / variance, max(count - 1, 1), freedom)
-        < FALSE_ALARM
-    )
-    at = (
-        (calibration.gradient(film).T / np.linalg.norm(design, axis=0))
-        @ turn.T[:, told]
-        / sizes[told]
-    )
+    bend = max(count - 1, 1)
+    bends = bool(fisher.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
+
+    at = (calibration.gradient(film).T / scale) @ turn.T[:, resolved] / sizes[resolved]
     covariance = variance * np.linalg.inv(basis.T @ basis)
     std = np.sqrt(np.einsum("ij,jk,ik->i", at, covariance, at))
-    return at @ values, std, probability, bends
+    return _Change(at @ values, std, probability, bends)

@@ -1,9 +1,10 @@
-"""A finished calibration: ratio against thickness and back, and its file."""
+"""A finished calibration: ratio against thickness and back, and its form in the file."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -18,63 +19,62 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note, join_notes
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 from erlif.registration import CameraMap
 
 DIRECTION = "camera2/camera1"
-"""The ratio that rises with thickness; the other way round is refused."""
+"""Direction of the ratio, the one that rises with thickness; the inverse is refused."""
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The reabsorption model fitted to a fixture, with what departs from it: ratio against thickness and back.
+    """The reabsorption model fitted to a fixture, with the departure from it where one was found.
 
-    Attributes
-    ----------
-    ratio_at_zero, attenuation_camera1, attenuation_camera2 : float
-        K [1], p and q [1/um] of `erlif.models.fluorescence.log_band_ratio`.
-    covariance : array, (3, 3)
-        Of K, p and q, in this order.
-    thickness_range : (float, float)
-        Where the calibration answers. [um]
-    bands : (float, float)
-        Filter bands of camera 1 and 2. [nm]
-    curve : xarray.Dataset
-        curve_thickness, curve_ratio, curve_ratio_std, curve_residual (bin): what was fitted.
-    reduced_chi_square : float
-    fixture : str
-    notes : tuple of str
-        What the fit has to say of itself.
-    input_hashes : dict of str to str
-    date : str
-        When the fixture was photographed.
-    camera_map : CameraMap or None
-        Map from camera 1 to camera 2 on the fixture, for runs of the same rig.
-    departure : Departure or None
-        Spline added to the logarithm of the modelled ratio, where the fixture insisted on one.
-    pose : FoundPose or None
-        Where the fixture was found to lie, if its pose was refined.
+    Made by `fit_calibration` and `open_calibration` only, so it is always complete.
     """
 
     ratio_at_zero: float
+    """K, ratio camera 2 / camera 1 of a vanishing film. [1]"""
     attenuation_camera1: float
+    """p, attenuation in the band of camera 1. [1/um]"""
     attenuation_camera2: float
+    """q, attenuation in the band of camera 2. [1/um]"""
     covariance: Array
+    """Covariance of K, p and q, in this order, (3, 3)."""
     thickness_range: tuple[float, float]
+    """Calibrated range. [um]"""
     bands: tuple[float, float]
+    """Filter bands of camera 1 and 2. [nm]"""
     curve: xr.Dataset = field(repr=False)
+    """The fitted points: curve_thickness [um], curve_ratio, curve_ratio_std, curve_residual [1],
+    curve_x and, for a surface, curve_y [mm]; each (bin)."""
     reduced_chi_square: float
+    """Scatter of the points in units of the stated variance. [1]"""
     fixture: str
-    notes: tuple[str, ...] = ()
+    """Name of the fixture."""
+    notes: tuple[Note, ...] = ()
+    """What was found about fit, profile and cameras."""
     input_hashes: dict[str, str] = field(default_factory=dict, repr=False)
+    """SHA-256 of every input by its name."""
     date: str = ""
+    """Day on which the fixture was photographed."""
     camera_map: CameraMap | None = field(default=None, repr=False)
+    """Map from camera 1 to camera 2 on the fixture, for runs of the same rig."""
     departure: Departure | None = field(default=None, repr=False)
+    """Spline added to the logarithm of the modelled ratio, where the data require one."""
     pose: FoundPose | None = field(default=None, repr=False)
+    """Refined pose of the fixture, if it was refined."""
+    profile_file: str = field(default="", repr=False)
+    """Name of the CMM profile among `input_hashes`; empty where it is not recorded."""
 
     @property
     def covered_range(self) -> tuple[float, float]:
-        """Thickness the fixture covers; as far a noisy pixel may be read off, if its film is within thickness_range. [um]"""
+        """Thickness covered by the fixture. [um]
+
+        It may extend beyond `thickness_range`: a pixel whose film lies within that range may
+        exceed it by its noise, and is then still measured.
+        """
         low, high = self.thickness_range
         measured = self.curve.get("curve_thickness")
         return low, high if measured is None else max(high, float(measured.max()))
@@ -86,7 +86,7 @@ class Calibration:
 
     @property
     def standard_deviations(self) -> Array:
-        """Of K, p and q."""
+        """Standard deviations of K [1], p and q [1/um], (3,)."""
         return np.sqrt(np.diag(self.covariance))
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
@@ -94,7 +94,7 @@ class Calibration:
         return np.exp(self.predict_log(thickness))
 
     def predict_log(self, thickness: npt.ArrayLike) -> Array:
-        """Natural logarithm of the ratio of a film, the departure from the model included. `thickness` in um."""
+        """Natural logarithm of the ratio of a film, departure included. `thickness` in um."""
         K, p, q = self.parameters
         modelled = np.asarray(
             log_band_ratio(thickness, ratio_at_zero=K, attenuation_camera1=p, attenuation_camera2=q)
@@ -117,7 +117,10 @@ class Calibration:
         )
 
     def gradient(self, thickness: npt.ArrayLike) -> Array:
-        """Derivatives of the logarithm of the ratio by all that was fitted, (n, ...): K, p, q, and the departure's coefficients."""
+        """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
+
+        They are K, p and q, then the coefficients of the departure.
+        """
         modelled = self.parameter_gradient(thickness)
         return (
             modelled
@@ -127,7 +130,7 @@ class Calibration:
 
     @property
     def full_covariance(self) -> Array:
-        """Covariance of all that was fitted, (n, n), in the order of `gradient`."""
+        """Covariance of all fitted parameters, (n, n), in the order of `gradient`."""
         return (
             self.covariance
             if self.departure is None
@@ -135,13 +138,13 @@ class Calibration:
         )
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
-        """Standard deviation that the calibration leaves in the logarithm of the ratio."""
+        """Standard deviation of the predicted logarithm of the ratio. [1]"""
         gradient = self.gradient(thickness)
         variance: Array = np.einsum("i...,ij,j...->...", gradient, self.full_covariance, gradient)
         return np.sqrt(np.maximum(variance, 0.0))
 
     def thickness_std(self, thickness: npt.ArrayLike) -> Array:
-        """Standard deviation that the calibration alone leaves in a thickness. [um]"""
+        """Standard deviation of a thickness due to the calibration alone. [um]"""
         return np.asarray(self.log_ratio_std(thickness) / self.slope(thickness))
 
     @cached_property
@@ -150,7 +153,7 @@ class Calibration:
         return InverseTable.of(self)
 
     def invert(self, log_ratio: npt.ArrayLike) -> Array:
-        """Thickness at which the model has this logarithm of the ratio, by root finding; NaN beyond the range. [um]"""
+        """Thickness of a logarithm of the ratio by root finding; NaN beyond the range. [um]"""
         low, high = self.thickness_range
         values = np.asarray(log_ratio, float)
         limits = self.predict_log([low, high])
@@ -163,10 +166,11 @@ class Calibration:
         return np.array(found).reshape(values.shape)
 
     def to_dataset(self) -> xr.Dataset:
-        """The calibration as it is stored in ``calibration.nc``."""
+        """Variables of ``calibration.nc``."""
         K, p, q = self.parameters
         low, high = self.thickness_range
         dataset = self.curve.copy()
+
         scalars = {
             "ratio_at_zero": (K, "1", "ratio of a vanishing film, K"),
             "attenuation_camera1": (p, "um-1", "attenuation in the band of camera 1, p"),
@@ -175,6 +179,7 @@ class Calibration:
         }
         for name, (value, unit, meaning) in scalars.items():
             dataset[name] = ((), value, {"units": unit, "long_name": meaning})
+
         dataset["covariance"] = (
             ("parameter", "parameter2"),
             self.covariance,
@@ -186,7 +191,7 @@ class Calibration:
         dataset["thickness_range"] = (
             "bound",
             [low, high],
-            {"units": "um", "long_name": "where the calibration answers"},
+            {"units": "um", "long_name": "calibrated range"},
         )
         if self.departure is not None:
             self.departure.describe(dataset)
@@ -198,119 +203,172 @@ class Calibration:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Global attributes of ``calibration.nc``."""
+        """Global attributes of ``calibration.nc``.
+
+        ``notes`` are lines for the reader; ``note_records`` are the same notes with level and
+        subject, as JSON. ``profile_file`` names the CMM profile among ``input_hashes``.
+        """
         return {
             "band_camera1_nm": self.bands[0],
             "band_camera2_nm": self.bands[1],
             "ratio_direction": DIRECTION,
             "fixture": self.fixture,
-            "notes": "\n".join(self.notes),
+            "notes": join_notes(self.notes),
+            "note_records": json.dumps([[n.level.value, n.subject, n.text] for n in self.notes]),
             "input_hashes": json.dumps(self.input_hashes, sort_keys=True),
+            "profile_file": self.profile_file,
             "date": self.date,
             **({} if self.pose is None else {"pose": json.dumps(self.pose.to_record())}),
         }
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> Calibration:
-        """Rebuild a calibration from its file.
+        """Calibration from the variables and attributes of its file.
 
         Raises
         ------
         CalibrationError
-            If a variable or attribute is missing, or the ratio is the other way round.
+            If a variable or attribute is missing, or the ratio is inverted.
         """
+        attrs = dataset.attrs
         try:
-            if dataset.attrs["ratio_direction"] != DIRECTION:
+            if attrs["ratio_direction"] != DIRECTION:
                 raise CalibrationError(
-                    f"Expected a calibration of the ratio {DIRECTION}; this one is of {dataset.attrs['ratio_direction']}. "
-                    "Calibrate again with erlif, with the reabsorbed band on camera 1."
+                    f"Expected a calibration of the ratio {DIRECTION}; this one is of "
+                    f"{attrs['ratio_direction']}. Calibrate again with erlif, with the reabsorbed "
+                    "band on camera 1."
                 )
+
             names = [name for name in dataset.variables if str(name).startswith("curve_")]
             low, high = (float(bound) for bound in dataset.thickness_range.values)
+            pose = FoundPose.from_record(json.loads(attrs["pose"])) if "pose" in attrs else None
             return cls(
                 ratio_at_zero=float(dataset.ratio_at_zero),
                 attenuation_camera1=float(dataset.attenuation_camera1),
                 attenuation_camera2=float(dataset.attenuation_camera2),
                 covariance=np.asarray(dataset.covariance.values, float),
                 thickness_range=(low, high),
-                bands=(
-                    float(dataset.attrs["band_camera1_nm"]),
-                    float(dataset.attrs["band_camera2_nm"]),
-                ),
+                bands=(float(attrs["band_camera1_nm"]), float(attrs["band_camera2_nm"])),
                 curve=dataset[names].reset_coords(drop=True).drop_attrs(deep=False),
                 reduced_chi_square=float(dataset.reduced_chi_square),
-                fixture=str(dataset.attrs["fixture"]),
-                notes=tuple(
-                    note for note in str(dataset.attrs.get("notes", "")).split("\n") if note
-                ),
-                input_hashes=json.loads(dataset.attrs.get("input_hashes", "{}")),
-                date=str(dataset.attrs.get("date", "")),
+                fixture=str(attrs["fixture"]),
+                notes=_read_notes(attrs),
+                # files written by earlier versions lack some of these
+                input_hashes=json.loads(attrs.get("input_hashes", "{}")),
+                profile_file=str(attrs.get("profile_file", "")),
+                date=str(attrs.get("date", "")),
                 departure=Departure.from_dataset(dataset),
-                pose=FoundPose.from_record(json.loads(dataset.attrs["pose"]))
-                if "pose" in dataset.attrs
-                else None,
+                pose=pose,
             )
         except (KeyError, AttributeError) as error:
             raise CalibrationError(
-                f"Expected a calibration as erlif calibrate writes it; {error} is missing from this file."
+                f"Expected a calibration as erlif calibrate writes it; {error} is missing from "
+                "this file."
             ) from error
+
+
+def _read_notes(attrs: Mapping[Any, Any]) -> tuple[Note, ...]:
+    """Notes from the attributes; files of earlier versions store their lines only."""
+    if "note_records" in attrs:
+        records = json.loads(attrs["note_records"])
+        return tuple(Note(Level(level), subject, text) for level, subject, text in records)
+    lines = str(attrs.get("notes", "")).split("\n")
+    return tuple(Note(Level.NOTE, "", line) for line in lines if line)
 
 
 @dataclass(frozen=True)
 class InverseTable:
-    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio.
-
-    Attributes
-    ----------
-    start, step : float
-        Logarithm of the ratio at the first entry, and the distance of entries.
-    thickness : array, (entry,)
-        [um]
-    per_log_ratio : array, (entry,)
-        Derivative of thickness by the logarithm of the ratio. [um]
-    calibration_std : array, (entry,)
-        Standard deviation that the calibration leaves in the thickness. [um]
-    """
+    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio."""
 
     start: float
+    """Logarithm of the ratio at the first entry. [1]"""
     step: float
+    """Distance of the entries in the logarithm of the ratio. [1]"""
     thickness: Array
+    """Film thickness, (entry,). [um]"""
     per_log_ratio: Array
+    """Derivative of the thickness by the logarithm of the ratio, (entry,). [um]"""
     calibration_std: Array
+    """Standard deviation of the thickness due to the calibration, (entry,). [um]"""
 
     @classmethod
     def of(cls, calibration: Calibration, entries: int = 20001) -> InverseTable:
-        """Tabulate the inverse over what the fixture covers; linear interpolation is good to 1e-5 um."""
+        """Tabulate the inverse over the range of the fixture.
+
+        With the default number of entries, linear interpolation is good to 1e-5 um.
+        """
         low, high = calibration.covered_range
         first, last = calibration.predict_log([low, high])
         grid = np.linspace(first, last, entries)
+
         # Newton's steps from a dense direct table: the curve is monotonic and smooth
         dense = np.linspace(low, high, entries)
         thickness = np.interp(grid, calibration.predict_log(dense), dense)
-        for _ in range(3):
+        for _ in range(3):  # quadratic from an error of 1e-3 um: the third reaches rounding
             thickness -= (calibration.predict_log(thickness) - grid) / calibration.slope(thickness)
         thickness = np.clip(thickness, low, high)
         return cls(
-            float(first),
-            float(grid[1] - grid[0]),
-            thickness,
-            1 / calibration.slope(thickness),
-            calibration.thickness_std(thickness),
+            start=float(first),
+            step=float(grid[1] - grid[0]),
+            thickness=thickness,
+            per_log_ratio=1 / calibration.slope(thickness),
+            calibration_std=calibration.thickness_std(thickness),
         )
 
 
+_SAME_BAND = 1.0  # nm: filters of the same name differ by less
+
+
 def share_bands(bands: tuple[float, float], others: tuple[float, float]) -> bool:
-    """Whether the filter bands of camera 1 and 2 are the same to 1 nm. [nm]"""
-    return bool(np.allclose(bands, others, rtol=0.0, atol=1.0))
+    """Compare the filter bands of two pairs of cameras.
+
+    Parameters
+    ----------
+    bands, others : (float, float)
+        Bands of camera 1 and 2. [nm]
+
+    Returns
+    -------
+    bool
+        Whether both bands agree to 1 nm.
+
+    Examples
+    --------
+    >>> share_bands((580.0, 610.0), (580.5, 610.0))
+    True
+    >>> share_bands((580.0, 610.0), (610.0, 580.0))
+    False
+    """
+    return bool(np.allclose(bands, others, rtol=0.0, atol=_SAME_BAND))
 
 
 def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
     """Refuse a calibration of other filter bands.
 
+    Parameters
+    ----------
+    calibration : Calibration
+        Calibration to be used for a run.
+    bands : (float, float)
+        Bands of camera 1 and 2 of the run. [nm]
+
     Raises
     ------
     CalibrationError
-        If a band differs by more than 1 nm, recognising exchanged cameras.
+        If a band differs by more than 1 nm; exchanged cameras are recognised.
+
+    Examples
+    --------
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
+    ... )
+    >>> check_bands(calibration, (580.0, 610.0))
+    >>> check_bands(calibration, (610.0, 580.0))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.CalibrationError: Expected a calibration of the bands of the run, 610 and \
+580 nm; got one of 580 and 610 nm. The bands are exchanged: the cameras look swapped. Calibrate \
+with the filters of the run.
     """
     if share_bands(calibration.bands, bands):
         return
@@ -320,6 +378,7 @@ def check_bands(calibration: Calibration, bands: tuple[float, float]) -> None:
         else ""
     )
     raise CalibrationError(
-        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got one of {calibration.bands[0]:g} and "
-        f"{calibration.bands[1]:g} nm.{swapped} Calibrate with the filters of the run."
+        f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got "
+        f"one of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm.{swapped} Calibrate with "
+        "the filters of the run."
     )

@@ -1,16 +1,20 @@
-"""What the ratio departs from the reabsorption model, followed by a spline where the data insist on it.
+"""Departure of the ratio from the reabsorption model, a spline where the data require one.
 
-The candidates are cubic splines of few pieces, added to the logarithm of the modelled ratio. The Bayesian information criterion
-(Schwarz, Ann. Statist. 6 (1978) 461) decides whether one is used: a spline of k degrees of freedom must lower chi-square by
-k ln(points) and by 10 more, "very strong" evidence in the words of Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773. Without it the
-model stands alone. The number of pieces is then six, not the number that fits best: a choice made by the data leaves out what the noise
-hides, and the error bars would not know of it. There are fewer pieces where six would let the ratio fall with thickness.
+The candidates are cubic splines of few pieces, added to the logarithm of the modelled ratio. The
+Bayesian information criterion (Schwarz 1978) decides whether one is used: a spline of k degrees
+of freedom must lower chi-square by k ln(points) and by 10 more, "very strong" evidence (Kass &
+Raftery 1995). Otherwise the model stands alone.
+
+The number of pieces is then six, not the number that fits best: a number chosen from the data
+leaves out what the noise hides, and the error bars would not contain it. There are fewer pieces
+where six would let the ratio fall with thickness.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,33 +28,30 @@ from erlif.calibration.regression import Fit
 from erlif.core.arrays import Array
 
 VERY_STRONG = 10.0
-"""Difference of the criterion from which on the spline is used."""
+"""Difference of the criterion from which on the spline is used (Kass & Raftery 1995)."""
 STRUCTURE = 1e-3
-"""Probability of chance below which structure in the residuals is said."""
+"""Probability of chance below which structure in the residuals is reported."""
 
-_MOST_KNOTS = 5
+_MAXIMUM_KNOTS = 5  # inner knots, that is six pieces
+_POINTS_PER_FUNCTION = 10  # each B-spline is supported by as many points
+_PASSES = 6  # Gauss-Newton steps; the change is below rounding after four
+_GRID = 1001  # places at which the slope of the curve is checked
+_NEIGHBOURS = 20  # points from which on their correlation is estimated
 
 
 @dataclass(frozen=True)
 class Departure:
-    """Cubic spline added to the logarithm of the modelled ratio; constant beyond its ends.
-
-    Attributes
-    ----------
-    knots : array, (function + 4,)
-        [um]
-    coefficients : array, (function,)
-        Of the B-splines.
-    covariance : array, (function, function)
-        Of the coefficients; they err independently of K, p and q.
-    """
+    """Cubic spline added to the logarithm of the modelled ratio; constant beyond its ends."""
 
     knots: Array
+    """Knots, the end ones fourfold, (function + 4,). [um]"""
     coefficients: Array
+    """Coefficients of the B-splines, (function,). [1]"""
     covariance: Array
+    """Covariance of the coefficients, (function, function); independent of K, p and q. [1]"""
 
     def basis(self, thickness: npt.ArrayLike, *, derivative: bool = False) -> Array:
-        """B-splines, or their slopes [1/um], at each thickness, (function, ...)."""
+        """B-splines, or their slopes [1/um], at each thickness [um], (function, ...)."""
         t = np.asarray(thickness, float)
         low, high = self.knots[0], self.knots[-1]
         inside = np.clip(t, low, high)
@@ -61,11 +62,11 @@ class Departure:
         return np.where((t < low) | (t > high), 0.0, slopes)
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
-        """Departure of the logarithm of the ratio."""
+        """Departure of the logarithm of the ratio at each thickness [um]."""
         return np.tensordot(self.coefficients, self.basis(thickness), 1)
 
     def slope(self, thickness: npt.ArrayLike) -> Array:
-        """Of the departure. [1/um]"""
+        """Slope of the departure over thickness. [1/um]"""
         return np.tensordot(self.coefficients, self.basis(thickness, derivative=True), 1)
 
     def describe(self, dataset: xr.Dataset) -> None:
@@ -75,7 +76,9 @@ class Departure:
             self.knots,
             {
                 "units": "um",
-                "long_name": "knots of the cubic spline added to the logarithm of the modelled ratio",
+                "long_name": (
+                    "knots of the cubic spline added to the logarithm of the modelled ratio"
+                ),
             },
         )
         dataset["departure_coefficient"] = (
@@ -88,43 +91,40 @@ class Departure:
             self.covariance,
             {
                 "units": "1",
-                "long_name": "covariance of the coefficients, which err independently of K, p and q",
+                "long_name": "covariance of the coefficients, independent of K, p and q",
             },
         )
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> Departure | None:
-        """Undo `describe`; None where the model stands alone."""
+        """The spline of a calibration's dataset; None where the model stands alone."""
         if "departure_knots" not in dataset:
             return None
-        names = ("departure_knots", "departure_coefficient", "departure_covariance")
-        return cls(*(np.asarray(dataset[name].values, float) for name in names))
+        return cls(
+            knots=np.asarray(dataset["departure_knots"].values, float),
+            coefficients=np.asarray(dataset["departure_coefficient"].values, float),
+            covariance=np.asarray(dataset["departure_covariance"].values, float),
+        )
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A spline fitted to what the model leaves.
-
-    Attributes
-    ----------
-    departure : Departure
-    displacement : array, (combination,)
-        Pose that goes with it. [mm]
-    chi_square, freedom : float
-        What is left, and the degrees of freedom that the spline took.
-    true_thickness : array, (point,)
-        Film that CMM and ratio agree on. [um]
-    """
+    """A spline fitted to the residuals of the model."""
 
     departure: Departure
+    """The spline."""
     displacement: Array
+    """Change of the pose fitted together with it, (combination,). [mm]"""
     chi_square: float
+    """Chi-square of model and spline."""
     freedom: float
+    """Degrees of freedom that the spline takes."""
     true_thickness: Array
+    """Film thickness from CMM and ratio together, (point,). [um]"""
 
     @property
     def inner_knots(self) -> int:
-        """Places where its pieces meet."""
+        """Number of places where pieces of the spline meet."""
         return self.departure.coefficients.size - 4
 
     def noise(self, points: int, parameters: int) -> float:
@@ -134,73 +134,104 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """What came of the comparison.
-
-    Attributes
-    ----------
-    candidate : Candidate or None
-        The spline to use.
-    evidence : float
-        By which the Bayesian criterion prefers the best spline to the model alone.
-    chance : float
-        Probability that the residuals of the model look so smooth by chance.
-    smooth : Candidate
-        The spline that this was told by.
-    falling : bool
-        Whether the most supple spline was passed over because the ratio would fall with thickness.
-    """
+    """Result of the comparison of model and splines."""
 
     candidate: Candidate | None
+    """The spline to use; None where the model stands alone."""
     evidence: float
+    """Difference of the Bayesian criterion in favour of the best spline."""
     chance: float
+    """Probability that chance alone makes the residuals of the model as smooth."""
     smooth: Candidate
+    """The spline from which `chance` was computed."""
     falling: bool
+    """Whether the most flexible spline was rejected because the ratio would fall with
+    thickness."""
 
 
 def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | None:
-    """Set splines of 0 to 5 inner knots against the reabsorption model alone; None where there are too few points."""
+    """Compare splines of 0 to 5 inner knots with the reabsorption model alone.
+
+    Parameters
+    ----------
+    points : Points
+        CMM points and the ratio there.
+    fit : Fit
+        The reabsorption model fitted to them.
+    freedom : Freedom
+        Changes of the pose that are free in both fits.
+
+    Returns
+    -------
+    Choice or None
+        None where there are too few points for any spline.
+    """
     count, parameters = int(fit.kept.sum()), len(fit.covariance)
-    most = min(_MOST_KNOTS, count // 10 - 4)
+    most = min(_MAXIMUM_KNOTS, count // _POINTS_PER_FUNCTION - 4)
     if most < 0:
         return None
     candidates = [fit_departure(points, fit, freedom, knots) for knots in range(most + 1)]
-    # scatter that even the most supple spline leaves is noise; less than stated is not believed
+
+    # scatter about the most flexible spline is noise; a noise below the stated one is chance
     noise = max(1.0, candidates[-1].noise(count, parameters))
     gain = np.array([(fit.chi_square - candidate.chi_square) / noise for candidate in candidates])
     freed = np.array([candidate.freedom for candidate in candidates])
     evidence = gain - freed * math.log(count)
+
     smooth = candidates[most // 2]
     chance = float(chi2.sf(gain[most // 2], smooth.freedom))
     chosen, falling = None, False
     if evidence.max() >= VERY_STRONG:
         chosen = next((candidate for candidate in candidates[::-1] if _rises(fit, candidate)), None)
         falling = chosen is not candidates[-1]
-    return Choice(chosen, float(evidence.max()), chance, smooth, falling)
+    return Choice(
+        candidate=chosen,
+        evidence=float(evidence.max()),
+        chance=chance,
+        smooth=smooth,
+        falling=falling,
+    )
 
 
 def _rises(fit: Fit, candidate: Candidate) -> bool:
-    """Whether model and spline together rise with thickness over all that the fixture covers."""
+    """Whether model and spline together rise with thickness over the range of the fixture."""
     true = candidate.true_thickness[fit.kept]
-    grid = np.linspace(float(true.min()), float(true.max()), 1001)
+    grid = np.linspace(float(true.min()), float(true.max()), _GRID)
     return bool(np.all(fit.slope(grid) + candidate.departure.slope(grid) > 0))
 
 
 def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) -> Candidate:
-    """Fit a spline to what the model leaves, with errors in both variables, the pose free as in the fit of the model.
+    """Fit a spline to the residuals of the model, with errors in both variables.
 
-    The knots are even in the modelled logarithm of the ratio, closer where it bends. K, p and q stay: their effect is as good as
-    contained in the spline's, so model and spline together are the least-squares curve.
+    The knots are even in the modelled logarithm of the ratio, closer where it bends. K, p and q
+    stay: the spline contains their effect almost completely, so model and spline together are the
+    least-squares curve. The pose is free as in the fit of the model.
+
+    Parameters
+    ----------
+    points : Points
+        CMM points and the ratio there.
+    fit : Fit
+        The reabsorption model fitted to them.
+    freedom : Freedom
+        Changes of the pose that are free.
+    inner_knots : int
+        Number of places where pieces of the spline meet.
+
+    Returns
+    -------
+    Candidate
     """
-    kept = fit.kept
+    kept, functions = fit.kept, inner_knots + 4
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]
     true = fit.true_thickness[kept]
-    departure = Departure(
-        _place_knots(fit, true, inner_knots), np.zeros(inner_knots + 4), np.empty(0)
-    )
+    departure = Departure(_place_knots(fit, true, inner_knots), np.zeros(functions), np.empty(0))
     displacement = fit.displacement
     model = np.concatenate([fit.gradient(true), (fit.slope(true)[:, None] * displaced).T])
-    for _ in range(6):
+
+    for _ in range(_PASSES):
+        # effective variance: the CMM's error enters the ratio through the slope of the curve
         slope = fit.slope(true) + departure.slope(true)
         film = points.thickness[kept] + displaced @ displacement
         std = np.hypot(y_std, slope * t_std)
@@ -210,20 +241,24 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
         )
         change = np.linalg.lstsq(design, rest / std, rcond=None)[0]
         departure = Departure(
-            departure.knots, departure.coefficients + change[: inner_knots + 4], np.empty(0)
+            departure.knots, departure.coefficients + change[:functions], np.empty(0)
         )
-        displacement = displacement + change[inner_knots + 4 :]
+        displacement = displacement + change[functions:]
+
+        # the point on the curve nearest to each measured one
         rest = rest - design @ change * std
         film = points.thickness[kept] + displaced @ displacement
         true = film + slope * (t_std / std) ** 2 * rest
     chi_square = float(((rest / std) ** 2).sum())
-    # what the model has taken of the noise already is not taken again
+
+    # noise that the model has already absorbed is not counted again
     taken = np.linalg.qr(model.T / std[:, None])[0]
     space = np.linalg.svd(design, full_matrices=False)[0]
     solve = np.linalg.pinv(design)
     solve = solve - solve @ taken @ taken.T
-    covariance = (solve @ solve.T)[: inner_knots + 4, : inner_knots + 4]
+    covariance = (solve @ solve.T)[:functions, :functions]
     used = design.shape[1] - float(((space.T @ taken) ** 2).sum())
+
     true_thickness = points.thickness + freedom.displacement @ displacement
     true_thickness[kept] = true
     departure = Departure(departure.knots, departure.coefficients, covariance)
@@ -231,6 +266,7 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
 
 
 def _place_knots(fit: Fit, thickness: Array, inner_knots: int) -> Array:
+    """Knots that are even in the modelled logarithm of the ratio. [um]"""
     low, high = float(thickness.min()), float(thickness.max())
     grid = np.linspace(low, high, 501)
     modelled = fit.predict(grid)
@@ -240,20 +276,51 @@ def _place_knots(fit: Fit, thickness: Array, inner_knots: int) -> Array:
     return np.concatenate([[low] * 4, inside, [high] * 4])
 
 
-def find_correlation(position: Array, residual: Array) -> tuple[float, float]:
-    """Correlation of neighbours along a line, and how many standard deviations of chance it is.
+class Correlation(NamedTuple):
+    """Correlation of neighbouring residuals along a line."""
+
+    coefficient: float
+    """Correlation coefficient of neighbours. [1]"""
+    significance: float
+    """The coefficient in standard deviations of independent residuals. [1]"""
+
+    @property
+    def inflation(self) -> float:
+        """Variance of a mean of correlated residuals over that of independent ones.
+
+        That of a first-order autoregression, (1 + r) / (1 - r), with 1 - r held above 0.1.
+        """
+        return (1 + self.coefficient) / max(1 - self.coefficient, 0.1)
+
+
+def find_correlation(position: Array, residual: Array) -> Correlation:
+    """Correlation of neighbouring residuals along a line.
 
     Parameters
     ----------
     position : array, (point, axis)
+        Position on the profile. [mm]
     residual : array, (point,)
-        In units of its standard deviation.
+        Residuals in units of their standard deviation.
+
+    Returns
+    -------
+    Correlation
+        0 for a surface and for fewer than 20 points.
+
+    Examples
+    --------
+    Residuals that alternate in sign are anticorrelated; 99 pairs of 100 points give -0.99:
+
+    >>> alternating = np.tile([1.0, -1.0], 50)
+    >>> find_correlation(np.arange(100.0)[:, None], alternating).coefficient
+    -0.99
     """
-    if position.shape[1] == 2 or residual.size < 20:
-        return 0.0, 0.0
+    if position.shape[1] == 2 or residual.size < _NEIGHBOURS:
+        return Correlation(0.0, 0.0)
     ordered = residual[np.argsort(position[:, 0])]
     ordered = ordered - ordered.mean()
     if not ordered.any():
-        return 0.0, 0.0
-    correlation = float((ordered[1:] * ordered[:-1]).sum() / (ordered**2).sum())
-    return correlation, correlation * math.sqrt(residual.size)
+        return Correlation(0.0, 0.0)
+    coefficient = float((ordered[1:] * ordered[:-1]).sum() / (ordered**2).sum())
+    return Correlation(coefficient, coefficient * math.sqrt(residual.size))

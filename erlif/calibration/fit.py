@@ -1,9 +1,13 @@
-"""A fixture's ratio and its CMM profile to a calibration: pose, reabsorption model, and what departs from it."""
+"""Fit of a calibration to the ratio of a fixture and its CMM profile.
+
+The steps are the pose, the reabsorption model, the departure from it, and the calibrated range.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,6 +16,7 @@ from erlif.calibration.curve import DIRECTION, Calibration
 from erlif.calibration.departure import (
     STRUCTURE,
     Candidate,
+    Choice,
     choose_departure,
     find_correlation,
     fit_departure,
@@ -24,10 +29,16 @@ from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages, require
 
-_USEFUL = 0.25  # a single pixel must tell thickness to this share of itself, or the calibration does not answer there
-_CORRELATED = 3.3  # standard deviations: neighbours err alike by chance once in a thousand
+_USEFUL = 0.25  # of the thickness: error of a single pixel at which the calibrated range ends
+_DIM_LIGHT = 1.25  # the same in dim light, over the error of the best pixel
+_CORRELATED = 3.3  # standard deviations that chance exceeds once in a thousand
+_LARGEST_INFLATION = 10.0  # of the covariance by correlated residuals
+_OUTLIER_PASSES = 4
+_NOISE_SETTLED = 0.02  # deviation of the noise from 1 at which the estimate is accepted
+_UNRESOLVED = 0.3  # relative standard deviation of q from which on q alone is unknown
 
 
 def fit_calibration(
@@ -44,26 +55,29 @@ def fit_calibration(
 ) -> Calibration:
     """Fit the reabsorption model to the fixture's ratio and its CMM profile.
 
-    Errors of both are weighed (orthogonal distance regression). Where the residuals insist on it, a spline departs from the model,
-    see `erlif.calibration.departure`.
+    Errors of both are weighted (orthogonal distance regression). Where the residuals require it,
+    a spline is added to the model, see `erlif.calibration.departure`.
 
     Parameters
     ----------
     ratios : RatioImages
         log_ratio (y, x) of the fixture, mean of `frames` frames.
     profile : Profile
+        Thickness of the fixture by the CMM.
     pixel_pitch : float
-        [mm]
+        Distance of pixels on the fixture. [mm]
     bands : (float, float)
         Filter bands of camera 1 and 2. [nm]
     origin : (float, float)
-        Pixel (x, y) of camera 1 at profile x = 0 (y = 0).
+        Pixel (x, y) of camera 1 at profile x = 0 (y = 0). [px]
     direction : float
-        Turn from image x to profile x. [rad]
+        Turn from image x to profile x, positive towards image y (down). [rad]
     align : bool
-        Refine offset, scale and turn of the profile against the image, each as far as the profile's form tells it.
+        Refine offset, scale and turn of the profile against the image, each as far as the form of
+        the profile determines it.
     frames : int
-        Frames averaged in `ratios`; a single pixel of one frame decides how thick a film can be told.
+        Frames averaged in `ratios`; the noise of a single pixel in one frame limits the
+        calibrated range.
     fixture : str
         Name to store.
 
@@ -74,65 +88,98 @@ def fit_calibration(
     Raises
     ------
     CalibrationError
-        If too little of the profile lies in the image, its thickness or its place does not change, or the ratio falls with thickness (cameras swapped).
+        If too little of the profile lies in the image, if its thickness or its position does not
+        change, or if the ratio falls with thickness (cameras swapped).
+
+    Examples
+    --------
+    A wedge of 0.1 to 18 um without noise, 40 rows of 300 columns, returns its parameters:
+
+    >>> from erlif.models.fluorescence import log_band_ratio
+    >>> x = 0.06 * np.arange(300)  # mm
+    >>> film = 0.1 + x  # um
+    >>> values = log_band_ratio(
+    ...     film, ratio_at_zero=0.65, attenuation_camera1=0.40, attenuation_camera2=0.25
+    ... )
+    >>> image = np.tile(values, (40, 1))
+    >>> noise = np.full(image.shape, 1e-6)
+    >>> columns = {
+    ...     "log_ratio": image,
+    ...     "log_ratio_var": noise,
+    ...     "log_ratio_var_fixed": noise,
+    ...     "flags": np.zeros(image.shape, np.uint8),
+    ... }
+    >>> ratios = RatioImages(
+    ...     xr.Dataset({name: (("y", "x"), values) for name, values in columns.items()})
+    ... )
+    >>> profile = Profile(x[::2], film[::2], np.full(150, 0.01))
+    >>> calibration = fit_calibration(ratios, profile, pixel_pitch=0.06, bands=(580.0, 610.0))
+    >>> calibration.parameters.round(3)
+    array([0.65, 0.4 , 0.25])
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_fixed", "flags")
     pose, profile = Pose(origin, direction, pixel_pitch), thin_out(profile, pixel_pitch=pixel_pitch)
     points, notes = pair_profile_with_image(ratios, profile, pose)
-    if np.ptp(points.thickness) == 0:
-        raise CalibrationError(
-            f"Expected a fixture of films of many thicknesses; its profile is {points.thickness[0]:g} um thick at all points in the image. "
-            "Photograph a wedge or a gap that widens."
-        )
+    _refuse_constant_thickness(points)
     _refuse_swapped_cameras(points)
+
     freedom, found = Freedom.none(points), None
     if align:
         points, freedom, found = refine_pose(ratios, profile, points, pose)
         notes += found.describe(points)
+
     fit = fit_robustly(points, freedom)
     if found is not None:
         fit = add_uncertainty_of_turn(fit, points, freedom, found)
-    fit, candidate, inflation, said = _settle_departure(points, fit, freedom)
-    notes += said
-    kept = fit.kept
+    settled = _settle_departure(points, fit, freedom)
+    fit, candidate, kept = settled.fit, settled.candidate, settled.fit.kept
+    notes += settled.notes
     if not kept.all():
-        notes.append(
-            f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
-        )
-    noise = (
-        fit.reduced_chi_square
-        if candidate is None
-        else candidate.noise(int(kept.sum()), len(fit.covariance))
-    )
-    scale = max(1.0, noise) * inflation
+        text = f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
+        notes.append(Note(Level.NOTE, "", text))
+
+    # scatter above the stated noise, and correlated errors, widen all error bars
+    best = fit if candidate is None else candidate
+    noise, departure = fit.reduced_chi_square, None
+    if candidate is not None:
+        noise = candidate.noise(int(kept.sum()), len(fit.covariance))
+        departure = candidate.departure
+    scale = max(1.0, noise) * settled.inflation
+    if departure is not None:
+        departure = replace(departure, covariance=scale * departure.covariance)
     K, p, q = (float(value) for value in fit.parameters)
     calibration = Calibration(
-        K,
-        p,
-        q,
-        scale * fit.covariance[:3, :3],
-        (0.0, 0.0),
-        bands,
-        xr.Dataset(),
-        noise,
-        fixture,
-        departure=None
-        if candidate is None
-        else replace(candidate.departure, covariance=scale * candidate.departure.covariance),
+        ratio_at_zero=K,
+        attenuation_camera1=p,
+        attenuation_camera2=q,
+        covariance=scale * fit.covariance[:3, :3],
+        thickness_range=(0.0, 0.0),
+        bands=bands,
+        curve=xr.Dataset(),
+        reduced_chi_square=noise,
+        fixture=fixture,
+        departure=departure,
         pose=found,
     )
-    true_thickness = (fit if candidate is None else candidate).true_thickness[kept]
-    low, high, limited = _answering_range(calibration, true_thickness, points, kept, frames)
-    if limited:
+
+    # the calibrated range follows from the slope of the finished curve
+    covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
+    if covered.limited:
         notes.append(
-            f"the profile reaches {points.thickness.max():.1f} um, but beyond {high:.1f} um a single pixel of one frame no longer tells "
-            f"thickness to {_USEFUL:.0%}, or to what this light allows: the calibration answers up to there"
+            Note(
+                Level.NOTE,
+                "",
+                f"the profile reaches {points.thickness.max():.1f} um, but beyond "
+                f"{covered.high:.1f} um the noise of a single pixel of one frame exceeds "
+                f"{_USEFUL:.0%} of the thickness, or what this light allows: the calibrated range "
+                "ends there",
+            )
         )
-    notes += _identifiability(calibration)
-    moved = freedom.displacement @ (fit if candidate is None else candidate).displacement
+    notes += _describe_unresolved(calibration)
+    moved = freedom.displacement @ best.displacement
     return replace(
         calibration,
-        thickness_range=(low, high),
+        thickness_range=(covered.low, covered.high),
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
     )
@@ -141,7 +188,10 @@ def fit_calibration(
 def _describe_curve(
     calibration: Calibration, points: Points, kept: Mask, moved: Array, thickness_std: Array
 ) -> xr.Dataset:
-    """What was fitted, as the file keeps it; `moved` [um] is what the pose still adds to the film under each point."""
+    """The fitted points as the file stores them.
+
+    `moved` [um] is the change of the film under each point that the last fit of the pose adds.
+    """
     ratio = np.exp(points.log_ratio)
     residual = ratio - calibration.predict(points.thickness + moved)
     std = ratio * np.hypot(
@@ -152,10 +202,10 @@ def _describe_curve(
         "curve_ratio": (ratio, "1", "mean ratio camera 2 / camera 1"),
         "curve_ratio_std": (std, "1", "standard deviation of the ratio, the CMM's error included"),
         "curve_residual": (residual, "1", "ratio less fitted ratio"),
-        "curve_x": (points.position[:, 0], "mm", "place along the profile"),
+        "curve_x": (points.position[:, 0], "mm", "position along the profile"),
     }
-    if points.position.shape[1] == 2:
-        columns["curve_y"] = (points.position[:, 1], "mm", "place across the profile")
+    if points.on_surface:
+        columns["curve_y"] = (points.position[:, 1], "mm", "position across the profile")
     return xr.Dataset(
         {
             name: ("bin", values[kept], {"units": unit, "long_name": meaning})
@@ -164,62 +214,103 @@ def _describe_curve(
     )
 
 
+def _refuse_constant_thickness(points: Points) -> None:
+    """Refuse a fixture of a single film thickness."""
+    if np.ptp(points.thickness) == 0:
+        raise CalibrationError(
+            "Expected a fixture of films of many thicknesses; its profile is "
+            f"{points.thickness[0]:g} um thick at all points in the image. "
+            "Photograph a wedge or a gap that widens."
+        )
+
+
 def _refuse_swapped_cameras(points: Points) -> None:
+    """Refuse a ratio that falls from the thin to the thick third of the points."""
     order = np.argsort(points.thickness)
     third = max(len(order) // 3, 2)
     rise = points.log_ratio[order[-third:]].mean() - points.log_ratio[order[:third]].mean()
     if rise < 0:
         raise CalibrationError(
-            f"Expected the ratio {DIRECTION} to rise with thickness; it falls by {-rise:.0%} from the thin to the thick end. The "
-            "cameras look swapped: exchange [camera1] and [camera2], the reabsorbed (580 nm) band belongs to camera 1."
+            f"Expected the ratio {DIRECTION} to rise with thickness; it falls by {-rise:.0%} from "
+            "the thin to the thick end. The cameras look swapped: exchange [camera1] and "
+            "[camera2], the reabsorbed (580 nm) band belongs to camera 1."
         )
 
 
-def _settle_departure(
-    points: Points, fit: Fit, freedom: Freedom
-) -> tuple[Fit, Candidate | None, float, list[str]]:
-    """Choose between model and spline, and say what structure the residuals show.
+class _Settled(NamedTuple):
+    """The curve that is used, model alone or with a spline."""
 
-    Returns the fit, the spline where one is used, the factor by which correlated errors widen the covariance, and notes.
-    """
+    fit: Fit
+    candidate: Candidate | None
+    """The spline; None where the model stands alone."""
+    inflation: float
+    """Factor by which correlated errors widen the covariance."""
+    notes: list[Note]
+
+
+def _settle_departure(points: Points, fit: Fit, freedom: Freedom) -> _Settled:
+    """Choose between model and spline, and report structure in the residuals."""
     choice = choose_departure(points, fit, freedom)
     if choice is None:
-        return fit, None, 1.0, []
+        return _Settled(fit, None, 1.0, [])
+
     notes = []
     candidate = choice.candidate
     if candidate is not None:
         fit, candidate = _settle_outliers(points, fit, freedom, candidate)
-        pieces = candidate.inner_knots + 1
-        notes.append(
-            f"the ratio departs from the reabsorption model {_say_largest(fit, candidate)}: a spline of {pieces} piece{'s' * (pieces > 1)} "
-            f"follows it, the Bayesian information criterion being lower by {choice.evidence:.0f}"
-            + (" (with more pieces the ratio would fall somewhere)" if choice.falling else "")
-        )
+        notes.append(_describe_departure(fit, candidate, choice))
     elif choice.chance < STRUCTURE:
-        why = (
-            "but lets the ratio fall and is not used"
-            if choice.falling
-            else "but not so clearly that it is used"
-        )
-        notes.append(
-            f"the residuals have structure (once in {1 / max(choice.chance, 1e-12):.0g} by chance): a spline would depart from the reabsorption "
-            f"model {_say_largest(fit, choice.smooth)}, {why}"
-        )
-    correlation, significance = find_correlation(
-        points.position[fit.kept], _residuals(points, fit, freedom, candidate)[fit.kept]
-    )
-    if significance < _CORRELATED:
-        return fit, candidate, 1.0, notes
-    inflation = min((1 + correlation) / max(1 - correlation, 0.1), 10.0)
+        notes.append(_describe_structure(fit, choice))
+
+    # errors that neighbours share do not average out over the points
+    residuals = _residuals(points, fit, freedom, candidate)
+    correlation = find_correlation(points.position[fit.kept], residuals[fit.kept])
+    if correlation.significance < _CORRELATED:
+        return _Settled(fit, candidate, 1.0, notes)
+    inflation = min(correlation.inflation, _LARGEST_INFLATION)
     notes.append(
-        f"neighbouring points along the profile err alike (correlation {correlation:.2f}): form, place or light of the fixture is not "
-        f"as stated; the standard deviations were widened by {math.sqrt(inflation):.2f}"
+        Note(
+            Level.WARNING,
+            "",
+            "errors of neighbouring points along the profile are correlated (coefficient "
+            f"{correlation.coefficient:.2f}): form, position or light of the fixture is not as "
+            f"stated; the standard deviations were widened by {math.sqrt(inflation):.2f}",
+        )
     )
-    return fit, candidate, inflation, notes
+    return _Settled(fit, candidate, inflation, notes)
+
+
+def _describe_departure(fit: Fit, candidate: Candidate, choice: Choice) -> Note:
+    """Note on the spline that is used."""
+    pieces = candidate.inner_knots + 1
+    text = (
+        f"the ratio departs from the reabsorption model {_describe_largest(fit, candidate)}: a "
+        f"spline of {pieces} piece{'s' * (pieces > 1)} is added to the model, the Bayesian "
+        f"information criterion being lower by {choice.evidence:.0f}"
+    )
+    if choice.falling:
+        text += " (with more pieces the ratio would fall somewhere)"
+    return Note(Level.NOTE, "", text)
+
+
+def _describe_structure(fit: Fit, choice: Choice) -> Note:
+    """Note on a departure that is not used."""
+    why = (
+        "but the ratio would fall with thickness; it is not used"
+        if choice.falling
+        else "but the evidence is too weak to use it"
+    )
+    chance = max(choice.chance, 1e-12)  # below it only the order of magnitude is known
+    return Note(
+        Level.WARNING,
+        "",
+        f"the residuals have structure (once in {1 / chance:.0g} by chance): a spline would depart "
+        f"from the reabsorption model {_describe_largest(fit, choice.smooth)}, {why}",
+    )
 
 
 def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate | None) -> Array:
-    """What the curve leaves at each point, in units of its standard deviation."""
+    """Residual of the curve at each point, in units of its standard deviation."""
     displacement = fit.displacement if candidate is None else candidate.displacement
     film = points.thickness + freedom.displacement @ displacement
     residual, slope = points.log_ratio - fit.predict(film), fit.slope(film)
@@ -234,13 +325,16 @@ def _residuals(points: Points, fit: Fit, freedom: Freedom, candidate: Candidate 
 def _settle_outliers(
     points: Points, fit: Fit, freedom: Freedom, candidate: Candidate
 ) -> tuple[Fit, Candidate]:
-    """Leave out what lies far off the spline, and take the CMM's error bars from the scatter about it where there are none."""
-    for _ in range(4):
+    """Fit the spline again without outliers.
+
+    Where the CMM states no uncertainty, it is estimated from the scatter about the spline.
+    """
+    for _ in range(_OUTLIER_PASSES):
         residual = _residuals(points, fit, freedom, candidate)
         noise = candidate.noise(int(fit.kept.sum()), len(fit.covariance))
         now = np.abs(residual) <= OUTLIER * max(1.0, math.sqrt(noise))
-        known = bool(np.isfinite(points.thickness_std).all())
-        if np.array_equal(now, fit.kept) and (known or abs(noise - 1) < 0.02):
+        known = points.has_error_bars
+        if np.array_equal(now, fit.kept) and (known or abs(noise - 1) < _NOISE_SETTLED):
             break
         thickness_std = fit.thickness_std if known else fit.thickness_std * math.sqrt(noise)
         fit = replace(fit, kept=now, thickness_std=thickness_std)
@@ -248,25 +342,37 @@ def _settle_outliers(
     return fit, candidate
 
 
-def _say_largest(fit: Fit, candidate: Candidate) -> str:
-    """How large a departure surely is, and where."""
+def _describe_largest(fit: Fit, candidate: Candidate) -> str:
+    """The largest significant departure and its thickness, as text."""
     true = candidate.true_thickness[fit.kept]
     grid = np.linspace(float(true.min()), float(true.max()), 501)
     departure, basis = candidate.departure.predict(grid), candidate.departure.basis(grid)
     std = np.sqrt(
         np.maximum(np.einsum("it,ij,jt->t", basis, candidate.departure.covariance, basis), 0.0)
     )
-    n = int(
-        np.argmax(np.abs(departure) - 2 * std)
-    )  # where it is largest beyond its error, not where it is noisiest
+
+    # largest beyond its error; the plain maximum would be found where the spline is noisiest
+    n = int(np.argmax(np.abs(departure) - 2 * std))
     film = abs(departure[n] / fit.slope(grid[n]))
-    return f"by {100 * departure[n]:+.2f} ± {100 * std[n]:.2f} % at {grid[n]:.1f} um ({film:.2g} um of film)"
+    return (
+        f"by {100 * departure[n]:+.2f} ± {100 * std[n]:.2f} % at {grid[n]:.1f} um "
+        f"({film:.2g} um of film)"
+    )
 
 
-def _answering_range(
+class _Range(NamedTuple):
+    low: float
+    """[um]"""
+    high: float
+    """[um]"""
+    limited: bool
+    """Whether noise ends the range below the thickest film of the fixture."""
+
+
+def _calibrated_range(
     calibration: Calibration, covered: Array, points: Points, kept: Mask, frames: int
-) -> tuple[float, float, bool]:
-    """Thickness the fixture covers, cut where a single pixel of one frame no longer tells it."""
+) -> _Range:
+    """Thickness covered by the fixture, up to where the noise of a single pixel is too large."""
     low, high = max(float(covered.min()), 0.0), float(covered.max())
     order = np.argsort(points.thickness[kept])
     grid = np.linspace(low, high, 2001)[1:]
@@ -276,21 +382,25 @@ def _answering_range(
         np.sqrt(frames * points.pixel_var + points.fixed_var)[kept][order],
     )
     relative = noise / (calibration.slope(grid) * grid)
-    # in dim light no single pixel may tell so much; then the range ends where pixels are a quarter worse than their best
-    useful = relative <= max(_USEFUL, 1.25 * float(relative.min()))
+
+    # In dim light no single pixel may reach the limit; the range then ends where pixels are a
+    # quarter worse than the best. Thin films stay although their relative noise is large, because
+    # averages over pixels resolve them.
+    useful = relative <= max(_USEFUL, _DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
-    # thin films too are told badly in proportion to themselves, but averages over pixels make them good: they stay
-    return low, thickest, thickest < grid[-1]
+    return _Range(low, thickest, thickest < grid[-1])
 
 
-def _identifiability(calibration: Calibration) -> list[str]:
-    """Say so where the data fix K and p - q but not p and q."""
+def _describe_unresolved(calibration: Calibration) -> list[Note]:
+    """Note where the data determine K and p - q but not p and q."""
     _, p, q = calibration.parameters
     std, covariance = calibration.standard_deviations, calibration.covariance
     difference_std = math.sqrt(covariance[1, 1] + covariance[2, 2] - 2 * covariance[1, 2])
-    if std[2] < 0.3 * q:
+    if std[2] < _UNRESOLVED * q:
         return []
-    return [
-        f"the films are too thin to tell p and q apart (q = {q:.3f} ± {std[2]:.3f} 1/um); only K and "
-        f"p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are fixed. Do not read films thicker than the fixture's"
-    ]
+    text = (
+        f"the films are too thin to separate p and q (q = {q:.3f} ± {std[2]:.3f} 1/um); only K "
+        f"and p - q = {p - q:.4f} ± {difference_std:.4f} 1/um are determined. Do not measure films "
+        "thicker than the fixture's"
+    )
+    return [Note(Level.WARNING, "", text)]

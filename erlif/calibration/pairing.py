@@ -1,9 +1,10 @@
-"""CMM points and the ratio of the pixels about each of them."""
+"""CMM points and the ratio of the pixels around each of them."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,102 +12,206 @@ from scipy.spatial import cKDTree
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
-from erlif.calibration.profile import LEAST_POINTS, Profile, gradient_of_thickness
+from erlif.calibration.profile import MINIMUM_POINTS, Profile, gradient_of_thickness
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages
 
-_LEAST_PIXELS = 20  # in the cell of one CMM point
+Cells = npt.NDArray[np.intp]
+"""Number of the CMM point that each pixel belongs to, (pixel,)."""
+
+_MINIMUM_PIXELS = 20  # in the cell of one CMM point
+_CELL = 0.51  # of the spacing of the points: half, and 2 % so that cells of even points touch
+_COVERED = 0.995  # share of the usable pixels below which a note reports the rest
+_SPACING = 1.5  # pixels between the points of a line; closer ones share their pixels
+_OUTLIER = 4.0  # standard deviations of one cell
+_OUTLIER_PASSES = 3
+_LINE_NEIGHBOURS = 3  # cells for a slope along a line
+_SURFACE_NEIGHBOURS = 13  # cells for the six terms of a parabola: a point and two rings
 
 
-def pair_profile_with_image(
-    ratios: RatioImages, profile: Profile, pose: Pose
-) -> tuple[Points, list[str]]:
-    """Average the ratio over the pixels nearest to each point of a profile that `thin_out` has thinned."""
-    notes: list[str] = []
+class Pairing(NamedTuple):
+    """CMM points with the ratio there, and notes on what was left out."""
+
+    points: Points
+    notes: list[Note]
+
+
+class _Pixels(NamedTuple):
+    """Valid pixels of the ratio image that lie in the cell of a CMM point."""
+
+    cell: Cells
+    place: Array
+    """Position on the profile, (pixel, axis). [mm]"""
+    across: Array
+    """Position across the profile, (pixel,). [mm]"""
+    log_ratio: Array
+    variance: Array
+    """Variance of `log_ratio`, (pixel,)."""
+    fixed: Array
+    """Its part that repeats from frame to frame, (pixel,)."""
+    covered: float
+    """Share of the valid pixels that lie in a cell."""
+
+
+def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -> Pairing:
+    """Average the ratio over the pixels nearest to each point of the profile.
+
+    Parameters
+    ----------
+    ratios : RatioImages
+        Ratio of the fixture, (y, x).
+    profile : Profile
+        Profile after `thin_out`.
+    pose : Pose
+        Position of the pixels on the profile.
+
+    Returns
+    -------
+    Pairing
+
+    Raises
+    ------
+    CalibrationError
+        If fewer than eight points lie in the usable image.
+    """
+    position = profile.position.reshape(len(profile.position), -1)
+    pixels = _assign_pixels(ratios, position, pose)
+    cell, place, total = pixels.cell, pixels.place, len(position)
+    count = np.bincount(cell, minlength=total)
+    used = count >= _MINIMUM_PIXELS
+    notes = _describe_coverage(pixels, used)
+
+    # the mean of a cell belongs to its centre of gravity and is carried to the CMM point
+    cells = _robust_cell_mean(cell, pixels.log_ratio, total)
+    mean = cells.mean
+    centre = (
+        np.stack([np.bincount(cell, axis, total) for axis in place.T], axis=1)
+        / np.maximum(count, 1)[:, None]
+    )
+    if position.shape[1] == 1:
+        gradient = _gradient_along(position, centre, mean, used)
+        mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
+    else:
+        form = _form_about(position, centre, mean, used)
+        gradient, curvature = form.gradient, form.curvature
+        off = place - position[cell]
+        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum(
+            "ij,ijk,ik->i", off, curvature[cell], off
+        )
+        mean = mean - np.bincount(cell, bend, total) / np.maximum(count, 1)
+
+    # the scatter within a cell counts where it exceeds the stated variance
+    total_var, fixed_var = (
+        np.bincount(cell, values, total) / np.maximum(count, 1)
+        for values in (pixels.variance, pixels.fixed)
+    )
+    std = np.sqrt(np.maximum(cells.variance, total_var) / np.maximum(count, 1))
+
+    uncertainty = profile.uncertainty
+    if uncertainty is None:
+        text = (
+            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
+        )
+        notes.append(Note(Level.NOTE, "", text))
+        uncertainty = np.full(total, math.nan)
+
+    # the image determines the turn of a line by the slope of the ratio across it
+    if position.shape[1] == 1:
+        keep = cells.keep
+        beside = pixels.log_ratio - gradient[cell, 0] * (place[:, 0] - position[cell, 0])
+        across = _slope_across(cell[keep], pixels.across[keep], beside[keep], total)
+        thickness_gradient = gradient_of_thickness(position, profile.thickness, uncertainty)
+    else:
+        unknown = np.full(total, math.nan)
+        across = _Across(np.zeros(total), unknown, unknown)
+        thickness_gradient = profile.surface_gradient
+
+    points = Points(
+        thickness=profile.thickness[used],
+        thickness_std=uncertainty[used],
+        log_ratio=mean[used],
+        log_ratio_std=std[used],
+        pixel_var=(total_var - fixed_var)[used],
+        fixed_var=fixed_var[used],
+        position=position[used],
+        gradient=thickness_gradient[used],
+        ratio_gradient=gradient[used],
+        mean_across=across.middle[used],
+        across_slope=across.slope[used],
+        across_slope_std=across.std[used],
+    )
+    return Pairing(points, notes)
+
+
+def _assign_pixels(ratios: RatioImages, position: Array, pose: Pose) -> _Pixels:
+    """Valid pixels with the CMM point nearest to each, without those beyond all cells."""
     good = (ratios.flags.values == 0) & np.isfinite(ratios.log_ratio.values)
     row, column = np.nonzero(good)
     log_ratio = ratios.log_ratio.values[good].astype(float)
     variance = ratios.log_ratio_var.values[good].astype(float)
     fixed = ratios.log_ratio_var_fixed.values[good].astype(float)
+
     along, across = pose.place(column.astype(float), row.astype(float))
-    place = along[:, None] if profile.position.ndim == 1 else np.stack([along, across], axis=1)
-    position = profile.position.reshape(len(profile.position), -1)
-    thickness, uncertainty = profile.thickness, profile.uncertainty
+    place = along[:, None] if position.shape[1] == 1 else np.stack([along, across], axis=1)
     tree = cKDTree(position)
     spacing = float(np.median(np.asarray(tree.query(position, k=2)[0])[:, 1]))
     distance, cell = (np.asarray(found) for found in tree.query(place))
-    near = distance <= 0.51 * spacing * math.sqrt(place.shape[1])
-    covered = float(near.mean()) if near.size else 0.0
-    cell, place, across = cell[near], place[near], across[near]
-    log_ratio, variance, fixed = log_ratio[near], variance[near], fixed[near]
-    count = np.bincount(cell, minlength=len(position))
-    used = count >= _LEAST_PIXELS
-    if used.sum() < LEAST_POINTS:
+    near = distance <= _CELL * spacing * math.sqrt(place.shape[1])
+    return _Pixels(
+        cell=cell[near],
+        place=place[near],
+        across=across[near],
+        log_ratio=log_ratio[near],
+        variance=variance[near],
+        fixed=fixed[near],
+        covered=float(near.mean()) if near.size else 0.0,
+    )
+
+
+def _describe_coverage(pixels: _Pixels, used: Mask) -> list[Note]:
+    """Notes on pixels without profile and on points without pixels; too few points are refused."""
+    if used.sum() < MINIMUM_POINTS:
         raise CalibrationError(
-            f"Expected at least {LEAST_POINTS} points of the profile in the image; {int(used.sum())} of {len(position)} are. Check "
-            "origin, direction and pixel_pitch in fixture.toml, or measure a longer profile."
+            f"Expected at least {MINIMUM_POINTS} points of the profile in the image; "
+            f"{int(used.sum())} of {used.size} are. Check origin, direction and pixel_pitch in "
+            "fixture.toml, or measure a longer profile."
         )
-    if covered < 0.995:
-        notes.append(
-            f"the profile covers {covered:.0%} of the usable pixels; the rest was left out"
+    texts = []
+    if pixels.covered < _COVERED:
+        texts.append(
+            f"the profile covers {pixels.covered:.0%} of the usable pixels; the rest was left out"
         )
     if not used.all():
-        notes.append(
-            f"{int((~used).sum())} of {len(position)} points of the profile lie outside the usable image"
+        texts.append(
+            f"{int((~used).sum())} of {used.size} points of the profile lie outside the usable "
+            "image"
         )
-    mean, scatter, keep = _robust_cell_mean(cell, log_ratio, len(position))
-    centre = (
-        np.stack([np.bincount(cell, axis, len(position)) for axis in place.T], axis=1)
-        / np.maximum(count, 1)[:, None]
-    )
-    if place.shape[1] == 1:
-        gradient = _gradient_along(position, centre, mean, used)
-        mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
-    else:
-        gradient, curvature = _form_about(position, centre, mean, used)
-        off = place - position[cell]
-        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum(
-            "ij,ijk,ik->i", off, curvature[cell], off
-        )
-        mean = mean - np.bincount(cell, bend, len(position)) / np.maximum(count, 1)
-    total_var, fixed_var = (
-        np.bincount(cell, values, len(position)) / np.maximum(count, 1)
-        for values in (variance, fixed)
-    )
-    std = np.sqrt(np.maximum(scatter, total_var) / np.maximum(count, 1))
-    if uncertainty is None:
-        notes.append(
-            "the profile has no uncertainty_um; it was estimated from the scatter about the curve"
-        )
-        uncertainty = np.full(len(position), math.nan)
-    if position.shape[1] == 1:
-        beside = log_ratio - gradient[cell, 0] * (place[:, 0] - position[cell, 0])
-        across_line = _slope_across(cell[keep], across[keep], beside[keep], len(position))
-    else:
-        unknown = np.full(len(position), math.nan)
-        across_line = (np.zeros(len(position)), unknown, unknown)
-    columns = [thickness, uncertainty, mean, std, total_var - fixed_var, fixed_var, position]
-    surface = position.shape[1] == 2
-    form = (
-        profile.surface_gradient
-        if surface
-        else gradient_of_thickness(position, thickness, uncertainty)
-    )
-    columns += [form, gradient, *across_line]
-    points = Points(*(column[used] for column in columns))
-    return points, notes
+    return [Note(Level.NOTE, "", text) for text in texts]
 
 
 def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
-    """The profile with those points of a line averaged that lie closer than one and a half pixels. `pixel_pitch` in mm.
+    """Average the points of a line that lie closer than one and a half pixels.
 
-    It is done once, with the pitch that was given: two photographs of one fixture then rest on the same points, wherever each is laid.
+    It is done once, with the given pitch: two photographs of one fixture then rest on the same
+    points, wherever each is placed.
+
+    Parameters
+    ----------
+    profile : Profile
+        A surface is returned as it is.
+    pixel_pitch : float
+        Distance of pixels on the profile. [mm]
+
+    Returns
+    -------
+    Profile
     """
-    least = 1.5 * pixel_pitch
-    if profile.position.ndim == 2 or np.median(np.diff(profile.position)) >= least:
+    spacing = _SPACING * pixel_pitch
+    if profile.position.ndim == 2 or np.median(np.diff(profile.position)) >= spacing:
         return profile
-    group = np.floor((profile.position - profile.position[0]) / least).astype(int)
+    group = np.floor((profile.position - profile.position[0]) / spacing).astype(int)
     count = np.bincount(group)
     full = count > 0
     position, thickness = (
@@ -119,26 +224,40 @@ def thin_out(profile: Profile, *, pixel_pitch: float) -> Profile:
     return replace(profile, position=position, thickness=thickness, uncertainty=uncertainty)
 
 
-def _robust_cell_mean(
-    cell: npt.NDArray[np.intp], values: Array, cells: int
-) -> tuple[Array, Array, Mask]:
-    """Mean and variance of the values of each cell, without those beyond four standard deviations of it, and which are within."""
+class _CellMean(NamedTuple):
+    mean: Array
+    """Mean of each cell, (cell,)."""
+    variance: Array
+    """Variance of its pixels, (cell,)."""
+    keep: Mask
+    """Pixels that are no outliers of their cell, (pixel,)."""
+
+
+def _robust_cell_mean(cell: Cells, values: Array, cells: int) -> _CellMean:
+    """Mean and variance of the values of each cell, without outliers."""
     keep = np.ones(cell.size, bool)
     mean, variance = np.zeros(cells), np.zeros(cells)
-    for _ in range(3):
+    for _ in range(_OUTLIER_PASSES):
         count = np.maximum(np.bincount(cell[keep], minlength=cells), 1)
         mean = np.bincount(cell[keep], values[keep], cells) / count
         variance = np.bincount(
             cell[keep], (values[keep] - mean[cell[keep]]) ** 2, cells
         ) / np.maximum(count - 1, 1)
-        keep = np.abs(values - mean[cell]) <= 4 * np.sqrt(variance[cell])
-    return mean, variance, keep
+        keep = np.abs(values - mean[cell]) <= _OUTLIER * np.sqrt(variance[cell])
+    return _CellMean(mean, variance, keep)
 
 
-def _slope_across(
-    cell: npt.NDArray[np.intp], across: Array, values: Array, cells: int
-) -> tuple[Array, Array, Array]:
-    """Mean place across the profile, slope of the values over it, and the slope's standard deviation, cell by cell."""
+class _Across(NamedTuple):
+    middle: Array
+    """Mean position of the pixels across the profile, (cell,). [mm]"""
+    slope: Array
+    """Slope of the values over it, (cell,). [1/mm]"""
+    std: Array
+    """Standard deviation of the slope, (cell,). [1/mm]"""
+
+
+def _slope_across(cell: Cells, across: Array, values: Array, cells: int) -> _Across:
+    """Slope of the values across the profile in each cell, from the scatter about it its error."""
     count = np.maximum(np.bincount(cell, minlength=cells), 1)
     middle, mean = (np.bincount(cell, each, cells) / count for each in (across, values))
     off, rest = across - middle[cell], values - mean[cell]
@@ -149,13 +268,13 @@ def _slope_across(
             count - 2, 1
         )
         std = np.sqrt(scatter / spread)
-    return middle, slope, std
+    return _Across(middle, slope, std)
 
 
 def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> Array:
-    """Slope of the cell means at each CMM point of a line, (point, 1), through its neighbours. [1/mm]"""
+    """Slope of the cell means at each CMM point of a line, (point, 1), from neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
-    neighbours = min(3, int(used.sum()))
+    neighbours = min(_LINE_NEIGHBOURS, int(used.sum()))
     nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
     places, values = centre[used], mean[used]
     for n in np.nonzero(used)[0]:
@@ -165,11 +284,21 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> 
     return gradient
 
 
-def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> tuple[Array, Array]:
-    """Gradient (point, 2) and second derivatives (point, 2, 2) of the cell means at each CMM point of a surface, from a parabola through its
-    neighbours: the cells are wide, and the film is not plane in them. [1/mm, 1/mm2]"""
+class _Form(NamedTuple):
+    gradient: Array
+    """(point, 2) [1/mm]"""
+    curvature: Array
+    """Second derivatives, (point, 2, 2). [1/mm2]"""
+
+
+def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> _Form:
+    """Gradient and curvature of the cell means at each CMM point of a surface.
+
+    They come from a parabola through the neighbours: the cells are wide, and the film is not
+    plane within one.
+    """
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
-    neighbours = min(13, int(used.sum()))
+    neighbours = min(_SURFACE_NEIGHBOURS, int(used.sum()))
     nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
     places, values = centre[used], mean[used]
     for n in np.nonzero(used)[0]:
@@ -179,4 +308,4 @@ def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> tupl
             design, values[nearest[n]], rcond=None
         )[0]
         curvature[n] = [[xx, xy], [xy, yy]]
-    return gradient, curvature
+    return _Form(gradient, curvature)

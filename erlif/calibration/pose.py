@@ -1,46 +1,42 @@
-"""Where the fixture lies in the image: offset, scale and turn, and which of them the data can tell."""
+"""Pose of the fixture in the image: offset, scale and turn, and which the data determine."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
 
+from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
+from erlif.core.notes import Level, Note
 
-if TYPE_CHECKING:
-    from erlif.calibration.points import Points
+ALONG, ACROSS, SCALE, TURN = range(4)
+"""Elements of a change of pose: along and across the profile [mm], scale [1], turn [rad]."""
 
-
-NAMES = ("along", "across", "scale", "turn")
-"""Changes of a pose, in the order of their arrays: along and across the profile [mm], scale [1], turn [rad]."""
-
-_SIGNIFICANT = 3.0  # standard deviations by which the image must gainsay the turn of a line
+_SIGNIFICANT = 3.0  # standard deviations from which on a turn found in the image replaces the given
+_OUTLIER = 4.5  # standard deviations beyond which a cell holds dust
+_OUTLIER_PASSES = 3
+_MINIMUM_CELLS = 8  # for a line through slopes across the profile
+_POINTS_PER_KNOT = 15  # each piece of the imitating spline is supported by as many points
+_MAXIMUM_KNOTS = 5  # as many as the spline of `erlif.calibration.departure` may have
 
 
 @dataclass(frozen=True)
 class Pose:
-    """How pixels of camera 1 are laid on the profile.
-
-    Attributes
-    ----------
-    origin : (float, float)
-        Pixel (x, y) at profile x = 0 (y = 0).
-    direction : float
-        Turn from image x to profile x. [rad]
-    pixel_pitch : float
-        [mm]
-    """
+    """Position of the pixels of camera 1 on the profile."""
 
     origin: tuple[float, float]
+    """Pixel (x, y) at profile x = 0 (y = 0). [px]"""
     direction: float
+    """Turn from image x to profile x, positive towards image y (down). [rad]"""
     pixel_pitch: float
+    """Distance of neighbouring pixels on the profile. [mm]"""
 
     def place(self, column: Array, row: Array) -> tuple[Array, Array]:
-        """Place of pixels along and across the profile. [mm]"""
+        """Positions of pixels along and across the profile. [mm]"""
         dx, dy = (
             (column - self.origin[0]) * self.pixel_pitch,
             (row - self.origin[1]) * self.pixel_pitch,
@@ -49,12 +45,26 @@ class Pose:
         return cos * dx + sin * dy, -sin * dx + cos * dy
 
     def changed(self, change: Array, middle: Array) -> Pose:
-        """The pose that lays what lay at X on X + change: an offset, and scale and turn about `middle` [mm]."""
+        """Pose after a change: an offset, and scale and turn about a fixed point.
+
+        Parameters
+        ----------
+        change : array, (4,)
+            Along and across the profile [mm], scale [1], turn [rad].
+        middle : array, (2,)
+            Position on the profile that scale and turn leave in place. [mm]
+
+        Returns
+        -------
+        Pose
+        """
         along, across, scale, turn = (float(value) for value in change)
         direction = self.direction + turn
         cos, sin = math.cos(turn), math.sin(turn)
         turned = np.array([[cos, sin], [-sin, cos]]) @ middle
         offset = middle - (1 + scale) * turned + (along, across)
+
+        # the offset on the profile becomes an offset of the origin in pixels
         cos, sin = math.cos(direction), math.sin(direction)
         pitch = self.pixel_pitch * (1 + scale)
         back = (
@@ -67,67 +77,59 @@ class Pose:
 
 @dataclass(frozen=True)
 class FoundPose:
-    """A pose refined against the image.
-
-    Attributes
-    ----------
-    pose : Pose
-    change : array, (4,)
-        From the given pose: along and across the profile [mm], scale [1], turn [rad]; about the middle of the profile.
-    covariance : array, (4, 4)
-        Of the change; 0 in directions left as given.
-    determined : array of bool, (4,)
-        Which of the four the data tell, at least for the most part.
-    """
+    """A pose refined against the image."""
 
     pose: Pose
+    """The refined pose."""
     change: Array
+    """Change from the given pose, (4,), about the middle of the profile. [mm, mm, 1, rad]"""
     covariance: Array
+    """Covariance of the change, (4, 4); 0 in directions left as given."""
     determined: Mask
+    """Which of the four the data determine, at least for the most part, (4,)."""
 
     @property
     def standard_deviations(self) -> Array:
-        """Of the change."""
+        """Standard deviations of the change, (4,). [mm, mm, 1, rad]"""
         return np.sqrt(np.diag(self.covariance))
 
-    def describe(self, points: Points) -> list[str]:
-        """What was found and what was left as given."""
-        line = points.position.shape[1] == 1
-        meanings = (
-            (
-                f"{1e3 * self.change[0]:+.1f} ± {1e3 * self.standard_deviations[0]:.1f} um along the profile",
-                "origin along the profile",
-            ),
-            (
-                f"{1e3 * self.change[1]:+.1f} ± {1e3 * self.standard_deviations[1]:.1f} um across the profile",
-                "origin across the profile",
-            ),
-            (f"scaled by {1 + self.change[2]:.5f} ± {self.standard_deviations[2]:.5f}", "scale"),
-            (
-                f"turned by {math.degrees(self.change[3]):+.3f} ± {math.degrees(self.standard_deviations[3]):.3f} degrees",
-                "direction",
-            ),
-        )
+    def describe(self, points: Points) -> list[Note]:
+        """Notes on what was refined and what was left as given."""
+        change, std = self.change, self.standard_deviations
+        degrees, degrees_std = math.degrees(change[TURN]), math.degrees(std[TURN])
+        refined = {
+            ALONG: f"{1e3 * change[ALONG]:+.1f} ± {1e3 * std[ALONG]:.1f} um along the profile",
+            ACROSS: f"{1e3 * change[ACROSS]:+.1f} ± {1e3 * std[ACROSS]:.1f} um across the profile",
+            SCALE: f"scaled by {1 + change[SCALE]:.5f} ± {std[SCALE]:.5f}",
+            TURN: f"turned by {degrees:+.3f} ± {degrees_std:.3f} degrees",
+        }
+        given = {
+            ALONG: "origin along the profile",
+            ACROSS: "origin across the profile",
+            SCALE: "scale",
+            TURN: "direction",
+        }
+        if not points.on_surface:
+            del given[ACROSS]  # a line has no position across
+
+        found = [text for element, text in refined.items() if self.determined[element]]
+        left = [name for element, name in given.items() if not self.determined[element]]
         notes = []
-        found = [text for (text, _), known in zip(meanings, self.determined, strict=True) if known]
         if found:
             notes.append(
-                f"the image was laid on the profile anew: {', '.join(found)}, about the middle of the profile"
+                f"the pose of the profile was refined against the image: {', '.join(found)}, "
+                "about the middle of the profile"
             )
-        left = [
-            name
-            for n, ((_, name), known) in enumerate(zip(meanings, self.determined, strict=True))
-            if not known and not (line and n == 1)
-        ]
         if left:
             notes.append(
-                f"left as given: {', '.join(left)}. The profile has too little form to tell to a pixel (a straight wedge looks the same "
-                "wherever it begins), or agrees with what was given"
+                f"left as given: {', '.join(left)}. The profile has too little form to determine "
+                "them to a pixel (a straight wedge looks the same wherever it begins), or agrees "
+                "with the given values"
             )
-        return notes
+        return [Note(Level.NOTE, "", text) for text in notes]
 
     def to_record(self) -> dict[str, Any]:
-        """As it is kept in a file."""
+        """The pose as plain numbers, as calibration.nc stores it."""
         return {
             "origin": list(self.pose.origin),
             "direction_rad": self.pose.direction,
@@ -139,7 +141,7 @@ class FoundPose:
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> FoundPose:
-        """Undo `to_record`."""
+        """The pose from its plain numbers, the inverse of `to_record`."""
         x, y = record["origin"]
         return cls(
             Pose(
@@ -155,28 +157,23 @@ class FoundPose:
 
 @dataclass(frozen=True)
 class Freedom:
-    """The changes of a pose that the film can tell, as combinations of offset, scale and turn.
-
-    Attributes
-    ----------
-    displacement : array, (point, combination)
-        Change of the film under each point by a unit of each combination. [um/mm]
-    combinations : array, (4, combination)
-        Change of the pose by a unit of each combination. [mm, mm, 1, rad; per mm]
-    middle : array, (2,)
-        Point that scale and turn leave in place. [mm]
-    shares : array, (4,)
-        Of offset along and across, scale and turn, what lies in the combinations: 1 is told, 0 is left as given.
-    """
+    """Changes of a pose that the film determines, as combinations of offset, scale and turn."""
 
     displacement: Array
+    """Change of the film under each point by a unit of each combination, (point, combination).
+    [um/mm]"""
     combinations: Array
+    """Change of the pose by a unit of each combination, (4, combination).
+    [mm, mm, 1, rad; per mm]"""
     middle: Array
+    """Position that scale and turn leave in place, (2,). [mm]"""
     shares: Array
+    """Share of offset along and across, scale and turn that lies in the combinations, (4,):
+    1 is determined by the data, 0 is left as given."""
 
     @classmethod
     def none(cls, points: Points) -> Freedom:
-        """A pose that is left as given."""
+        """No freedom: a pose that is left as given."""
         return cls(np.empty((points.thickness.size, 0)), np.empty((4, 0)), np.zeros(2), np.zeros(4))
 
     @property
@@ -194,95 +191,139 @@ def find_freedom(
     thickness_std: Array,
     pixel_pitch: float,
 ) -> Freedom:
-    """Find the changes of the pose that show in the ratio as no change of the calibration curve could.
+    """Find the changes of pose whose effect on the ratio no change of the curve can imitate.
 
-    The effect of each change on the ratio is freed of all that any smooth function of thickness can imitate: what is left is the
-    profile's form. Combinations of offset, scale and turn whose standard deviation is below a pixel at the edge of the profile
-    are determined. A straight wedge determines none: an offset looks like another K, a scale like other p and q.
+    All that a smooth function of thickness can imitate is removed from the effect of each change;
+    the form of the profile remains. Combinations of offset, scale and turn whose standard
+    deviation is below one pixel at the edge of the profile are determined. A straight wedge
+    determines none: an offset looks like another K, a scale like other p and q.
 
     Parameters
     ----------
     points : Points
+        CMM points and the ratio there.
     kept : array of bool, (point,)
+        Points that are no outliers.
     true_thickness : array, (point,)
-        Film that CMM and ratio agree on. [um]
+        Film thickness from CMM and ratio together. [um]
     slope : array, (point,)
-        Of the logarithm of the ratio. [1/um]
+        Slope of the logarithm of the ratio over thickness. [1/um]
     thickness_std : array, (point,)
-        [um]
+        Standard deviation of the CMM. [um]
     pixel_pitch : float
-        [mm]
+        Distance of pixels on the profile. [mm]
+
+    Returns
+    -------
+    Freedom
+        Without combinations where the points are too few to separate form from curve.
     """
-    surface = points.position.shape[1] == 2
+    axes = points.position.shape[1]
     middle = np.zeros(2)
-    middle[: points.position.shape[1]] = points.position[kept].mean(axis=0)
-    x, y = (
-        (points.position - middle[: points.position.shape[1]]).T
-        if surface
-        else (points.position[:, 0] - middle[0], 0.0)
-    )
+    middle[:axes] = points.position[kept].mean(axis=0)
     reach = float(np.ptp(points.position[kept], axis=0).max()) / 2
+
+    # change of the film under each point; scale and turn are counted in mm at the edge
     along = points.gradient[:, 0]
-    if surface:
+    if points.on_surface:
+        x, y = (points.position - middle).T
         across = points.gradient[:, 1]
         effect = np.column_stack(
             [along, across, (along * x + across * y) / reach, (along * y - across * x) / reach]
         )
-        names = [0, 1, 2, 3]
+        elements = [ALONG, ACROSS, SCALE, TURN]
     else:
-        # a line says nothing across; its turn is told by the image alone, see `find_turn`
+        # the film of a line is the same across it; its turn comes from the image, see `find_turn`
+        x = points.position[:, 0] - middle[0]
         effect = np.column_stack([along, along * x / reach])
-        names = [0, 2]
+        elements = [ALONG, SCALE]
+
     std = np.hypot(points.log_ratio_std, thickness_std * slope)[kept]
     shown = effect[kept] * (slope[kept] / std)[:, None]
     imitated = _smooth_functions(true_thickness[kept]) / std[:, None]
     if kept.sum() < 2 * (imitated.shape[1] + shown.shape[1]):
         return Freedom.none(points)
+
+    # Fisher information of the remaining effect; its eigenvectors are independent combinations
     own = shown - imitated @ np.linalg.lstsq(imitated, shown, rcond=None)[0]
     information, vectors = np.linalg.eigh(own.T @ own)
     determined = vectors[:, information * pixel_pitch**2 >= 1]
-    units, shares = np.diag([1.0, 1.0, 1 / reach, 1 / reach])[:, names], np.zeros(4)
-    shares[names] = (determined**2).sum(axis=1)
+    units, shares = np.diag([1.0, 1.0, 1 / reach, 1 / reach])[:, elements], np.zeros(4)
+    shares[elements] = (determined**2).sum(axis=1)
     return Freedom(effect @ determined, units @ determined, middle, shares)
 
 
 def _smooth_functions(thickness: Array) -> Array:
     """Cubic B-splines over thickness, (point, function)."""
-    inner = min(5, thickness.size // 15)
+    inner = min(_MAXIMUM_KNOTS, thickness.size // _POINTS_PER_KNOT)
     low, high = float(thickness.min()), float(thickness.max())
     inside = np.quantile(thickness, np.linspace(0, 1, inner + 2)[1:-1])
     knots = np.concatenate([[low] * 4, inside, [high] * 4])
     return np.asarray(BSpline.design_matrix(thickness, knots, 3).toarray())
 
 
-def find_turn(points: Points, *, pixel_pitch: float) -> tuple[float, float]:
-    """Find the turn of a line profile by the image alone: across the profile the ratio must not change.
+class Turn(NamedTuple):
+    """Turn of a line profile found in the image."""
+
+    angle: float
+    """Change of direction; 0 where the given one stays. [rad]"""
+    std: float
+    """Standard deviation of the change; NaN where the given direction stays. [rad]"""
+
+
+AS_GIVEN = Turn(0.0, math.nan)
+"""The given direction stays."""
+
+
+def find_turn(points: Points, *, pixel_pitch: float) -> Turn:
+    """Find the turn of a line profile from the image alone: the ratio is constant across the line.
+
+    Parameters
+    ----------
+    points : Points
+        CMM points and the ratio there.
+    pixel_pitch : float
+        Distance of pixels on the profile. [mm]
 
     Returns
     -------
-    turn, std : float
-        Change of direction [rad]; 0 and NaN where the image does not tell it to a pixel at the edge or does not gainsay what was given.
+    Turn
+        `AS_GIVEN` for a surface, where the image does not determine the turn to one pixel at the
+        edge, and where the turn is not significant.
     """
-    if points.position.shape[1] == 2:
-        return 0.0, math.nan
+    if points.on_surface:
+        return AS_GIVEN
     along, across, std = points.ratio_gradient[:, 0], points.across_slope, points.across_slope_std
     good = np.isfinite(across) & (std > 0)
-    if good.sum() < 8:
-        return 0.0, math.nan
+    if good.sum() < _MINIMUM_CELLS:
+        return AS_GIVEN
+
+    # a turned line shows a slope across it that is proportional to the slope along it
     along, across, std = along[good], across[good], std[good]
-    for _ in range(3):  # without cells that hold dust
-        turn, turn_std, spread = _line_through_zero(along, across, std)
-        near = np.abs(across - turn * along) <= 4.5 * max(1.0, spread) * std
+    for _ in range(_OUTLIER_PASSES):
+        line = _line_through_zero(along, across, std)
+        near = np.abs(across - line.slope * along) <= _OUTLIER * max(1.0, line.spread) * std
         along, across, std = along[near], across[near], std[near]
+
     reach = float(np.ptp(points.position)) / 2
-    if turn_std * reach > pixel_pitch or abs(turn) < _SIGNIFICANT * turn_std:
-        return 0.0, math.nan
-    return turn, turn_std
+    if line.std * reach > pixel_pitch or abs(line.slope) < _SIGNIFICANT * line.std:
+        return AS_GIVEN
+    return Turn(line.slope, line.std)
 
 
-def _line_through_zero(x: Array, y: Array, std: Array) -> tuple[float, float, float]:
-    """Slope of y over x, its standard deviation, and the scatter in units of `std`."""
+class _Line(NamedTuple):
+    """A line through zero."""
+
+    slope: float
+    std: float
+    """Standard deviation of the slope."""
+    spread: float
+    """Scatter about the line, in units of the stated standard deviation."""
+
+
+def _line_through_zero(x: Array, y: Array, std: Array) -> _Line:
+    """Weighted line of y over x; scatter above the stated one widens the slope's error."""
     information = float(((x / std) ** 2).sum())
     slope = float((x * y / std**2).sum()) / information
     spread = math.sqrt(float((((y - slope * x) / std) ** 2).sum()) / max(x.size - 1, 1))
-    return slope, max(spread, 1.0) / math.sqrt(information), spread
+    return _Line(slope, max(spread, 1.0) / math.sqrt(information), spread)

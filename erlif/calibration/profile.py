@@ -1,4 +1,4 @@
-"""The profile of a fixture as a coordinate measuring machine wrote it."""
+"""The profile of a fixture as a coordinate measuring machine (CMM) wrote it."""
 
 from __future__ import annotations
 
@@ -7,61 +7,151 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note
 
-LEAST_POINTS = 8
-"""Points below which a profile says too little."""
+MINIMUM_POINTS = 8
+"""Fewest points of a profile: beside K, p and q, five degrees of freedom remain."""
 
-_HIGHEST_DEGREES = (40, 16)  # of the polynomial that follows the form of a line and of a surface
-_LINE = 1e-3  # extent across by extent along: below it a scan is a line, whose axes the machine kept to its own error
+_LINE_DEGREE = 40  # highest of the polynomial that follows the form of a line
+_SURFACE_DEGREE = 16  # the same for a surface, in both axes together
+_POINTS_PER_TERM = 3
+_SMALLEST_RESIDUAL = 1e-9  # of chi-square, so that exact data keep a finite logarithm
+_LINE = 1e-3  # extent across by extent along, below which a scan is a line
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Thickness of a fixture as the coordinate measuring machine saw it.
-
-    Attributes
-    ----------
-    position : array, (point,) or (point, 2)
-        Place along the profile, or on the surface. [mm]
-    thickness : array, (point,)
-        [um]
-    uncertainty : array, (point,) or None
-        Standard deviation of each thickness; None where the file gives none. [um]
-    notes : tuple of str
-        What had to be mended.
-    """
+    """Thickness of a fixture by a coordinate measuring machine."""
 
     position: Array
+    """Position along the profile, (point,), or on the surface, (point, 2). [mm]"""
     thickness: Array
+    """Film thickness, (point,). [um]"""
     uncertainty: Array | None
-    notes: tuple[str, ...] = ()
+    """Standard deviation of each thickness, (point,); None where the file states none. [um]"""
+    notes: tuple[Note, ...] = ()
+    """What was corrected when the file was read."""
 
     @cached_property
     def surface_gradient(self) -> Array:
-        """Gradient of a surface along its axes at each point, (point, 2), see `gradient_of_thickness`. [um/mm]"""
+        """Gradient of a surface along its axes at each point, (point, 2). [um/mm]"""
         return gradient_of_thickness(self.position, self.thickness, self.uncertainty)
 
 
 def read_profile(path: Path) -> Profile:
     """Read a CMM profile, ``x_mm,thickness_um[,uncertainty_um]`` or with ``y_mm`` after ``x_mm``.
 
-    Points out of order are sorted and repeated ones averaged, and the notes say so.
+    Points out of order are sorted and repeated ones averaged; the notes report it.
 
-    A scan along x at one y (to a thousandth of its length) is a line: its position is x alone, its y is left out, and as for a file
-    without y_mm the film is taken to be the same across the profile, so that every pixel across it counts.
+    A scan along x at one y (to a thousandth of its length) is a line: its position is x alone and
+    its y is left out. As for a file without y_mm, the film is assumed constant across the
+    profile, so that all pixels across it are used.
+
+    Parameters
+    ----------
+    path : path
+        CSV file.
+
+    Returns
+    -------
+    Profile
+        At least eight points: position [mm], thickness [um], uncertainty [um] where stated.
 
     Raises
     ------
     CalibrationError
-        If the file is missing, its header is another, a value is no number, fewer than eight points are left, or x does not change
-        along the profile.
+        If the file is missing, its header differs, a value is no number, fewer than eight points
+        remain, or x does not change along the profile.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     path = Path(directory) / "wedge.csv"
+    ...     lines = ["x_mm,thickness_um", *(f"{x},{0.5 * x}" for x in range(8))]
+    ...     _ = path.write_text("\\n".join(lines))
+    ...     profile = read_profile(path)
+    >>> profile.thickness[[0, -1]]
+    array([0. , 3.5])
     """
+    table = _read_table(path)
+    header, values, name = table.header, table.values, path.name
+    surface = "y_mm" in header
+    stated = header[-1] == "uncertainty_um"
+    notes: list[Note] = []
+
+    # too short a table is refused below, with the count that remains after averaging
+    if len(values) >= MINIMUM_POINTS:
+        along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
+        if along <= _LINE * across:
+            raise CalibrationError(
+                f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at "
+                "all points. A scan along y is given with y_mm as x_mm, and direction in "
+                "fixture.toml turned by 90 deg."
+            )
+        # a CMM keeps y of a line scan to its own error only
+        if surface and across <= _LINE * along:
+            notes.append(
+                Note(
+                    Level.NOTE,
+                    name,
+                    f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left "
+                    "out and the film assumed constant across the profile",
+                )
+            )
+            values, surface = np.delete(values, 1, axis=1), False
+
+    axes = 2 if surface else 1
+    order = np.lexsort(values[:, :axes].T[::-1])
+    if np.any(order != np.arange(len(order))) and not surface:
+        text = "the points are not in the order of x_mm; they were sorted"
+        notes.append(Note(Level.WARNING, name, text))
+        values = values[order]
+
+    places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
+    if len(places) < len(values):
+        text = (
+            f"{len(values) - len(places)} points repeat a position; repeated points were averaged"
+        )
+        notes.append(Note(Level.WARNING, name, text))
+        count = np.bincount(group)
+        merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
+        if stated:
+            merged[:, -1] /= np.sqrt(count)
+        values = merged
+
+    if len(values) < MINIMUM_POINTS:
+        raise CalibrationError(
+            f"Expected at least {MINIMUM_POINTS} points in {name}; got {len(values)}. Measure the "
+            "profile more closely."
+        )
+    uncertainty = values[:, -1] if stated else None
+    if uncertainty is not None and np.any(uncertainty <= 0):
+        raise CalibrationError(
+            f"Expected positive values of uncertainty_um in {name}; "
+            f"row {int(np.argmax(uncertainty <= 0)) + 2} has none. "
+            "Leave the column out if the uncertainty is not known."
+        )
+    position = values[:, :2] if surface else values[:, 0]
+    return Profile(position, values[:, axes], uncertainty, tuple(notes))
+
+
+class _Table(NamedTuple):
+    header: list[str]
+    values: Array
+    """(row, column)"""
+
+
+def _read_table(path: Path) -> _Table:
+    """Numbers of the CSV file under one of the four headers."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             table = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
@@ -69,14 +159,16 @@ def read_profile(path: Path) -> Profile:
         raise CalibrationError(
             f"Expected the profile {path.name} as a CSV file; it cannot be read: {error}."
         ) from error
+
     header = [cell.strip() for cell in table[0]] if table else []
-    surface = "y_mm" in header
-    required = ["x_mm", "y_mm", "thickness_um"] if surface else ["x_mm", "thickness_um"]
+    required = ["x_mm", "y_mm", "thickness_um"] if "y_mm" in header else ["x_mm", "thickness_um"]
     if header not in (required, [*required, "uncertainty_um"]):
         raise CalibrationError(
-            f"Expected the header x_mm,thickness_um[,uncertainty_um] or x_mm,y_mm,thickness_um[,uncertainty_um] in {path.name}; "
+            "Expected the header x_mm,thickness_um[,uncertainty_um] or "
+            f"x_mm,y_mm,thickness_um[,uncertainty_um] in {path.name}; "
             f"got {','.join(header) or 'nothing'}."
         )
+
     values = np.empty((len(table) - 1, len(header)))
     for n, row in enumerate(table[1:]):
         for m, name in enumerate(header):
@@ -85,103 +177,106 @@ def read_profile(path: Path) -> Profile:
             except (ValueError, IndexError):
                 values[n, m] = math.nan
             if not math.isfinite(values[n, m]):
+                got = repr(row[m]) if m < len(row) else "nothing"
                 raise CalibrationError(
-                    f"Expected a number in row {n + 2}, column {name} of {path.name}; got {row[m] if m < len(row) else 'nothing'!r}."
+                    f"Expected a number in row {n + 2}, column {name} of {path.name}; got {got}."
                 )
-    notes: list[str] = []
-    if len(values) >= LEAST_POINTS:  # fewer are refused below
-        along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
-        if along <= _LINE * across:
-            raise CalibrationError(
-                f"Expected x_mm to change along the profile in {path.name}; it is {values[0, 0]:g} at all points. A scan along y is given "
-                "with y_mm as x_mm, and direction in fixture.toml turned by 90 deg."
-            )
-        if surface and across <= _LINE * along:
-            notes.append(
-                f"{path.name}: a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out, and the film taken to be the "
-                "same across the profile"
-            )
-            values, surface = np.delete(values, 1, axis=1), False
-    axes = 2 if surface else 1
-    order = np.lexsort(values[:, :axes].T[::-1])
-    if np.any(order != np.arange(len(order))) and not surface:
-        notes.append(f"{path.name}: the points are not in the order of x_mm; they were sorted")
-        values = values[order]
-    places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
-    if len(places) < len(values):
-        notes.append(
-            f"{path.name}: {len(values) - len(places)} points repeat a place; repeated ones were averaged"
-        )
-        count = np.bincount(group)
-        merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
-        if header[-1] == "uncertainty_um":
-            merged[:, -1] /= np.sqrt(count)
-        values = merged
-    if len(values) < LEAST_POINTS:
-        raise CalibrationError(
-            f"Expected at least {LEAST_POINTS} points in {path.name}; got {len(values)}. Measure the profile more closely."
-        )
-    uncertainty = values[:, -1] if header[-1] == "uncertainty_um" else None
-    if uncertainty is not None and np.any(uncertainty <= 0):
-        raise CalibrationError(
-            f"Expected positive values of uncertainty_um in {path.name}; row {int(np.argmax(uncertainty <= 0)) + 2} has none. "
-            "Leave the column out if the uncertainty is not known."
-        )
-    position = values[:, :2] if surface else values[:, 0]
-    return Profile(position, values[:, axes], uncertainty, tuple(notes))
+    return _Table(header, values)
 
 
 def gradient_of_thickness(position: Array, thickness: Array, uncertainty: Array | None) -> Array:
-    """Gradient of the thickness along the axes of the profile at each point, the noise smoothed away. [um/mm]
+    """Gradient of the thickness along the axes of the profile at each point, noise smoothed away.
 
-    It is that of the polynomial whose degree the Bayesian information criterion (Schwarz 1978) prefers. A straight wedge is found to be one:
-    no form is made of the noise, from which a pose could seem to be told.
+    It is that of the polynomial whose degree the Bayesian information criterion (Schwarz 1978)
+    prefers. A straight wedge gives a straight line: noise of the CMM does not become form, which
+    could be mistaken for a change of pose.
+
+    Parameters
+    ----------
+    position : array, (point, axis)
+        Position on the profile. [mm]
+    thickness : array, (point,)
+        Film thickness. [um]
+    uncertainty : array, (point,), or None
+        Standard deviation of each thickness; equal weights where it is not known. [um]
+
+    Returns
+    -------
+    array, (point, axis)
+        Gradient. [um/mm]
 
     Raises
     ------
     CalibrationError
         If the profile has no extent along an axis.
+
+    Examples
+    --------
+    The slope of a parabola:
+
+    >>> x = np.linspace(0, 4, 21)
+    >>> slope = gradient_of_thickness(x[:, None], x**2, None)
+    >>> bool(np.allclose(slope[:, 0], 2 * x))
+    True
     """
     middle, reach = (position.max(axis=0) + position.min(axis=0)) / 2, np.ptp(position, axis=0) / 2
     if not reach.all():
         raise CalibrationError(
-            "Expected a profile with extent along each of its axes; all points lie at one place of an axis. Give a line by its places "
-            "along it alone."
+            "Expected a profile with extent along each of its axes; all points lie at one position "
+            "of an axis. Give a line by its positions along it alone."
         )
     scaled = (position - middle) / reach
     known = uncertainty is not None and bool(np.isfinite(uncertainty).all())
     weight = 1 / uncertainty if uncertainty is not None and known else np.ones(thickness.size)
-    if position.shape[1] == 1:
-        powers: list[tuple[int, ...]] = [(n,) for n in range(_HIGHEST_DEGREES[0] + 1)]
-        terms = np.arange(2, len(powers) + 1)
-    else:
-        powers = [
-            (n, total - n) for total in range(_HIGHEST_DEGREES[1] + 1) for n in range(total + 1)
-        ]
-        terms = np.array(
-            [(degree + 1) * (degree + 2) // 2 for degree in range(1, _HIGHEST_DEGREES[1] + 1)]
-        )
-    terms = terms[terms <= max(thickness.size // 3, terms[0])]
-    powers = powers[: int(terms[-1])]
+
+    # products of Legendre polynomials, ordered by total degree
+    series = _list_terms(position.shape[1], thickness.size)
+    powers, terms = series.powers, series.counts
     functions = [legendre.legvander(axis, max(max(power) for power in powers)) for axis in scaled.T]
     design = np.ones((thickness.size, len(powers)))
     for axis, values in enumerate(functions):
         design *= values[:, [power[axis] for power in powers]]
-    # orthogonal directions, lower degrees first: what each explains does not depend on those above it
+
+    # Orthogonal directions, lower degrees first: the share that each explains does not depend on
+    # those above it, so one decomposition serves all degrees.
     directions = np.linalg.qr(design * weight[:, None])[0]
     left = float(((thickness * weight) ** 2).sum()) - np.cumsum(
         (directions.T @ (thickness * weight)) ** 2
     )
-    criterion = thickness.size * np.log(np.maximum(left[terms - 1], 1e-9)) + terms * math.log(
-        thickness.size
-    )
+    criterion = thickness.size * np.log(
+        np.maximum(left[terms - 1], _SMALLEST_RESIDUAL)
+    ) + terms * math.log(thickness.size)
     used = int(terms[np.argmin(criterion)])
+
     found = np.linalg.lstsq(design[:, :used] * weight[:, None], thickness * weight, rcond=None)[0]
-    series = np.zeros([values.shape[1] for values in functions])
-    series[tuple(np.transpose(powers[:used]))] = found
+    coefficients = np.zeros([values.shape[1] for values in functions])
+    coefficients[tuple(np.transpose(powers[:used]))] = found
     if position.shape[1] == 1:
-        slopes = [legendre.legval(scaled[:, 0], legendre.legder(series))]
+        slopes = [legendre.legval(scaled[:, 0], legendre.legder(coefficients))]
     else:
         u, v = scaled.T
-        slopes = [legendre.legval2d(u, v, legendre.legder(series, axis=axis)) for axis in (0, 1)]
+        slopes = [
+            legendre.legval2d(u, v, legendre.legder(coefficients, axis=axis)) for axis in (0, 1)
+        ]
     return np.asarray(np.stack(slopes, axis=1) / reach)
+
+
+class _Terms(NamedTuple):
+    powers: list[tuple[int, ...]]
+    """Degree in each axis, term by term."""
+    counts: npt.NDArray[np.int_]
+    """Number of terms up to each total degree from 1 on."""
+
+
+def _list_terms(axes: int, points: int) -> _Terms:
+    """Terms of a polynomial in one or two axes, as many as the points can support."""
+    if axes == 1:
+        powers: list[tuple[int, ...]] = [(n,) for n in range(_LINE_DEGREE + 1)]
+        counts = np.arange(2, len(powers) + 1)
+    else:
+        powers = [(n, total - n) for total in range(_SURFACE_DEGREE + 1) for n in range(total + 1)]
+        counts = np.array(
+            [(degree + 1) * (degree + 2) // 2 for degree in range(1, _SURFACE_DEGREE + 1)]
+        )
+    counts = counts[counts <= max(points // _POINTS_PER_TERM, counts[0])]
+    return _Terms(powers[: int(counts[-1])], counts)

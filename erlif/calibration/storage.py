@@ -1,4 +1,4 @@
-"""calibration.nc, written and read."""
+"""calibration.nc, written and read; and the calibration as film.nc records it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,38 @@ from erlif.registration.camera_map import describe_map
 def save_calibration(
     calibration: Calibration, output: str | Path, *, overwrite: bool = False
 ) -> Path:
-    """Write ``calibration.nc``, whole or not at all; raises OutputError if it exists and `overwrite` is not set."""
+    """Write ``calibration.nc``, whole or not at all.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        Result of `fit_calibration`.
+    output : path
+        File to write.
+    overwrite : bool
+        Replace an existing file.
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If the file exists and `overwrite` is not set, or cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
+    ... )
+    >>> with TemporaryDirectory() as directory:
+    ...     path = save_calibration(calibration, Path(directory) / "calibration.nc")
+    ...     open_calibration(path).parameters
+    array([0.65, 0.4 , 0.25])
+    """
     output = Path(output)
     refuse_existing(output, overwrite=overwrite)
     dataset = calibration.to_dataset().assign_attrs(
@@ -42,19 +73,45 @@ def save_calibration(
 
 
 def open_calibration(path: str | Path) -> Calibration:
-    """Read ``calibration.nc``; raises CalibrationError if it is none."""
+    """Read ``calibration.nc``.
+
+    Parameters
+    ----------
+    path : path
+        File that `save_calibration` wrote, in this version of erlif or an earlier one.
+
+    Returns
+    -------
+    Calibration
+
+    Raises
+    ------
+    CalibrationError
+        If the file is missing, damaged or no calibration.
+
+    Examples
+    --------
+    >>> open_calibration("missing.nc")
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.CalibrationError: Expected a calibration file; missing.nc does not exist. \
+Make one with: erlif calibrate FIXTURE_DIR
+    """
     path = Path(path)
     if path.is_dir():
         raise CalibrationError(
-            f"Expected a calibration file; {path} is a directory. Name its file: {path / 'calibration.nc'}"
+            f"Expected a calibration file; {path} is a directory. Name its file: "
+            f"{path / 'calibration.nc'}"
         )
     if not path.is_file():
         raise CalibrationError(
-            f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate FIXTURE_DIR"
+            f"Expected a calibration file; {path} does not exist. Make one with: erlif calibrate "
+            "FIXTURE_DIR"
         )
+
     try:
         with warnings.catch_warnings():
-            # the file format allows covariance (parameter, parameter), which xarray reads with a warning
+            # the file format allows covariance (parameter, parameter), about which xarray warns
             warnings.filterwarnings("ignore", "Duplicate dimension names", UserWarning)
             with open_netcdf(path) as dataset:
                 calibration = Calibration.from_dataset(dataset.load())
@@ -64,15 +121,34 @@ def open_calibration(path: str | Path) -> Calibration:
             return replace(calibration, camera_map=CameraMap.from_dataset(dataset.load()))
     except ErlifError:
         raise
-    except Exception as error:  # HDF5 raises whatever the damaged bytes lead it to
+    except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         raise CalibrationError(
-            f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something else ({error}). Make one with: erlif "
-            "calibrate FIXTURE_DIR"
+            f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something "
+            f"else ({error}). Make one with: erlif calibrate FIXTURE_DIR"
         ) from error
 
 
 def record_calibration(calibration: Calibration) -> str:
-    """All of a calibration that decides a film, as JSON."""
+    """The part of a calibration that determines a film, as JSON.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        Calibration used for a run.
+
+    Returns
+    -------
+    str
+        Parameters, covariance, ranges [um], departure and input hashes; `calibration_of` reads it.
+
+    Examples
+    --------
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
+    ... )
+    >>> json.loads(record_calibration(calibration))["thickness_range"]
+    [0.1, 12.0]
+    """
     K, p, q = calibration.parameters
     kept = {
         "fixture": calibration.fixture,
@@ -85,32 +161,62 @@ def record_calibration(calibration: Calibration) -> str:
         "covered_range": list(calibration.covered_range),
         "input_hashes": calibration.input_hashes,
     }
-    if calibration.departure is not None:
+    departure = calibration.departure
+    if departure is not None:
         kept["departure"] = {
-            name: values.tolist() for name, values in vars(calibration.departure).items()
+            "knots": departure.knots.tolist(),
+            "coefficients": departure.coefficients.tolist(),
+            "covariance": departure.covariance.tolist(),
         }
     return json.dumps(kept, sort_keys=True)
 
 
 def calibration_of(film: xr.Dataset) -> Calibration:
-    """The calibration that a film was made with. Its curve is empty: a film keeps the parameters, not what was fitted.
+    """The calibration that a film was made with.
+
+    Its curve holds the covered range alone: a film stores the parameters, not the fitted points.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        film.nc, opened.
+
+    Returns
+    -------
+    Calibration
 
     Raises
     ------
     OutputError
         If the film does not hold it.
+
+    Examples
+    --------
+    >>> calibration_of(xr.Dataset())
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.OutputError: Expected the calibration among the attributes of the film, as \
+erlif process writes it; there is none.
     """
     if "calibration" not in film.attrs:
         raise OutputError(
-            "Expected the calibration among the attributes of the film, as erlif process writes it; there is none."
+            "Expected the calibration among the attributes of the film, as erlif process writes "
+            "it; there is none."
         )
     kept = json.loads(str(film.attrs["calibration"]))
     settings = settings_of(film)
+
+    # films written by earlier versions lack the covered range, the hashes and the departure
     low, high = kept["thickness_range"]
     covered = kept.get("covered_range", [low, high])
-    departure = {
-        name: np.asarray(values, float) for name, values in kept.get("departure", {}).items()
-    }
+    departure = None
+    if "departure" in kept:
+        departure = Departure(
+            knots=np.asarray(kept["departure"]["knots"], float),
+            coefficients=np.asarray(kept["departure"]["coefficients"], float),
+            covariance=np.asarray(kept["departure"]["covariance"], float),
+        )
+
     return Calibration(
         ratio_at_zero=float(kept["ratio_at_zero"]),
         attenuation_camera1=float(kept["attenuation_camera1"]),
@@ -123,5 +229,5 @@ def calibration_of(film: xr.Dataset) -> Calibration:
         fixture=str(kept["fixture"]),
         input_hashes=dict(kept.get("input_hashes", {})),
         date=str(kept.get("date", "")),
-        departure=Departure(**departure) if departure else None,
+        departure=departure,
     )

@@ -163,8 +163,8 @@ def _check_profile(recording: Recording) -> Iterator[Note]:
     settings = recording.settings
     assert isinstance(settings, FixtureSettings)
     profile = read_profile(recording.directory / settings.fixture.profile)
-    for text in profile.notes:
-        yield Note(Level.WARNING, "profile", str(text))
+    for note in profile.notes:
+        yield Note(Level.WARNING, "profile", str(note))
 
     low, high = profile.thickness.min(), profile.thickness.max()
     text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"

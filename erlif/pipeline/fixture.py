@@ -16,6 +16,7 @@ from erlif.calibration import (
     save_calibration,
 )
 from erlif.core.errors import CalibrationError, OutputError
+from erlif.core.notes import Level, Note
 from erlif.core.progress import Progress, silent
 from erlif.correction import measure_references
 from erlif.ingest import Recording, hash_inputs, open_fixture, skipped_notes
@@ -77,11 +78,19 @@ def calibrate(
         calibration,
         input_hashes=hash_inputs(recording),
         date=_date_of(recording),
+        profile_file=os.path.relpath(
+            recording.directory / settings.fixture.profile, recording.directory
+        ),
         notes=(
             *calibration.notes,
-            *reference_notes(chain.references),
-            *record.notes(recording),
-            *skipped_notes(recording),
+            *(
+                Note(Level.NOTE, "", text)
+                for text in (
+                    *reference_notes(chain.references),
+                    *record.notes(recording),
+                    *skipped_notes(recording),
+                )
+            ),
         ),
         camera_map=move_map(chain.camera_map, record.mean_drift()),
     )

@@ -1,30 +1,21 @@
-"""Drift between two calibrations: found where K, p or q changed, and by chance as seldom as is claimed."""
+"""Drift between two calibrations: found where K, p or q changed, by chance as rarely as stated."""
 
 from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import (
-    PITCH,
-    SHAPE,
-    K,
-    Q,
-    calibrate,
-    calibrate_wedge,
-    image,
-    log_ratio,
-    wedge_profile,
-)
-from scipy.stats import binom
+import xarray as xr
+from scenes.fixture import K, Q, calibrate_wedge, log_ratio, wedge_profile
+from scipy.stats import binom, norm
 
 import erlif
-from erlif.calibration import Profile, compare_calibrations
+from erlif.calibration import Calibration, compare_calibrations
 from erlif.core.errors import CalibrationError
 
 
 def pair(rng, *, shared, **later):
-    """One fixture photographed twice, with the CMM's readings of then or new ones."""
+    """One fixture photographed twice, with the same CMM readings or new ones."""
     profile = wedge_profile(rng)
     earlier = calibrate_wedge(rng, profile=profile)
     return calibrate_wedge(rng, profile=profile if shared else None, **later), earlier
@@ -32,8 +23,11 @@ def pair(rng, *, shared, **later):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shared", [False, True])
-def test_false_alarms_are_as_seldom_as_claimed(shared):
-    """A hundred fixtures photographed twice: one in a hundred is called significant, half have a probability below a half."""
+def test_false_alarms_are_as_rare_as_stated(shared):
+    """Of a hundred fixtures photographed twice, one is significant by chance.
+
+    Half of them have a probability below a half.
+    """
     rng = np.random.default_rng(1)
     found = [compare_calibrations(*pair(rng, shared=shared)) for _ in range(100)]
     assert sum(each.significant for each in found) <= binom.ppf(0.999, 100, 0.01)
@@ -46,7 +40,7 @@ def test_false_alarms_are_as_seldom_as_claimed(shared):
 
 @pytest.mark.parametrize("shared", [False, True])
 @pytest.mark.parametrize(("later", "bends"), [({"k": 1.01 * K}, False), ({"q": 1.03 * Q}, True)])
-def test_changed_parameters_are_found_and_told_apart(shared, later, bends):
+def test_changed_parameters_are_found_and_distinguished(shared, later, bends):
     rng = np.random.default_rng(2)
     for _ in range(5):
         found = compare_calibrations(*pair(rng, shared=shared, **later))
@@ -57,7 +51,7 @@ def test_changed_parameters_are_found_and_told_apart(shared, later, bends):
         true = log_ratio(found.thickness, **later) - log_ratio(found.thickness)
         assert np.all(np.abs(found.difference - true) < 5 * found.difference_std)
         middle = np.searchsorted(found.thickness, 5.0)
-        # the same ratio read twice: by then's curve 5 um, by now's the film that has this ratio
+        # the same ratio gives 5 um by the earlier curve and another film by the later one
         film = found.thickness[middle]
         grid = np.linspace(2, 9, 20001)
         now = np.interp(log_ratio(film), log_ratio(grid, **later), grid)
@@ -67,7 +61,10 @@ def test_changed_parameters_are_found_and_told_apart(shared, later, bends):
 
 
 def test_the_same_cmm_readings_make_the_check_sharper():
-    """The photographs' noise is a tenth of what the CMM's leaves, so a change of K by 0.05 % is seen at all only with shared readings."""
+    """The noise of the photographs is a tenth of the CMM's share of the error.
+
+    A change of K by 0.05 % is found only with shared readings.
+    """
     rng = np.random.default_rng(3)
     apart, together = (compare_calibrations(*pair(rng, shared=shared)) for shared in (False, True))
     assert together.same_profile
@@ -109,7 +106,7 @@ def test_calibrations_without_a_film_in_common_are_refused():
         compare_calibrations(replace(calibration, bands=(560.0, 610.0)), calibration)
 
 
-def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_replaced(
+def test_calibrate_reports_drift_from_the_named_and_from_the_replaced_calibration(
     lab, command, tmp_path
 ):
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
@@ -121,9 +118,9 @@ def test_calibrate_says_whether_it_drifted_from_the_one_named_and_from_the_one_r
         ),
         tmp_path / "other.nc",
     )
-    said = command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout
+    output = command("calibrate", lab.fixture, "--overwrite", "--against", other).stdout
     against, replaced = (
-        next(line for line in said.splitlines() if line.startswith(start))
+        next(line for line in output.splitlines() if line.startswith(start))
         for start in ("against " + str(other), "against the one replaced")
     )
     assert ": drifted from virtual wedge" in against
@@ -139,7 +136,7 @@ def test_a_calibration_to_compare_with_must_be_one(lab, refused):
 def test_a_calibration_of_other_bands_is_refused_before_the_work(
     lab, refused, monkeypatch, tmp_path
 ):
-    """Not only at the end of it, with everything thrown away."""
+    """The refusal comes before the fixture is calibrated, not after."""
     stored = erlif.open_calibration(lab.fixture / "calibration.nc")
     other = erlif.save_calibration(replace(stored, bands=(560.0, 650.0)), tmp_path / "other.nc")
     monkeypatch.setattr(
@@ -157,16 +154,16 @@ def test_a_comparison_that_cannot_be_made_leaves_the_calibration_written(lab, co
         replace(stored, thickness_range=(90.0, 120.0)), tmp_path / "other.nc"
     )
     written = tmp_path / "new.nc"
-    said = command("calibrate", lab.fixture, "-o", written, "--against", other).stdout
-    (line,) = (line for line in said.splitlines() if line.startswith(f"against {other}"))
+    output = command("calibrate", lab.fixture, "-o", written, "--against", other).stdout
+    (line,) = (line for line in output.splitlines() if line.startswith(f"against {other}"))
     assert "not compared" in line
     assert "share a range of films" in line
-    assert f"written: {written}" in said
+    assert f"written: {written}" in output
     npt.assert_array_equal(erlif.open_calibration(written).parameters, stored.parameters)
 
 
 def with_hash(calibration, digest, *, places=True):
-    """As the file of a fixture directory keeps it; `places` are missing in those written before they were recorded."""
+    """As the file of a fixture directory stores it; earlier versions lack the `places`."""
     curve = calibration.curve if places else calibration.curve.drop_vars("curve_x")
     return replace(
         calibration,
@@ -175,7 +172,7 @@ def with_hash(calibration, digest, *, places=True):
     )
 
 
-def test_readings_are_not_said_to_differ_where_that_is_not_known():
+def test_readings_count_as_different_only_where_that_is_recorded():
     calibration, earlier = pair(np.random.default_rng(7), shared=True)
     found = compare_calibrations(
         calibration, replace(earlier, curve=earlier.curve.drop_vars("curve_x"))
@@ -190,8 +187,8 @@ def test_readings_are_not_said_to_differ_where_that_is_not_known():
     assert "the CMM readings differ" in found.verdict
     found = compare_calibrations(with_hash(calibration, "a"), with_hash(earlier, "a", places=False))
     assert (
-        "both rest on the same CMM readings, but not on the same points of them; they were taken as independent"
-        in found.verdict
+        "both rest on the same CMM readings, but not on the same points of them; "
+        "they were taken as independent" in found.verdict
     )
     apart = compare_calibrations(*pair(np.random.default_rng(7), shared=False))
     npt.assert_allclose(found.difference_std, apart.difference_std, rtol=0.5)
@@ -209,16 +206,39 @@ def test_readings_are_recognised_through_a_hash_and_to_rounding():
         assert "both rest on the same CMM readings, whose error cancels" in found.verdict
 
 
-def test_a_dense_profile_is_thinned_alike_wherever_each_photograph_was_laid():
-    """Two photographs of a wavy ramp, laid on its profile anew: their pitches come out differently, the readings are the same."""
-    rng = np.random.default_rng(9)
+def test_readings_are_recognised_by_the_recorded_profile():
+    """The name of the profile decides, whatever its suffix and whatever other tables exist."""
+    calibration, earlier = pair(np.random.default_rng(9), shared=True)
+    earlier = replace(earlier, curve=earlier.curve.drop_vars("curve_x"))
+    hashes = {"fixture.toml": "f", "gap.dat": "g", "flat.txt": "t"}
+    recorded = [
+        replace(each, input_hashes=hashes, profile_file="gap.dat")
+        for each in (calibration, earlier)
+    ]
+    assert compare_calibrations(*recorded).same_profile is True
+    other = replace(recorded[1], input_hashes={**hashes, "gap.dat": "h"})
+    assert compare_calibrations(recorded[0], other).same_profile is False
+    # a calibration by an earlier version has no name: its tables by suffix are compared
+    unnamed = replace(recorded[1], input_hashes={"gap.csv": "g"}, profile_file="")
+    assert compare_calibrations(recorded[0], unnamed).same_profile is True
+    missing = replace(recorded[1], profile_file="lost.csv")
+    assert compare_calibrations(recorded[0], missing).same_profile is None
 
-    def wave(x):
-        return 9 + 0.4 * (x - 9) + 2.5 * np.sin(x)
 
-    x = np.arange(0, SHAPE[1] * PITCH, 0.02)
-    profile = Profile(x, wave(x) + rng.normal(0, 0.05, x.size), np.full(x.size, 0.05))
-    ratio = log_ratio(wave(PITCH * np.arange(SHAPE[1])))
-    one, other = (calibrate(image(rng, ratio, noise=0.01), profile, align=True) for _ in range(2))
-    assert one.pose.pose.pixel_pitch != other.pose.pose.pixel_pitch
-    assert compare_calibrations(one, other).same_profile
+def test_difference_of_known_curves_has_the_probability_of_chi_square():
+    """Only K is uncertain: a change of ln K by z sqrt(2) s has the two-sided probability of z."""
+    std = 0.01
+    earlier = Calibration(
+        K, 0.40, Q, np.diag([(K * std) ** 2, 0, 0]), (0.5, 10.0), (580.0, 610.0),
+        xr.Dataset(), 1.0, "wedge",
+    )  # fmt: skip
+    for z in (0.5, 1.0, 2.5, 4.0):
+        later = replace(
+            earlier,
+            ratio_at_zero=K * np.exp(z * np.sqrt(2) * std),
+            covariance=earlier.covariance * np.exp(z * np.sqrt(2) * std) ** 2,
+        )
+        found = compare_calibrations(later, earlier)
+        npt.assert_allclose(found.probability, 2 * norm.sf(z), rtol=1e-6)
+        npt.assert_allclose(found.difference_std, np.sqrt(2) * std, rtol=1e-9)
+        assert not found.bends

@@ -1,35 +1,39 @@
-"""What departs from the reabsorption model: found where it is there, and only there."""
+"""Departure from the reabsorption model: found where there is one, and only there."""
+
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes import film as film_scene
 from scenes.fixture import (
     FILMS,
     WEDGE,
     assert_covers,
     calibrate,
     calibrate_wedge,
+    has_note,
     image,
     log_ratio,
     wedge_profile,
 )
 
-from erlif.calibration import Calibration, Profile, open_calibration, save_calibration
-from erlif.calibration.storage import calibration_of, record_calibration
-from erlif.files import open_film
+from erlif.calibration import Profile
+from erlif.calibration.departure import Correlation, Departure, find_correlation
 from erlif.plots import ratio_residuals
 from erlif.report import describe_calibration
 from erlif.rig import dyes
 
 BACKGROUND = 0.01
-"""Light that no dye absorbs, added to camera 2: the ratio's logarithm departs from the model by up to 0.3 %."""
+"""Light that no dye absorbs, added to camera 2: the ratio departs from the model by up to 0.3 %."""
 GRID = np.linspace(0.3, 12, 300)
 
 
 def through_broad_filters(thickness, width):
-    """Logarithm of the ratio of the rig's invented dyes behind Gaussian filters of a full width at half maximum, by quadrature."""
+    """Logarithm of the ratio of the rig's invented dyes by quadrature over the wavelength.
+
+    The filters are Gaussian, of full width at half maximum `width`. [nm]
+    """
     light = []
     for band in dyes.BANDS:
         wavelength = np.arange(band - 60, band + 60.1, 0.1)
@@ -49,22 +53,12 @@ def departing():
 
 
 def largest_error(calibration, true):
-    """Of the ratio over 0.3 to 12 um. [%]"""
+    """Largest error of the ratio from 0.3 to 12 um. [%]"""
     return 100 * np.abs(calibration.predict_log(GRID) - true).max()
 
 
 def model_alone(calibration):
-    return Calibration.from_dataset(
-        calibration.to_dataset()
-        .drop_vars(
-            [
-                name
-                for name in calibration.to_dataset().variables
-                if str(name).startswith("departure")
-            ]
-        )
-        .assign_attrs(calibration.attributes)
-    )
+    return replace(calibration, departure=None)
 
 
 def test_background_light_is_followed_to_a_twentieth_of_a_per_cent(departing):
@@ -72,7 +66,7 @@ def test_background_light_is_followed_to_a_twentieth_of_a_per_cent(departing):
     assert departing.departure is not None
     assert largest_error(model_alone(departing), true) > 0.2
     assert largest_error(departing, true) < 0.05
-    assert any("departs from the reabsorption model by" in note for note in departing.notes)
+    assert has_note(departing, "departs from the reabsorption model by")
 
 
 @pytest.mark.parametrize("width", [30, 50])
@@ -86,7 +80,7 @@ def test_broad_filters_are_followed_to_a_twentieth_of_a_per_cent(width):
 
 
 def test_filters_of_the_rig_need_no_departure():
-    """10 nm wide, they leave less than 0.05 % once K, p and q are fitted, so model and data agree."""
+    """They are 10 nm wide; once K, p and q are fitted, the ratio departs by less than 0.05 %."""
     rng = np.random.default_rng(3)
     one, two = (dyes.tabulate_signal(band) for band in dyes.BANDS)
     calibration = calibrate(
@@ -96,13 +90,14 @@ def test_filters_of_the_rig_need_no_departure():
     assert largest_error(calibration, np.log(two(GRID) / one(GRID))) < 0.05
 
 
-def test_noise_alone_never_calls_for_a_departure_or_speaks_of_structure():
-    """In sixty fixtures; the criterion's chance is below 1e-3 in each."""
+def test_noise_alone_gives_neither_departure_nor_structure():
+    """Sixty fixtures; the probability is below 1e-3 in each."""
     rng = np.random.default_rng(4)
     for _ in range(60):
         calibration = calibrate_wedge(rng)
         assert calibration.departure is None
-        assert not any("structure" in note or "err alike" in note for note in calibration.notes)
+        assert not has_note(calibration, "structure")
+        assert not has_note(calibration, "are correlated")
 
 
 def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
@@ -124,23 +119,7 @@ def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
     )
 
 
-def test_departure_survives_the_file_and_older_files_open(departing, tmp_path):
-    path = save_calibration(departing, tmp_path / "calibration.nc")
-    back = open_calibration(path)
-    npt.assert_array_equal(back.predict_log(GRID), departing.predict_log(GRID))
-    npt.assert_array_equal(back.full_covariance, departing.full_covariance)
-    assert model_alone(departing).departure is None
-
-
-def test_pose_survives_the_file(tmp_path):
-    rng = np.random.default_rng(5)
-    calibration = calibrate(image(rng, log_ratio(WEDGE)), wedge_profile(rng), align=True)
-    back = open_calibration(save_calibration(calibration, tmp_path / "calibration.nc"))
-    assert back.pose.pose == calibration.pose.pose
-    npt.assert_array_equal(back.pose.covariance, calibration.pose.covariance)
-
-
-def test_departure_is_said_and_drawn(departing):
+def test_departure_is_described_and_drawn(departing):
     assert "followed by a spline" in describe_calibration(departing)
     artists = ratio_residuals(departing)
     dashed = next(
@@ -153,30 +132,26 @@ def test_departure_is_said_and_drawn(departing):
     assert abs(drawn - expected) < 0.05
 
 
-def test_smaller_departure_is_said_but_not_used():
-    """Background light at which the criterion does not insist, but chance would seldom leave such residuals."""
+def test_smaller_departure_is_reported_but_not_used():
+    """Background light at which the criterion prefers the model, although the residuals show it."""
     rng = np.random.default_rng(6)
-    said = [calibrate_wedge(rng, noise=0.15, background=0.003) for _ in range(15)]
+    found = [calibrate_wedge(rng, noise=0.15, background=0.003) for _ in range(15)]
     assert any(
-        calibration.departure is None
-        and any("residuals have structure" in note for note in calibration.notes)
-        for calibration in said
+        calibration.departure is None and has_note(calibration, "residuals have structure")
+        for calibration in found
     )
 
 
 def test_falling_ratio_is_never_the_curve():
-    """A ratio that falls between 14 and 17 um: whatever is used rises over all the fixture covers, and the notes say so."""
+    """The true ratio falls between 14 and 17 um: the curve rises there, and a note reports it."""
     rng = np.random.default_rng(7)
     ratios = image(rng, log_ratio(WEDGE) + 0.01 * np.sin(WEDGE / 2))
     calibration = calibrate(ratios, wedge_profile(rng, noise=0.02))
     assert np.all(calibration.slope(np.linspace(0, 18, 1000)) > 0)
-    assert any(
-        "the ratio would fall" in note or "lets the ratio fall" in note
-        for note in calibration.notes
-    )
+    assert has_note(calibration, "the ratio would fall")
 
 
-def test_correlated_errors_of_the_profile_are_said_and_widen_the_error_bars():
+def test_correlated_errors_of_the_profile_are_reported_and_widen_the_error_bars():
     rng = np.random.default_rng(8)
     straight = wedge_profile(rng, noise=0.1)
     wavy = Profile(
@@ -186,7 +161,7 @@ def test_correlated_errors_of_the_profile_are_said_and_widen_the_error_bars():
     )
     ratios = image(rng, log_ratio(WEDGE))
     before, after = (calibrate(ratios, profile) for profile in (straight, wavy))
-    assert any("neighbouring points along the profile err alike" in note for note in after.notes)
+    assert has_note(after, "errors of neighbouring points along the profile are correlated")
     scatter = np.sqrt(after.reduced_chi_square)
     assert np.all(after.standard_deviations > 1.15 * scatter * before.standard_deviations)
 
@@ -201,7 +176,7 @@ def test_curve_holds_residuals_of_the_whole_curve(departing):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.02, 0.08])
-def test_films_read_with_a_departure_cover(noise):
+def test_films_measured_with_a_departure_cover(noise):
     rng = np.random.default_rng(9)
     read = log_ratio(FILMS, background=BACKGROUND)
     pulls = []
@@ -212,12 +187,76 @@ def test_films_read_with_a_departure_cover(noise):
     assert_covers(pulls)
 
 
-def test_film_keeps_the_whole_curve_it_was_read_with(departing, tmp_path):
-    """The figures of a film use its calibration again: departure and covered range must come back from its attributes."""
-    with open_film(film_scene.make_film(tmp_path)) as film:
-        film.attrs["calibration"] = record_calibration(departing)
-        again = calibration_of(film)
-    films = np.linspace(*departing.thickness_range, 50)
-    npt.assert_array_equal(again.predict_log(films), departing.predict_log(films))
-    npt.assert_allclose(again.thickness_std(films), departing.thickness_std(films), rtol=1e-12)
-    assert again.covered_range == departing.covered_range
+# the spline
+
+
+def test_spline_reproduces_a_cubic_and_is_constant_beyond_its_ends():
+    """The B-splines span all cubics; outside the knots the value of the end continues."""
+    knots = np.array([1.0] * 4 + [3.0, 5.0] + [9.0] * 4)
+    film = np.linspace(1, 9, 100)
+    blank = Departure(knots, np.zeros(6), np.eye(6))
+    cubic = np.polynomial.Polynomial([0.2, -0.1, 0.03, -0.002])
+    coefficients = np.linalg.lstsq(blank.basis(film).T, cubic(film), rcond=None)[0]
+    spline = replace(blank, coefficients=coefficients)
+    npt.assert_allclose(spline.predict(film), cubic(film), atol=1e-12)
+    npt.assert_allclose(spline.slope(film), cubic.deriv()(film), atol=1e-11)
+    npt.assert_allclose(spline.predict([0.0, 20.0]), cubic(np.array([1.0, 9.0])), atol=1e-12)
+    npt.assert_array_equal(spline.slope([0.0, 20.0]), 0)
+    npt.assert_allclose(spline.basis(film).sum(axis=0), 1, rtol=1e-12)
+
+
+def test_spline_survives_a_dataset_and_its_absence_too(departing):
+    dataset = xr.Dataset()
+    assert Departure.from_dataset(dataset) is None
+    departing.departure.describe(dataset)
+    back = Departure.from_dataset(dataset)
+    npt.assert_array_equal(back.knots, departing.departure.knots)
+    npt.assert_array_equal(back.coefficients, departing.departure.coefficients)
+    npt.assert_array_equal(back.covariance, departing.departure.covariance)
+
+
+# correlation of neighbours
+
+
+def autoregression(rng, r, count):
+    values = [rng.normal()]
+    for _ in range(count - 1):
+        values.append(r * values[-1] + np.sqrt(1 - r**2) * rng.normal())
+    return np.array(values)
+
+
+def test_correlation_of_an_autoregression_is_found_in_any_order():
+    """Bartlett (1946): its estimate scatters by sqrt((1 - r^2)/n)."""
+    rng = np.random.default_rng(11)
+    residual = autoregression(rng, 0.6, 2000)
+    order = rng.permutation(2000)
+    found = find_correlation(order[:, None].astype(float), residual[order])
+    assert abs(found.coefficient - 0.6) < 4 * np.sqrt((1 - 0.36) / 2000)
+    npt.assert_allclose(found.significance, found.coefficient * np.sqrt(2000), rtol=1e-12)
+
+
+def test_inflation_is_the_variance_of_a_mean_of_correlated_values():
+    """Means of 400 values over 800 series, r = 0.5: three times that of independent ones."""
+    rng = np.random.default_rng(12)
+    means = [autoregression(rng, 0.5, 400).mean() for _ in range(800)]
+    expected = Correlation(0.5, 10.0).inflation / 400
+    npt.assert_allclose(np.var(means), expected, rtol=4 * np.sqrt(2 / 800))
+    assert Correlation(0.99, 10.0).inflation == pytest.approx(1.99 / 0.1)
+
+
+def test_independent_residuals_are_rarely_significant():
+    rng = np.random.default_rng(13)
+    place = np.arange(100.0)[:, None]
+    found = [find_correlation(place, rng.normal(size=100)).significance for _ in range(200)]
+    assert abs(np.mean(found)) < 4 / np.sqrt(200) + 0.1  # removing the mean costs 1/sqrt(n)
+    assert np.std(found) == pytest.approx(1, rel=0.2)
+
+
+def test_surfaces_few_points_and_constants_have_no_correlation():
+    wave = np.sin(np.arange(100) / 10)
+    place = np.arange(100.0)[:, None]
+    assert find_correlation(place, wave).significance > 5
+    none = Correlation(0.0, 0.0)
+    assert find_correlation(np.ones((100, 2)), wave) == none
+    assert find_correlation(place[:19], wave[:19]) == none
+    assert find_correlation(place, np.ones(100)) == none

@@ -1,182 +1,230 @@
-"""Offset, scale and turn of a fixture against ones that are known."""
+"""Poses as maps of the plane, and which changes of them a known form determines."""
+
+import json
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
 import pytest
-from scenes.fixture import PITCH, SHAPE, K, P, Q, assert_covers, calibrate, image, log_ratio
+from scenes.fixture import log_ratio
 
-from erlif.calibration import Profile
+from erlif.calibration.points import Points
+from erlif.calibration.pose import (
+    ACROSS,
+    ALONG,
+    AS_GIVEN,
+    SCALE,
+    TURN,
+    FoundPose,
+    Pose,
+    find_freedom,
+    find_turn,
+)
 
-COLUMN, ROW = np.meshgrid(np.arange(SHAPE[1]) * PITCH, np.arange(SHAPE[0]) * PITCH)
-MIDDLE = (9.5, 1.7)
-FILMS = np.array([6.0, 8.0, 11.0])
+GIVEN = Pose((12.0, -3.0), 0.3, 0.05)
+X = np.linspace(0, 18, 120)
 
 
-def wave(x):
-    return 9 + 0.4 * (x - 9) + 2.5 * np.sin(x)
-
-
-def bumps(x, y):
-    return 8 + 0.5 * (x - 9) + 2.0 * np.sin(0.7 * x) + 1.5 * np.cos(0.5 * x + 0.8 * y)
-
-
-def turned_line(rng, *, along, scale, turn, film=wave, noise=0.1):
-    """A line profile whose image starts `along` mm further, is larger by `scale`, and turned about the given origin [rad]."""
-    x = along + (1 + scale) * (np.cos(turn) * COLUMN + np.sin(turn) * ROW)
-    place = np.arange(0, 19.2, 0.1)
-    profile = Profile(
-        place, film(place) + rng.normal(0, noise, place.size), np.full(place.size, noise)
+def make_points(film, gradient, position=X, **changes):
+    """Points of a film of known gradient without noise."""
+    count = len(film)
+    column = np.zeros(count)
+    position, gradient = (np.reshape(each, (count, -1)) for each in (position, gradient))
+    points = Points(
+        thickness=film,
+        thickness_std=np.full(count, 0.1),
+        log_ratio=log_ratio(film),
+        log_ratio_std=np.full(count, 1e-4),
+        pixel_var=column,
+        fixed_var=column,
+        position=position,
+        gradient=gradient,
+        ratio_gradient=np.zeros_like(gradient),
+        mean_across=column,
+        across_slope=column,
+        across_slope_std=column,
     )
-    return image(rng, log_ratio(film(x))), profile
+    return replace(points, **changes)
 
 
-def turned_surface(rng, *, along, across, scale, turn, film=bumps, noise=0.1):
-    """A surface profile whose image is displaced, scaled and turned about its middle."""
-    dx, dy = COLUMN - MIDDLE[0], ROW - MIDDLE[1]
-    x = MIDDLE[0] + along + (1 + scale) * (np.cos(turn) * dx + np.sin(turn) * dy)
-    y = MIDDLE[1] + across + (1 + scale) * (np.cos(turn) * dy - np.sin(turn) * dx)
-    places = np.stack(
-        [axis.ravel() for axis in np.meshgrid(np.arange(0, 19.1, 0.4), np.arange(-0.3, 4.2, 0.4))],
-        axis=1,
-    )
-    thickness = film(*places.T) + rng.normal(0, noise, len(places))
-    return image(rng, log_ratio(film(x, y))), Profile(
-        places, thickness, np.full(len(places), noise)
+def freedom_of(points, *, pixel_pitch=0.06):
+    film = points.thickness
+    step = 1e-4
+    return find_freedom(
+        points,
+        np.ones(film.size, bool),
+        true_thickness=film,
+        slope=(log_ratio(film + step) - log_ratio(film - step)) / (2 * step),
+        thickness_std=points.thickness_std,
+        pixel_pitch=pixel_pitch,
     )
 
 
-def draw(rng, *, across=False):
-    pose = {
-        "along": rng.normal(0, 0.15),
-        "scale": rng.normal(0, 0.005),
-        "turn": np.radians(rng.normal(0, 1)),
-    }
-    return {**pose, "across": rng.normal(0, 0.15)} if across else pose
+# maps
 
 
-def pulls_of_line(rng):
-    """Of the pose, of K, p and q, and of films, over their standard deviations."""
-    true = draw(rng)
-    calibration = calibrate(*turned_line(rng, **true), align=True)
-    found = calibration.pose
-    middle = float(calibration.curve.curve_x.mean())
-    expected = np.array([true["along"] + true["scale"] * middle, true["scale"]])
-    pose = (found.change[[0, 2]] - expected) / found.standard_deviations[[0, 2]]
-    return [*pose, *pulls_of_curve(calibration)]
+def test_origin_lies_at_zero_and_direction_turns_towards_image_y():
+    along, across = GIVEN.place(np.array([12.0, 112.0, 12.0]), np.array([-3.0, -3.0, 97.0]))
+    npt.assert_allclose(along, [0, 5 * np.cos(0.3), 5 * np.sin(0.3)], atol=1e-12)
+    npt.assert_allclose(across, [0, -5 * np.sin(0.3), 5 * np.cos(0.3)], atol=1e-12)
 
 
-def pulls_of_surface(rng):
-    true = draw(rng, across=True)
-    calibration = calibrate(*turned_surface(rng, **true), align=True)
-    found = calibration.pose
-    expected = np.array([true[name] for name in ("along", "across", "scale", "turn")])
-    return [*(found.change - expected) / found.standard_deviations, *pulls_of_curve(calibration)]
+@pytest.mark.parametrize(
+    "change",
+    [(0.7, 0, 0, 0), (0, -0.4, 0, 0), (0, 0, 0.02, 0), (0, 0, 0, 0.1), (0.3, 0.2, 0.01, 0.05)],
+)
+def test_a_changed_pose_moves_every_pixel_as_stated(change):
+    """X becomes middle + offset + (1 + scale) R (X - middle), with R the turn by matrix."""
+    middle = np.array([4.0, 1.5])
+    column, row = np.random.default_rng(1).uniform(0, 300, (2, 20))
+    before = np.stack(GIVEN.place(column, row))
+    after = np.stack(GIVEN.changed(np.array(change), middle).place(column, row))
+    offset, scale, turn = np.array(change[:2]), change[2], change[3]
+    matrix = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    moved = (middle + offset)[:, None] + (1 + scale) * matrix @ (before - middle[:, None])
+    npt.assert_allclose(after, moved, atol=1e-12)
 
 
-def pulls_of_curve(calibration):
-    parameters = (calibration.parameters - [K, P, Q]) / calibration.standard_deviations
-    films = (calibration.invert(log_ratio(FILMS)) - FILMS) / calibration.thickness_std(FILMS)
-    return [*parameters, *films]
-
-
-def film_error(calibration):
-    return np.abs(calibration.invert(log_ratio(FILMS)) - FILMS)
-
-
-def test_offset_scale_and_turn_of_a_line_are_found_and_its_film_with_them():
-    """0.3 mm, 1 % and 1.5 degrees off: what refining leaves of the film's error is what the true pose leaves."""
-    rng = np.random.default_rng(1)
-    ratios, profile = turned_line(rng, along=0.3, scale=0.01, turn=np.radians(1.5))
-    refined = calibrate(ratios, profile, align=True)
-    assert refined.pose.determined.tolist() == [True, False, True, True]
-    known = calibrate(
-        ratios,
-        profile,
-        pixel_pitch=1.01 * PITCH,
-        direction=np.radians(1.5),
-        origin=(
-            -0.3 * np.cos(np.radians(1.5)) / PITCH / 1.01,
-            -0.3 * np.sin(np.radians(1.5)) / PITCH / 1.01,
-        ),
+def test_a_found_pose_survives_json():
+    rng = np.random.default_rng(2)
+    found = FoundPose(
+        GIVEN, rng.normal(size=4), rng.normal(size=(4, 4)), np.array([1, 0, 1, 0], bool)
     )
-    given = calibrate(ratios, profile)
-    assert film_error(given).max() > 0.2
-    assert (
-        film_error(refined).max() < film_error(known).max() + 2 * refined.thickness_std(FILMS).max()
+    back = FoundPose.from_record(json.loads(json.dumps(found.to_record())))
+    assert back.pose == found.pose
+    npt.assert_array_equal(back.change, found.change)
+    npt.assert_array_equal(back.covariance, found.covariance)
+    npt.assert_array_equal(back.determined, found.determined)
+
+
+def test_notes_state_what_was_refined_and_what_was_left():
+    std = np.array([0.01, 0.0, 0.0, np.radians(0.05)])
+    found = FoundPose(
+        GIVEN,
+        np.array([0.3, 0.0, 0.0, np.radians(1.5)]),
+        np.diag(std**2),
+        np.array([True, False, False, True]),
     )
-    assert film_error(refined).max() < 0.08
-    assert np.all(refined.standard_deviations > known.standard_deviations)
-    assert any("degrees" in note and "scaled by" in note for note in refined.notes)
+    line = make_points(1 + X, np.ones(X.size))
+    refined, left = (note.text for note in found.describe(line))
+    assert "+300.0 ± 10.0 um along the profile" in refined
+    assert "turned by +1.500 ± 0.050 degrees" in refined
+    assert "left as given: scale." in left
+    surface = replace(line, position=np.zeros((X.size, 2)))
+    assert "left as given: origin across the profile, scale." in found.describe(surface)[1].text
 
 
-@pytest.mark.parametrize(("pulls_of", "seed"), [(pulls_of_line, 2), (pulls_of_surface, 3)])
-def test_found_pose_and_curve_lie_within_their_error(pulls_of, seed):
-    rng = np.random.default_rng(seed)
-    pulls = np.array([pulls_of(rng) for _ in range(2)])
-    assert np.abs(pulls).max() < 4
+# what the form determines
 
 
-@pytest.mark.slow
-def test_uncertainties_of_pose_and_curve_cover_on_a_line():
-    rng = np.random.default_rng(4)
-    assert_covers([pulls_of_line(rng) for _ in range(40)])
+def test_a_straight_wedge_determines_nothing():
+    assert freedom_of(make_points(0.1 + 0.9 * X, np.full(X.size, 0.9))).size == 0
 
 
-@pytest.mark.slow
-def test_scatter_of_pose_and_curve_matches_the_error_bars_on_a_surface():
-    """The cells of a surface are wide and its form is a polynomial's: its pose scatters by a tenth or two more than it says."""
-    rng = np.random.default_rng(5)
-    pulls = np.array([pulls_of_surface(rng) for _ in range(14)])
-    scatter = np.sqrt((pulls**2).mean(axis=0))
-    # 14 draws scatter by 19 %
-    assert np.all(scatter > 1 - 3 * 0.19)
-    assert np.all(scatter < 1.2 + 3 * 0.19)
-    assert 0.75 < scatter[4:].mean() < 1.25
+def test_a_monotonic_form_determines_nothing():
+    """Any displacement changes its film by a function of thickness, which the curve imitates."""
+    film = np.exp(X / 7)
+    assert freedom_of(make_points(film, film / 7)).size == 0
 
 
-def test_straight_wedges_are_left_as_given():
-    """No noise of the CMM passes for form: of fifty straight wedges not one is moved along or scaled."""
-    rng = np.random.default_rng(5)
+def test_a_symmetric_form_determines_its_offset_and_hides_its_scale():
+    """A parabola scaled by 1 + e changes by 2 e times its depth, alike on both sides."""
+    film = 1 + 0.1 * (X - 9) ** 2
+    found = freedom_of(make_points(film, 0.2 * (X - 9)))
+    assert found.size == 1
+    npt.assert_allclose(found.shares, [1, 0, 0, 0], atol=1e-6)
+
+
+def test_a_wavy_ramp_determines_offset_and_scale():
+    film = 9 + 0.4 * (X - 9) + 2.5 * np.sin(X)
+    points = make_points(film, 0.4 + 2.5 * np.cos(X))
+    found = freedom_of(points)
+    assert found.size == 2
+    npt.assert_allclose(found.shares, [1, 0, 1, 0], atol=1e-12)
+    npt.assert_allclose(found.middle, [9, 0], atol=1e-12)
+    # the film under a point changes by gradient times displacement of the profile
+    for combination in range(2):
+        along, _, scale, _ = found.combinations[:, combination]
+        expected = points.gradient[:, 0] * (along + scale * (X - 9))
+        npt.assert_allclose(found.displacement[:, combination], expected, atol=1e-12)
+
+
+def test_form_below_the_noise_determines_nothing():
+    """A ripple whose slope times a pixel is far below the error of the mean."""
+    film = 1 + 0.9 * X + 1e-3 * np.sin(X)
+    assert freedom_of(make_points(film, 0.9 + 1e-3 * np.cos(X))).size == 0
+
+
+def test_too_few_points_determine_nothing():
+    film = 9 + 2.5 * np.sin(X[:10])
+    assert freedom_of(make_points(film, 2.5 * np.cos(X[:10]), X[:10])).size == 0
+
+
+def test_a_plane_surface_determines_its_turn_alone():
+    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(0, 18, 30), np.linspace(0, 12, 20)))
+    gradient = np.stack([np.full_like(x, 0.9), 0 * x], axis=1)
+    found = freedom_of(make_points(1 + 0.9 * x, gradient, np.stack([x, y], axis=1)))
+    assert found.size == 1
+    npt.assert_allclose(found.shares, [0, 0, 0, 1], atol=1e-6)
+
+
+# the turn of a line
+
+
+def line_with_slopes(turn, *, noise, rng, count=60):
+    """A line whose ratio has slopes along and across it as a turned image shows them."""
+    along = 0.05 + 0.03 * np.sin(np.arange(count))
+    position = np.linspace(0, 18, count)
+    return make_points(
+        1 + position,
+        np.ones(count),
+        position,
+        ratio_gradient=along[:, None],
+        across_slope=turn * along + rng.normal(0, noise, count),
+        across_slope_std=np.full(count, noise),
+    )
+
+
+def test_a_turn_is_the_slope_across_over_the_slope_along():
+    rng = np.random.default_rng(3)
+    pulls = []
     for _ in range(50):
-        ratios, profile = turned_line(
-            rng, along=0.0, scale=0.0, turn=0.0, film=lambda x: 0.1 + 0.93 * x, noise=0.15
-        )
-        found = calibrate(ratios, profile, align=True).pose
-        npt.assert_array_equal(found.change[:3], 0)
-        assert not found.determined[:3].any()
+        found = find_turn(line_with_slopes(0.02, noise=2e-4, rng=rng), pixel_pitch=0.06)
+        pulls.append((found.angle - 0.02) / found.std)
+    assert abs(np.mean(pulls)) < 4 / np.sqrt(50)
+    assert 0.7 < np.std(pulls) < 1.3
 
 
-def test_turn_of_a_straight_wedge_is_told_by_the_image():
-    rng = np.random.default_rng(6)
-    turn = np.radians(1.2)
-    ratios, profile = turned_line(rng, along=0, scale=0, turn=turn, film=lambda x: 0.1 + 0.93 * x)
-    calibration = calibrate(ratios, profile, align=True)
-    found = calibration.pose
-    assert found.determined.tolist() == [False, False, False, True]
-    assert abs(found.change[3] - turn) < 4 * found.standard_deviations[3]
-    assert found.standard_deviations[3] < 0.002
-    assert np.all(np.abs(calibration.parameters - [K, P, Q]) < 4 * calibration.standard_deviations)
-    assert any(
-        "left as given: origin along the profile, scale." in note for note in calibration.notes
-    )
+def test_dust_does_not_turn_a_line():
+    points = line_with_slopes(0.02, noise=1e-4, rng=np.random.default_rng(4))
+    across = points.across_slope.copy()
+    across[[5, 33]] += 0.02
+    found = find_turn(replace(points, across_slope=across), pixel_pitch=0.06)
+    assert abs(found.angle - 0.02) < 4 * found.std
 
 
-def test_plane_surface_tells_its_turn_alone():
-    """A plane that rises along x looks the same wherever it begins, and another slope looks like another scale."""
-    rng = np.random.default_rng(7)
-    turn = np.radians(2)
-    ratios, profile = turned_surface(
-        rng, along=0, across=0, scale=0, turn=turn, film=lambda x, y: 0.6 + 0.9 * x + 0 * y
-    )
-    found = calibrate(ratios, profile, align=True).pose
-    assert found.determined.tolist() == [False, False, False, True]
-    assert abs(found.change[3] - turn) < 4 * found.standard_deviations[3]
-    npt.assert_allclose(found.change[:3], 0, atol=0.1 * turn)
+def test_an_insignificant_turn_leaves_the_given_direction():
+    """Below three standard deviations; chance exceeds them in 0.3 % of 100 draws."""
+    rng = np.random.default_rng(5)
+    found = [
+        find_turn(line_with_slopes(0.0, noise=2e-4, rng=rng), pixel_pitch=0.06) for _ in range(100)
+    ]
+    assert sum(turn is not AS_GIVEN for turn in found) <= 3
 
 
-def test_unknown_cmm_noise_does_not_hide_the_pose():
-    rng = np.random.default_rng(8)
-    ratios, profile = turned_line(rng, along=0.3, scale=0, turn=0)
-    profile = Profile(profile.position, profile.thickness, None)
-    found = calibrate(ratios, profile, align=True).pose
-    assert abs(found.change[0] - 0.3) < 4 * found.standard_deviations[0] < 0.05
+def test_an_uncertain_turn_leaves_the_given_direction():
+    """5 standard deviations from zero, uncertain by more than a pixel at the edge of the profile."""
+    points = line_with_slopes(0.5, noise=0.04, rng=np.random.default_rng(6))
+    assert find_turn(points, pixel_pitch=0.06) is AS_GIVEN
+    assert find_turn(points, pixel_pitch=6.0) is not AS_GIVEN
+
+
+def test_surfaces_and_short_lines_leave_the_given_direction():
+    points = line_with_slopes(0.02, noise=1e-4, rng=np.random.default_rng(7))
+    assert find_turn(replace(points, position=np.zeros((60, 2))), pixel_pitch=0.06) is AS_GIVEN
+    few = np.where(np.arange(60) < 7, points.across_slope, np.nan)
+    assert find_turn(replace(points, across_slope=few), pixel_pitch=0.06) is AS_GIVEN
+
+
+def test_elements_of_a_change_are_in_the_order_of_the_file():
+    assert (ALONG, ACROSS, SCALE, TURN) == (0, 1, 2, 3)

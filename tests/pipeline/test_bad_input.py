@@ -202,7 +202,7 @@ def test_the_fixture_leaves_out_damaged_frames_too(lab, command):
     (lab.fixture / "camera1" / "frame_0001.tif").write_bytes(b"")
     command("calibrate", lab.fixture, "--skip-bad-frames", "--overwrite")
     assert any(
-        "frame pair 1 left out" in note
+        "frame pair 1 left out" in str(note)
         for note in erlif.open_calibration(lab.fixture / "calibration.nc").notes
     )
 

@@ -166,7 +166,7 @@ def test_check_announces_the_estimate(lab, command):
 def test_a_calibration_without_given_gain_says_so(laboratory):
     forget(laboratory / "fixture" / "fixture.toml", "gain", "flat")
     calibration = erlif.calibrate(laboratory / "fixture")
-    assert any("gain estimated from the noise" in note for note in calibration.notes)
+    assert any("gain estimated from the noise" in str(note) for note in calibration.notes)
 
 
 def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):

@@ -7,22 +7,27 @@ from erlif.calibration import Profile, fit_calibration
 from erlif.core.products import RatioImages
 
 K, P, Q = 0.65, 0.40, 0.25
+"""Parameters of the true ratio: K [1], p and q [1/um]."""
 PITCH = 0.06
+"""Pixel pitch. [mm]"""
 SHAPE = (64, 320)
+"""Rows and columns of the image. [px]"""
 FILMS = np.array([1.0, 3.0, 8.0])
+"""Films at which coverage is tested. [um]"""
 WEDGE = 0.1 + 17.9 * np.arange(SHAPE[1]) / (SHAPE[1] - 1)
+"""Film of a straight wedge, column by column. [um]"""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
 def light(thickness, attenuation):
-    """Light of a film by quadrature over depth."""
+    """Light of a film by quadrature over depth, not by the closed form that is fitted."""
     t = np.asarray(thickness, float)[..., None]
     return (t[..., 0] / 2) * (np.exp(-attenuation * t * (_NODES + 1) / 2) @ _WEIGHTS)
 
 
 def log_ratio(thickness, *, k=K, p=P, q=Q, background=0.0):
-    """Of camera 2 over camera 1, where `background` adds to camera 2 light that no dye absorbs."""
+    """Logarithm of camera 2 over camera 1; `background` is light in camera 2 from no dye."""
     return np.log(
         (k * light(thickness, q) + background * np.asarray(thickness)) / light(thickness, p)
     )
@@ -46,6 +51,7 @@ def image(rng, values, *, noise=0.004, shape=SHAPE):
 
 
 def wedge_profile(rng, *, noise=0.15):
+    """Profile of the straight wedge every 0.1 mm, with the noise of a CMM [um]."""
     x = np.arange(0, SHAPE[1] * PITCH, 0.1)
     return Profile(
         x,
@@ -55,6 +61,7 @@ def wedge_profile(rng, *, noise=0.15):
 
 
 def calibrate(ratios, profile, **options):
+    """Fit a calibration to 12 frames of the usual bands."""
     return fit_calibration(
         ratios, profile, **{"pixel_pitch": PITCH, "bands": (580.0, 610.0), "frames": 12, **options}
     )
@@ -66,12 +73,18 @@ def calibrate_wedge(rng, *, profile=None, noise=0.15, **ratio):
     return calibrate(image(rng, log_ratio(WEDGE, **ratio)), profile, fixture="wedge")
 
 
+def has_note(product, text):
+    """Whether a calibration or a profile carries a note with this text."""
+    return any(text in note.text for note in product.notes)
+
+
 def share_within(pulls, width):
+    """Share of the pulls within so many standard deviations, column by column."""
     return (np.abs(np.array(pulls)) < width).mean(axis=0)
 
 
 def assert_covers(pulls):
-    """68 and 95 % within one and two standard deviations, to three standard deviations of the binomial."""
+    """68 and 95 % lie within one and two standard deviations, to three of the binomial."""
     count = len(pulls)
     for width, share in ((1, 0.683), (2, 0.954)):
         assert np.all(

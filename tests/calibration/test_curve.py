@@ -1,0 +1,207 @@
+"""The curve of a calibration and its inverse, on parameters that are known exactly."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.fixture import FILMS, K, P, Q, calibrate_wedge, log_ratio
+
+from erlif.calibration import Calibration, check_bands, share_bands
+from erlif.calibration.departure import Departure
+from erlif.core.errors import CalibrationError
+from erlif.core.notes import Level, Note
+
+
+@pytest.fixture
+def exact():
+    """The true curve, with a covariance in which K and p are correlated."""
+    covariance = np.array([[4e-6, 1e-6, 0], [1e-6, 4e-6, 0], [0, 0, 1e-6]])
+    curve = xr.Dataset({"curve_thickness": ("bin", [0.2, 9.0, 17.0])})
+    return Calibration(K, P, Q, covariance, (0.3, 14.0), (580.0, 610.0), curve, 1.0, "wedge")
+
+
+@pytest.fixture
+def departing(exact):
+    """The same with a spline of two pieces, its coefficients known to 0.001."""
+    knots = np.array([0.3] * 4 + [6.0] + [14.0] * 4)
+    spline = Departure(knots, np.array([0.0, 0.005, 0.0, 0.01, 0.015]), 1e-6 * np.eye(5))
+    return replace(exact, departure=spline)
+
+
+# the curve
+
+
+def test_prediction_is_the_integrated_ratio(exact):
+    npt.assert_allclose(exact.predict_log(FILMS), log_ratio(FILMS), rtol=1e-12)
+    npt.assert_allclose(exact.predict(FILMS), np.exp(log_ratio(FILMS)), rtol=1e-12)
+    npt.assert_allclose(exact.predict(1e-9), K, rtol=1e-8)
+    npt.assert_allclose(exact.predict(1e3), K * P / Q, rtol=1e-12)
+
+
+def test_departure_is_added_to_the_logarithm(exact, departing):
+    film = np.linspace(0.3, 14, 50)
+    npt.assert_allclose(
+        departing.predict_log(film) - exact.predict_log(film),
+        departing.departure.predict(film),
+        atol=1e-14,
+    )
+
+
+@pytest.mark.parametrize("name", ["exact", "departing"])
+def test_slope_is_the_derivative(name, request):
+    calibration = request.getfixturevalue(name)
+    film, step = np.linspace(0.4, 13.9, 60), 1e-5
+    numerical = (calibration.predict_log(film + step) - calibration.predict_log(film - step)) / (
+        2 * step
+    )
+    npt.assert_allclose(calibration.slope(film), numerical, rtol=1e-6, atol=1e-9)
+
+
+def test_gradient_is_the_derivative_by_every_parameter(departing):
+    film, step = np.linspace(0.4, 13.9, 20), 1e-6
+    names = ["ratio_at_zero", "attenuation_camera1", "attenuation_camera2"]
+    changed = [
+        [replace(departing, **{name: getattr(departing, name) + sign * step}) for sign in (1, -1)]
+        for name in names
+    ]
+    spline = departing.departure
+    for unit in np.eye(5):
+        splines = [
+            replace(spline, coefficients=spline.coefficients + sign * step * unit)
+            for sign in (1, -1)
+        ]
+        changed.append([replace(departing, departure=each) for each in splines])
+    numerical = [
+        (above.predict_log(film) - below.predict_log(film)) / (2 * step) for above, below in changed
+    ]
+    npt.assert_allclose(departing.gradient(film), numerical, atol=1e-8)
+    npt.assert_allclose(departing.parameter_gradient(film), numerical[:3], atol=1e-8)
+
+
+def test_error_of_a_film_is_that_of_drawn_parameters(departing):
+    """Films read with 4000 draws of all parameters scatter as stated, to 4 of their 1.1 %."""
+    rng = np.random.default_rng(1)
+    draws = rng.multivariate_normal(np.zeros(8), departing.full_covariance, 4000)
+    npt.assert_array_equal(departing.standard_deviations, [2e-3, 2e-3, 1e-3])
+    shifts = draws @ departing.gradient(FILMS)
+    npt.assert_allclose(shifts.std(axis=0), departing.log_ratio_std(FILMS), rtol=0.045)
+    npt.assert_allclose(
+        departing.thickness_std(FILMS), departing.log_ratio_std(FILMS) / departing.slope(FILMS)
+    )
+
+
+@pytest.mark.slow
+def test_error_of_a_film_covers_over_fixtures():
+    """The film measured at 4 um scatters over fixtures as each calibration states."""
+    rng = np.random.default_rng(14)
+    pulls = []
+    for _ in range(40):
+        calibration = calibrate_wedge(rng)
+        found = calibration.invert(log_ratio(4.0))
+        pulls.append((found - 4.0) / calibration.thickness_std(4.0))
+    assert 0.7 < np.std(pulls) < 1.35
+    assert abs(np.mean(pulls)) < 4 / np.sqrt(40)
+
+
+# the inverse
+
+
+@pytest.mark.parametrize("name", ["exact", "departing"])
+def test_inverse_reverses_the_prediction_and_leaves_out_the_rest(name, request):
+    calibration = request.getfixturevalue(name)
+    low, high = calibration.thickness_range
+    inside = np.linspace(low + 1e-6, high - 1e-6, 30).reshape(5, 6)
+    npt.assert_allclose(calibration.invert(calibration.predict_log(inside)), inside, atol=1e-7)
+    beyond = calibration.invert(calibration.predict_log([low - 0.01, high + 0.01]))
+    assert np.isnan(beyond).all()
+
+
+@pytest.mark.parametrize("name", ["exact", "departing"])
+def test_table_of_the_inverse_agrees_with_root_finding(name, request):
+    calibration = request.getfixturevalue(name)
+    table = calibration.inverse
+    entries = np.arange(table.thickness.size)
+    first, last = np.interp(calibration.thickness_range, table.thickness, entries)
+    place = np.random.default_rng(0).uniform(first, last, 200)
+    values = table.start + table.step * place
+    film = calibration.invert(values)
+    npt.assert_allclose(np.interp(place, entries, table.thickness), film, atol=2e-5)
+    npt.assert_allclose(
+        np.interp(place, entries, table.per_log_ratio), 1 / calibration.slope(film), rtol=1e-4
+    )
+    npt.assert_allclose(
+        np.interp(place, entries, table.calibration_std),
+        calibration.thickness_std(film),
+        rtol=1e-3,
+    )
+
+
+def test_table_covers_the_fixture_and_not_the_calibrated_range_alone(exact):
+    assert exact.covered_range == (0.3, 17.0)
+    npt.assert_allclose(exact.inverse.thickness[[0, -1]], [0.3, 17.0])
+    assert replace(exact, curve=xr.Dataset()).covered_range == (0.3, 14.0)
+
+
+# the file
+
+
+def stored(calibration):
+    return calibration.to_dataset().assign_attrs(calibration.attributes)
+
+
+def test_notes_keep_level_and_subject(exact):
+    notes = (Note(Level.WARNING, "camera1", "gain differs"), Note(Level.NOTE, "", "2 points left"))
+    dataset = stored(replace(exact, notes=notes))
+    assert dataset.attrs["notes"] == "camera1: gain differs\n2 points left"
+    assert Calibration.from_dataset(dataset).notes == notes
+
+
+def test_notes_of_an_earlier_version_are_read_as_notes(exact):
+    dataset = stored(exact).assign_attrs(notes="camera1: gain differs\n2 points left")
+    del dataset.attrs["note_records"], dataset.attrs["profile_file"]
+    back = Calibration.from_dataset(dataset)
+    assert back.notes == (
+        Note(Level.NOTE, "", "camera1: gain differs"),
+        Note(Level.NOTE, "", "2 points left"),
+    )
+    assert back.profile_file == ""
+    del dataset.attrs["notes"]
+    assert Calibration.from_dataset(dataset).notes == ()
+
+
+def test_ratio_the_other_way_round_is_refused(exact):
+    dataset = stored(exact).assign_attrs(ratio_direction="camera1/camera2")
+    with pytest.raises(CalibrationError, match=r"camera1/camera2"):
+        Calibration.from_dataset(dataset)
+
+
+@pytest.mark.parametrize("name", ["covariance", "thickness_range", "ratio_at_zero"])
+def test_missing_variable_is_named(exact, name):
+    with pytest.raises(CalibrationError, match=f"{name}.* is missing from this file"):
+        Calibration.from_dataset(stored(exact).drop_vars(name))
+
+
+def test_missing_attribute_is_named(exact):
+    dataset = stored(exact)
+    del dataset.attrs["band_camera1_nm"]
+    with pytest.raises(CalibrationError, match="band_camera1_nm' is missing"):
+        Calibration.from_dataset(dataset)
+
+
+# bands
+
+
+def test_other_bands_are_refused_and_exchanged_ones_recognised(exact):
+    check_bands(exact, (580.0, 610.0))
+    with pytest.raises(CalibrationError, match="560 and 610 nm"):
+        check_bands(exact, (560.0, 610.0))
+    with pytest.raises(CalibrationError, match="swapped"):
+        check_bands(exact, (610.0, 580.0))
+
+
+def test_bands_agree_to_one_nanometre_in_both_cameras():
+    assert share_bands((580.0, 610.0), (580.9, 609.1))
+    assert not share_bands((580.0, 610.0), (581.1, 610.0))
+    assert not share_bands((580.0, 610.0), (580.0, 608.9))

@@ -1,0 +1,110 @@
+"""Orthogonal distance regression against known parameters, known outliers and Gauss's law."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.fixture import K, P, Q, log_ratio
+
+from erlif.calibration.points import Points
+from erlif.calibration.pose import Freedom
+from erlif.calibration.regression import fit_robustly
+
+FILM = np.linspace(0.2, 15, 80)
+
+
+def make_points(rng, *, film_std=0.05, ratio_std=1e-3, film=FILM):
+    """Points of the true curve with errors in both variables."""
+    count = film.size
+    column, axis = np.zeros(count), np.zeros((count, 1))
+    return Points(
+        thickness=film + rng.normal(0, film_std, count),
+        thickness_std=np.full(count, film_std),
+        log_ratio=log_ratio(film) + rng.normal(0, ratio_std, count),
+        log_ratio_std=np.full(count, ratio_std),
+        pixel_var=column,
+        fixed_var=column,
+        position=film[:, None],
+        gradient=np.ones((count, 1)),
+        ratio_gradient=axis,
+        mean_across=column,
+        across_slope=column,
+        across_slope_std=column,
+    )
+
+
+def fit(points):
+    return fit_robustly(points, Freedom.none(points))
+
+
+def test_exact_points_give_the_parameters():
+    found = fit(make_points(np.random.default_rng(0), film_std=1e-6, ratio_std=1e-7))
+    npt.assert_allclose(found.parameters, [K, P, Q], rtol=1e-3)
+    npt.assert_allclose(found.true_thickness, FILM, atol=1e-5)
+    npt.assert_allclose(found.predict(FILM), log_ratio(FILM), atol=1e-6)
+
+
+def test_slope_and_gradient_are_those_of_the_prediction():
+    found = fit(make_points(np.random.default_rng(1)))
+    step = 1e-5
+    numerical = (found.predict(FILM + step) - found.predict(FILM - step)) / (2 * step)
+    npt.assert_allclose(found.slope(FILM), numerical, rtol=1e-6, atol=1e-9)
+    for n, row in enumerate(found.gradient(FILM)):
+        change = np.zeros(3)
+        change[n] = step
+        above, below = (
+            replace(found, parameters=found.parameters + sign * change) for sign in (1, -1)
+        )
+        numerical = (above.predict(FILM) - below.predict(FILM)) / (2 * step)
+        npt.assert_allclose(row, numerical, rtol=1e-5, atol=1e-8)
+
+
+def test_scatter_of_the_parameters_matches_their_covariance():
+    """Mahalanobis distance of 60 fits: its mean is 3, the number of parameters, +- sqrt(6/60)."""
+    rng = np.random.default_rng(2)
+    distances = []
+    for _ in range(60):
+        found = fit(make_points(rng))
+        error = found.parameters - [K, P, Q]
+        distances.append(error @ np.linalg.solve(found.covariance, error))
+    assert abs(np.mean(distances) - 3) < 4 * np.sqrt(6 / 60)
+
+
+def test_chi_square_has_its_degrees_of_freedom():
+    rng = np.random.default_rng(3)
+    values = [fit(make_points(rng)).reduced_chi_square for _ in range(20)]
+    assert abs(np.mean(values) - 1) < 4 * np.sqrt(2 / 77 / 20)
+
+
+def test_outliers_are_left_out_and_nothing_else():
+    """Three slips of the CMM by 2 um among 80 points with 0.05 um of noise."""
+    points = make_points(np.random.default_rng(4))
+    thickness = points.thickness.copy()
+    slips = [10, 40, 47]
+    thickness[slips] += 2.0
+    found = fit(replace(points, thickness=thickness))
+    assert np.nonzero(~found.kept)[0].tolist() == slips
+    std = np.sqrt(np.diag(found.covariance))
+    assert np.all(np.abs(found.parameters - [K, P, Q]) < 4 * std)
+
+
+@pytest.mark.parametrize("std", [0.03, 0.3])
+def test_unknown_error_of_the_cmm_is_estimated_from_the_scatter(std):
+    """From the median absolute deviation of 80 points, which scatters by 13 %."""
+    points = make_points(np.random.default_rng(5), film_std=std, ratio_std=1e-4)
+    found = fit(replace(points, thickness_std=np.full(FILM.size, np.nan)))
+    npt.assert_allclose(found.thickness_std, std, rtol=0.4)
+    npt.assert_array_equal(found.thickness_std, found.thickness_std[0])
+
+
+def test_a_free_displacement_is_fitted_with_the_parameters():
+    """Films misplaced by 0.2 um in one half of the points only, which no p or q imitates."""
+    points = make_points(np.random.default_rng(6), film_std=0.01)
+    half = np.where(np.arange(FILM.size) % 2, 1.0, -1.0)[:, None]
+    moved = replace(points, thickness=points.thickness - 0.2 * half[:, 0])
+    freedom = Freedom(half, np.eye(4)[:, :1], np.zeros(2), np.array([1.0, 0, 0, 0]))
+    found = fit_robustly(moved, freedom)
+    std = np.sqrt(np.diag(found.covariance))
+    assert abs(found.displacement[0] - 0.2) < 4 * std[3] < 0.02
+    assert np.all(np.abs(found.parameters - [K, P, Q]) < 4 * std[:3])

@@ -1,0 +1,129 @@
+"""calibration.nc and the record in film.nc: everything comes back, damage is recognised."""
+
+import json
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes import film as film_scene
+from scenes.fixture import WEDGE, calibrate, calibrate_wedge, image, log_ratio, wedge_profile
+
+from erlif.calibration import (
+    Calibration,
+    calibration_of,
+    open_calibration,
+    record_calibration,
+    save_calibration,
+)
+from erlif.core.errors import CalibrationError, OutputError
+from erlif.files import open_film
+
+
+@pytest.fixture(scope="module")
+def wedge():
+    return calibrate_wedge(np.random.default_rng(15))
+
+
+@pytest.fixture(scope="module")
+def departing():
+    return calibrate_wedge(np.random.default_rng(1), noise=0.001, background=0.01)
+
+
+def test_file_round_trip_keeps_everything(wedge, tmp_path):
+    back = open_calibration(save_calibration(wedge, tmp_path / "calibration.nc"))
+    npt.assert_array_equal(back.parameters, wedge.parameters)
+    npt.assert_array_equal(back.covariance, wedge.covariance)
+    assert back.thickness_range == wedge.thickness_range
+    assert back.bands == wedge.bands
+    assert wedge.notes
+    assert back.notes == wedge.notes
+    xr.testing.assert_equal(back.curve, wedge.curve)
+
+
+def test_departure_survives_the_file(departing, tmp_path):
+    back = open_calibration(save_calibration(departing, tmp_path / "calibration.nc"))
+    film = np.linspace(0.3, 12, 300)
+    npt.assert_array_equal(back.predict_log(film), departing.predict_log(film))
+    npt.assert_array_equal(back.full_covariance, departing.full_covariance)
+
+
+def test_pose_survives_the_file(tmp_path):
+    rng = np.random.default_rng(5)
+    calibration = calibrate(image(rng, log_ratio(WEDGE)), wedge_profile(rng), align=True)
+    back = open_calibration(save_calibration(calibration, tmp_path / "calibration.nc"))
+    assert back.pose.pose == calibration.pose.pose
+    npt.assert_array_equal(back.pose.covariance, calibration.pose.covariance)
+
+
+def test_fixture_file_names_its_profile_among_the_input_hashes(lab):
+    calibration = open_calibration(lab.fixture / "calibration.nc")
+    assert calibration.profile_file == "profile.csv"
+    assert len(calibration.input_hashes[calibration.profile_file]) == 64  # SHA-256
+
+
+def test_existing_file_is_replaced_on_request_only(wedge, departing, tmp_path):
+    path = save_calibration(wedge, tmp_path / "calibration.nc")
+    with pytest.raises(OutputError, match=r"calibration\.nc"):
+        save_calibration(departing, path)
+    npt.assert_array_equal(open_calibration(path).parameters, wedge.parameters)
+    save_calibration(departing, path, overwrite=True)
+    npt.assert_array_equal(open_calibration(path).parameters, departing.parameters)
+
+
+def test_a_missing_directory_or_damaged_file_is_refused(wedge, tmp_path):
+    with pytest.raises(CalibrationError, match="is a directory"):
+        open_calibration(tmp_path)
+    with pytest.raises(CalibrationError, match="does not exist"):
+        open_calibration(tmp_path / "none.nc")
+    path = save_calibration(wedge, tmp_path / "calibration.nc")
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(CalibrationError, match="is damaged or something else"):
+        open_calibration(path)
+
+
+def test_another_netcdf_file_is_no_calibration(tmp_path):
+    xr.Dataset({"film": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(CalibrationError, match="ratio_direction"):
+        open_calibration(tmp_path / "other.nc")
+
+
+def test_film_keeps_the_whole_curve_it_was_measured_with(departing, tmp_path):
+    """The figures of a film need departure and covered range of its calibration."""
+    with open_film(film_scene.make_film(tmp_path)) as film:
+        film.attrs["calibration"] = record_calibration(departing)
+        again = calibration_of(film)
+    films = np.linspace(*departing.thickness_range, 50)
+    npt.assert_array_equal(again.predict_log(films), departing.predict_log(films))
+    npt.assert_allclose(again.thickness_std(films), departing.thickness_std(films), rtol=1e-12)
+    assert again.covered_range == departing.covered_range
+
+
+def test_record_names_every_field(wedge, departing):
+    """Films of other versions read these names; they are part of the format."""
+    names = {
+        "attenuation_camera1", "attenuation_camera2", "covariance", "covered_range", "date",
+        "fixture", "input_hashes", "ratio_at_zero", "thickness_range",
+    }  # fmt: skip
+    assert set(json.loads(record_calibration(wedge))) == names
+    record = json.loads(record_calibration(departing))
+    assert set(record) == names | {"departure"}
+    assert set(record["departure"]) == {"knots", "coefficients", "covariance"}
+
+
+def test_film_of_an_earlier_version_lacks_some_fields(wedge, tmp_path):
+    record = json.loads(record_calibration(wedge))
+    for name in ("covered_range", "input_hashes", "date"):
+        del record[name]
+    with open_film(film_scene.make_film(tmp_path)) as film:
+        film.attrs["calibration"] = json.dumps(record)
+        again = calibration_of(film)
+    assert isinstance(again, Calibration)
+    assert again.covered_range == wedge.thickness_range
+    assert again.date == ""
+    assert again.departure is None
+
+
+def test_a_film_without_calibration_is_refused():
+    with pytest.raises(OutputError, match="there is none"):
+        calibration_of(xr.Dataset())
