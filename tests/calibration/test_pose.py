@@ -213,7 +213,7 @@ def test_an_insignificant_turn_leaves_the_given_direction():
 
 
 def test_an_uncertain_turn_leaves_the_given_direction():
-    """5 standard deviations from zero, uncertain by more than a pixel at the edge of the profile."""
+    """5 standard deviations from zero, but uncertain by more than a pixel at the profile's edge."""
     points = line_with_slopes(0.5, noise=0.04, rng=np.random.default_rng(6))
     assert find_turn(points, pixel_pitch=0.06) is AS_GIVEN
     assert find_turn(points, pixel_pitch=6.0) is not AS_GIVEN
