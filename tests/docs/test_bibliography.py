@@ -24,7 +24,7 @@ def citations() -> set[tuple[str, str]]:
 
 @pytest.mark.parametrize(("author", "year"), sorted(citations()))
 def test_cited_work_is_in_the_bibliography(author, year):
-    assert any(entry.startswith(author) and f"({year})" in entry for entry in ENTRIES)
+    assert any(author in entry.split(",")[0] and f"({year})" in entry for entry in ENTRIES)
 
 
 def test_search_finds_the_works_that_are_known_to_be_cited():
