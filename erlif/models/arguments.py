@@ -317,6 +317,9 @@ _EXPANSION = _Scale("1/K", 1e-8, 1e-2, "1e-6/K")
 _CONDUCTIVITY = _Scale("W/(m K)", 1e-3, 1e4, "W/(cm K) or mW/(m K)")
 """Thermal conductivity, from aerogel to diamond."""
 
+_SWING = _Scale("rad", 0.0, np.pi, "degrees")
+"""Half of the angle from end to end of a swinging joint."""
+
 _SPECIFIC_WEAR = _Scale("1/Pa", 0.0, 1e-9, "mm3/(N m)")
 """Volume over load and distance; ice on sandpaper reaches 1e-10."""
 
@@ -512,6 +515,18 @@ def check_conductivity(**arguments: Values) -> None:
     >>> check_conductivity(conductivity=50.0)
     """
     _warn_outside(_CONDUCTIVITY, arguments)
+
+
+def check_swing(**arguments: Values) -> None:
+    """Warn of half a swing above pi rad.
+
+    Parameters, warnings and ignored values as in `check_modulus`. [rad]
+
+    Examples
+    --------
+    >>> check_swing(half_swing=0.2132)
+    """
+    _warn_outside(_SWING, arguments)
 
 
 def check_specific_wear(**arguments: Values) -> None:

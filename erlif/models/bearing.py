@@ -20,6 +20,7 @@ from erlif.models.arguments import (
     check_load,
     check_modulus,
     check_strength,
+    check_swing,
     require_between,
     require_finite,
     require_increasing,
@@ -96,6 +97,7 @@ def pin_diameter_in_shear(load: Values, *, yield_stress: Values, safety: Values)
     require_positive(load=load, yield_stress=yield_stress, safety=safety)
     check_load(load=load)
     check_strength(yield_stress=yield_stress)
+    # two sections carry F/2 each; after von Mises steel yields in shear at sigma_y / sqrt(3)
     return np.sqrt(2 * np.sqrt(3) * load * safety / (np.pi * yield_stress))
 
 
@@ -142,6 +144,7 @@ def pin_diameter_in_bending(
     check_load(load=load)
     check_length(free_length=free_length)
     check_strength(yield_stress=yield_stress)
+    # moment F L / 8 of a clamped beam over the section modulus pi d^3 / 32
     return (4 * load * free_length * safety / (np.pi * yield_stress)) ** (1 / 3)
 
 
@@ -174,7 +177,7 @@ def hole_stress_concentration(hole_ratio: Values) -> Values:
     3.0
     """
     require_between(0.0, LARGEST_HOLE_RATIO, hole_ratio=hole_ratio)
-    x = hole_ratio
+    x = hole_ratio  # a polynomial fit, which holds inside its range only
     return 3 + x * (-11.3 + x * (51.6 + x * (-114.6 + x * 76.4)))
 
 
@@ -228,6 +231,7 @@ def pin_diameter_with_hole(
     plain = pin_diameter_in_bending(
         load, free_length=free_length, yield_stress=yield_stress, safety=safety
     )
+    # the stress is that of the weakened section, so both its loss and K_t thicken the pin
     return plain * (
         hole_stress_concentration(hole_ratio) / (1 - 16 * hole_ratio / (3 * np.pi))
     ) ** (1 / 3)
@@ -265,6 +269,7 @@ def least_projected_area(load: Values, *, yield_stress: Values) -> Values:
     require_positive(load=load, yield_stress=yield_stress)
     check_load(load=load)
     check_strength(yield_stress=yield_stress)
+    # half the yield stress is allowed, hence the factor 2
     return 2 * load / yield_stress
 
 
@@ -312,6 +317,7 @@ def least_bushing_width(
     check_load(load=load)
     check_length(diameter=diameter)
     check_strength(hardness=hardness)
+    # 2 from the triangle along the axis, 4/pi from the cosine around the pin
     return 8 * load * safety / (np.pi * diameter * hardness)
 
 
@@ -391,6 +397,7 @@ def hardness_from_strength(ultimate_stress: Values) -> Values:
     """
     require_positive(ultimate_stress=ultimate_stress)
     check_strength(ultimate_stress=ultimate_stress)
+    # kgf/mm2 to MPa; strength and hardness then share their unit
     return BRINELL_OVER_STRENGTH * STANDARD_GRAVITY * ultimate_stress
 
 
@@ -445,12 +452,14 @@ def least_eyebar_diameter(
     check_length(bore=bore, width=width)
     check_strength(yield_stress=yield_stress)
 
+    # the largest load of an eye of infinite diameter
     capacity = yield_stress / safety * width * bore
     if np.any(np.less_equal(capacity - load, 0)):
         raise ModelError(
             "load must stay below yield stress times width times bore over safety for any eye to "
             f"carry it, got {float(np.nanmax(np.asarray(load / capacity))):.3g} times that."
         )
+    # eq. 14 is a quadratic in D, whose other root is negative
     root = np.sqrt(capacity**2 + 4 * capacity * load - 4 * load**2)
     return bore * (capacity + root) / (2 * (capacity - load))
 
@@ -502,6 +511,7 @@ def lock_force(
     require_not_negative(load=load, friction_bushing=friction_bushing, friction_seat=friction_seat)
     check_load(load=load)
     check_length(diameter=diameter, lever=lever)
+    # the bushing turns the pin, the seats hold it: their torques subtract
     return diameter * load * (friction_bushing - friction_seat) / (2 * lever)
 
 
@@ -562,6 +572,7 @@ def least_weld_diameter(
     check_load(load=load)
     check_length(pin_diameter=pin_diameter, throat=throat)
     check_strength(yield_stress=yield_stress)
+    # torque F d / 2 in a thin ring of diameter D + 2a, sheared at sigma_y / sqrt(3)
     return (
         np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
         - 2 * throat
@@ -598,6 +609,7 @@ def largest_internal_weld_diameter(pin_diameter: Values, *, throat: Values) -> V
     """
     require_positive(pin_diameter=pin_diameter, throat=throat)
     check_length(pin_diameter=pin_diameter, throat=throat)
+    # the leg of a weld is sqrt(2) times its throat
     return pin_diameter - 2 * throat * (1 + np.sqrt(2))
 
 
@@ -835,6 +847,7 @@ def lateral_shift(
     check_length(length=length, diameter=diameter)
     check_modulus(youngs_modulus=youngs_modulus)
 
+    # sine of the angle of the straight halves: the deflection in the middle over L/2
     slope = load * length**2 / (24 * youngs_modulus * np.pi * diameter**4 / 64)
     steepest = np.abs(slope)
     if np.any(np.greater(steepest, 1)):
@@ -885,6 +898,7 @@ def lateral_force(
     55.0 N, 55.0 N
     """
     shift = lateral_shift(load, length=length, diameter=diameter, youngs_modulus=youngs_modulus)
+    # the shortening as a strain of the whole pin
     return youngs_modulus * np.pi * diameter**2 / 4 * shift / length
 
 
@@ -992,6 +1006,7 @@ def press_fit_displacement(
     )
     check_modulus(youngs_bushing=youngs_bushing, youngs_housing=youngs_housing)
 
+    # radial displacement of each ring at the fit, over radius and pressure (Lame)
     k_h = (housing_diameter**2 + fit_diameter**2) / (housing_diameter**2 - fit_diameter**2)
     k_b = (fit_diameter**2 + bore**2) / (fit_diameter**2 - bore**2)
     compliance = (k_h + poisson_housing) / youngs_housing + (k_b - poisson_bushing) / youngs_bushing
@@ -1062,6 +1077,7 @@ class JointDesign:
             if np.isnan(value):
                 raise ModelError(f"{name} must be a number, got NaN.")
 
+        # no play, no hole and no friction are designs too
         may_be_zero = {"lateral_play", "hole_diameter", "friction"}
         require_positive(**{name: given[name] for name in given.keys() - may_be_zero})
         require_not_negative(**{name: given[name] for name in given.keys() & may_be_zero})
@@ -1092,6 +1108,8 @@ class JointDesign:
             seat_hardness=self.seat_hardness,
         )
         check_modulus(youngs_modulus=self.youngs_modulus)
+        if self.half_swing is not None:
+            check_swing(half_swing=self.half_swing)
 
 
 @dataclass(frozen=True)
@@ -1190,6 +1208,7 @@ def design_report(joint: JointDesign) -> DesignReport:
         *_housing_checks(joint),
         *_motion_checks(joint),
     ]
+    # the limit that is nearest to being exceeded comes first
     checks.sort(key=lambda check: -check.utilisation)
     return DesignReport(tuple(checks), tuple(_figures(joint)))
 
@@ -1230,6 +1249,7 @@ def _pin_checks(joint: JointDesign) -> list[DesignCheck]:
 
 def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
     d, w = joint.pin_diameter, joint.bushing_width
+    # the softer of the two bodies limits the projected pressure
     area = least_projected_area(joint.load, yield_stress=min(joint.bushing_yield, joint.pin_yield))
     width = least_bushing_width(
         joint.load, diameter=d, hardness=joint.bushing_hardness, safety=joint.safety
@@ -1318,6 +1338,7 @@ def _range(
 ) -> DesignCheck:
     low, high = ends
     statement = f"{value:.3g}{unit}, {low:g} to {high:g} recommended"
+    # 1 at either end of the range, less inside it
     return DesignCheck(name, equation, max(value / high, low / value), statement, recommended=True)
 
 

@@ -183,6 +183,7 @@ def scale_load(
     require_positive(length_ratio=length_ratio)
     check_load(load=load)
     check_modulus(youngs_modulus=youngs_modulus, model_youngs_modulus=model_youngs_modulus)
+    # area and modulus both scale the load of a given strain
     return load * model_youngs_modulus / youngs_modulus * length_ratio**2
 
 
@@ -295,6 +296,7 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
     require_positive(pin_diameter=pin_diameter)
     check_line_load(load_per_length=load_per_length)
     check_length(pin_diameter=pin_diameter)
+    # the load is int p cos^2(theta) d/2 over half the pin: p pi d / 4
     return 4 * load_per_length / (np.pi * pin_diameter)
 
 
@@ -509,6 +511,7 @@ def hertz_ellipse(
             "radius must be the larger reduced radius and radius_across the smaller one."
         )
 
+    # the axes follow from the shape alone; load and modulus only set their size
     radius_ratio = radius / radius_across
     p = _like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
     along, across = elliprd(0.0, 1.0, p), elliprd(0.0, p, 1.0)
@@ -609,7 +612,7 @@ def persson_group(half_angle: Values) -> Values:
     -0.110318 -0.110318
     """
     _require_half_angle(half_angle)
-    b2 = np.tan(half_angle / 2) ** 2
+    b2 = np.tan(half_angle / 2) ** 2  # log1p keeps the digits of narrow contacts
     return (2 - np.log1p(b2) - 2 * b2**2) / (np.pi * b2 * (1 + b2))
 
 
@@ -862,6 +865,7 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
     check_length(play=play)
     check_modulus(youngs_modulus=youngs_modulus)
 
+    # play and group must share their sign, else no positive load belongs to the angle
     load = youngs_modulus * play / (2 * persson_group(half_angle))
     if not np.all(np.greater(load, 0) | np.isnan(load)):
         raise ModelError(
@@ -923,6 +927,7 @@ def winkler_modulus(youngs_modulus: Values, *, poisson: Values) -> Values:
             "poisson must be below 0.5: an incompressible layer that cannot spread is rigid."
         )
     check_modulus(youngs_modulus=youngs_modulus)
+    # strain across the layer only: the constrained modulus lambda + 2 mu of elasticity
     return (1 - poisson) * youngs_modulus / ((1 + poisson) * (1 - 2 * poisson))
 
 
@@ -1033,7 +1038,8 @@ def winkler_contact(
     require_positive(load_per_length=load_per_length)
     check_line_load(load_per_length=load_per_length)
 
-    # the last factor only brings in the dimensions of the fit and is divided out again
+    # the load in units of E' Rb^2 / t; the last factor only brings in the dimensions of the fit and
+    # is divided out again
     grid = (
         load_per_length
         * thickness
@@ -1113,6 +1119,7 @@ def impact_stiffness(
     """
     require_positive(contact_modulus=contact_modulus)
     check_modulus(contact_modulus=contact_modulus)
+    # the bore is concave, so its curvature counts as negative; the print takes it for a ball
     inside = conformal_radius(pin_radius, bushing_radius=bushing_radius)
     outside = pin_radius * bushing_radius / (pin_radius + bushing_radius)
     return 4 / 3 * contact_modulus * np.sqrt(outside if as_printed else inside)
@@ -1169,6 +1176,7 @@ def impact_force(
     require_positive(impact_speed=impact_speed, stiffness=stiffness)
     require_between(0.0, 1.0, restitution=restitution)
     check_speed(rate=rate, impact_speed=impact_speed)
+    # the hysteresis absorbs the kinetic energy that the restitution does not return
     damping = 1 + 0.75 * (1 - restitution**2) * rate / impact_speed
     return stiffness * np.maximum(penetration, 0.0) ** 1.5 * damping
 
@@ -1196,6 +1204,7 @@ def _ellipse(
 ) -> EllipticalContact:
     """Contact with a given ratio of its axes and the factors F1 and F2 that belong to it."""
     equivalent = np.sqrt(radius * radius_across)
+    # the load is that of a semi-ellipsoid of pressure over the ellipse
     mean_axis = (3 * load * equivalent / (4 * modulus)) ** (1 / 3) * F1
     return EllipticalContact(
         a=mean_axis * np.sqrt(axis_ratio),
@@ -1230,6 +1239,7 @@ def _winkler_eccentricity(half_angle: Values, ratio: Values) -> Values:
 
 def _winkler_integrals(half_angle: Values, ratio: Values) -> tuple[Values, Values]:
     """Integrate Rs delta cos theta and Rs delta over the arc by Gauss's rule, in units of Rb^2."""
+    # the nodes take a last axis of their own, beside those of the arguments
     nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
     e = _winkler_eccentricity(half_angle, ratio)[..., None]
     theta = half_angle[..., None] * (nodes + 1) / 2
@@ -1270,6 +1280,7 @@ def _solve(
 ) -> Values:
     """Find the root of function(x, *arguments) between low and high, element by element."""
     shape = arguments[0].shape
+    # copies, because broadcast views are read-only
     bracket: Values = (np.broadcast_to(low, shape).copy(), np.broadcast_to(high, shape).copy())
     return elementwise.find_root(
         function,

@@ -275,6 +275,7 @@ def truncated_cosine_torque_ratio(half_angle: Values) -> Values:
     1.170138 1.170138
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
+    # sines over angles keep the limit of 1 at zero
     return 2 * _sinc(half_angle) / (1 + _sinc(2 * half_angle))
 
 
@@ -392,6 +393,7 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     if np.any(np.less_equal(np.diff(angles, axis=-1), 0)):
         raise ModelError("angle must rise along its last axis.")
 
+    # only the component along the line of load carries, the whole pressure rubs
     carried = np.trapezoid(pressures * np.cos(angles), angles, axis=-1)
     if np.any(np.less_equal(carried, 0)):
         raise ModelError(
@@ -463,6 +465,7 @@ def average_reversals(
             f"{ratio.shape} and {sense.shape}."
         )
 
+    # friction reverses with the motion and an offset does not
     forward, backward = ratio[sense > 0], ratio[sense < 0]
     if forward.size < 2 or backward.size < 2:
         raise ModelError(
@@ -775,5 +778,5 @@ def _samples(angle: Values, pressure: Values) -> tuple[Values, Values, Callable[
 
 def _sinc(x: Values) -> Values:
     """sin(x)/x, 1 at zero."""
-    safe = x + (x == 0)
+    safe = x + (x == 0)  # 1 in the place of 0, whose quotient is then replaced
     return np.sin(safe) / safe * (x != 0) + (x == 0)

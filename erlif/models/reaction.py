@@ -157,6 +157,7 @@ def joint_reaction(
         force = np.sqrt(force_x**2 + force_y**2)
         couple = sense * bodies.friction * normal_share * force * bodies.pin_radius
 
+    # the torque balances the pin force on the crank and the couple of friction
     lever = linkage.crank * (np.cos(crank_angle) * force_y - np.sin(crank_angle) * force_x)
     return JointReaction(force_x, force_y, force, normal_share * force, lever + couple)
 
@@ -196,6 +197,7 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     8423 N, 8423 N
     """
     require_finite(crank_angle=crank_angle, rocker_torque=rocker_torque)
+    # only the component of the coupler force across the rocker turns it
     return rocker_torque / (linkage.rocker * np.sin(linkage.transmission_angle(crank_angle)))
 
 

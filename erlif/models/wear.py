@@ -22,6 +22,7 @@ from erlif.models.arguments import (
     check_specific_wear,
     check_speed,
     check_strength,
+    check_swing,
     check_temperature,
     require_finite,
     require_not_negative,
@@ -127,6 +128,7 @@ def abrasive_wear(
             "asperity_slope must lie from 0 to below pi/2, got "
             f"{lowest if lowest < 0 else highest:g} rad."
         )
+    # a cone of radius r ploughs an area r^2 tan(Theta) and bears with its front half, H pi r^2 / 2
     slope = np.tan(asperity_slope)
     return adhesive_wear(
         load, sliding_distance=sliding_distance, hardness=hardness, coefficient=2 / np.pi * slope
@@ -192,6 +194,7 @@ def fatigue_wear(
         particle_size=particle_size,
         coefficient=coefficient,
     )
+    # the three constants and the strain make one coefficient of Archard's law
     share = coefficient * asperity_distribution * particle_size / failure_strain**2
     return adhesive_wear(
         load, sliding_distance=sliding_distance, hardness=hardness, coefficient=share
@@ -307,6 +310,7 @@ def steady_bushing_wear(
     check_load(load=load)
     check_length(shaft_radius=shaft_radius, width=width)
 
+    # a rigid shaft that sinks along the load wears as cos(theta), so the pressure is a cosine too
     pressure = 2 * load / (np.pi * shaft_radius * width)
     depth = wear_depth(pressure, sliding_distance=sliding_distance, specific_wear=specific_wear)
     return WornBushing(depth, pressure, 2 * shaft_radius * width * depth)
@@ -424,9 +428,11 @@ def coupled_wear(
     check_length(bushing_radius=bushing_radius, bushing_width=bushing_width)
     check_specific_wear(specific_wear=specific_wear)
 
+    # the end of a cycle is the start of the next, so it is not sampled twice
     crank_angle = np.linspace(0, 2 * np.pi, steps_per_cycle, endpoint=False)
     at, volume, force = [0], [0.0], []
     while True:
+        # the cosine of the worn bushing turns volume into depth, and the depth lengthens the rod
         clearance = linkage.clearance + coupled * volume[-1] / (2 * bushing_radius * bushing_width)
         worn = replace(linkage, clearance=clearance)
         reaction = joint_reaction(
@@ -491,7 +497,9 @@ def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) 
     """
     require_not_negative(half_swing=half_swing)
     require_positive(diameter=diameter, period=period)
+    check_swing(half_swing=half_swing)
     check_length(diameter=diameter)
+    # four times the half swing per period, on half the diameter
     return 2 * diameter * half_swing / period
 
 
@@ -568,7 +576,7 @@ def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
     require_not_negative(load=load, friction=friction)
     check_load(load=load)
     check_speed(speed=speed)
-    return friction * load * np.abs(speed)
+    return friction * load * np.abs(speed)  # both directions of motion heat the joint
 
 
 @broadcasting
@@ -601,6 +609,7 @@ def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values
     """
     require_positive(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
     check_conductivity(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
+    # both bodies have the temperature of the contact, so the heat divides as they conduct
     return 1 / (1 + pin_conductivity / bushing_conductivity)
 
 
@@ -669,6 +678,7 @@ def surface_temperature(
     check_temperature(measured_temperature=measured_temperature)
     check_length(pin_diameter=pin_diameter, wall=wall, width=width)
     check_conductivity(conductivity=conductivity)
+    # conduction through a cylindrical wall
     return measured_temperature + heat * np.log((pin_diameter + 2 * wall) / pin_diameter) / (
         arc * width * conductivity
     )

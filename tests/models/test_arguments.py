@@ -156,6 +156,7 @@ PLAUSIBLE = {  # extremes of machines, materials and oils in use
     "check_specific_wear": [0.0, 1e-20, 5.05e-13, 1e-10],
     "check_speed": [-0.0842, 0.0, 150.0],
     "check_strength": [1e6, 6e8, 1e11],  # PTFE, steel, diamond's hardness
+    "check_swing": [0.0, 0.2132, 3.0],
     "check_temperature": [213.15, 298.15, 1500.0],
     "check_viscosity": [1.8e-5, 0.12, 25.0],  # air, gear oil, ISO VG 1000 at freezing point
 }
@@ -175,6 +176,7 @@ SLIPS = {  # the gear oil, the steel and the joint of Farzaneh (2002) in the uni
     "check_specific_wear": [5.05e-4],
     "check_speed": [1e4],
     "check_strength": [600.0, 187.0],
+    "check_swing": [12.2, 90.0],
     "check_temperature": [25.0, 100.0],
     "check_viscosity": [120.0, 140.0],
 }

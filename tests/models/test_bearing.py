@@ -343,6 +343,7 @@ def test_slip_of_units_warns(formula, slip, message):
         ({"housing_diameter": 200.0}, "housing_diameter = 200 m"),
         ({"pin_yield": 600.0}, "pin_yield = 600 Pa"),
         ({"youngs_modulus": 206.0}, "youngs_modulus = 206 Pa"),
+        ({"half_swing": 12.2}, "half_swing = 12.2 rad .* degrees"),
     ],
 )
 def test_slip_of_units_in_a_joint_warns_with_its_field(slip, message):

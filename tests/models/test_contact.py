@@ -6,7 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes.formulas import (
     assert_broadcasts,
@@ -412,6 +412,7 @@ def test_impact_stiffness_of_mukras():  # Mukras et al. (2008), eq. 13 with Tabl
     npt.assert_allclose(ratio, 43.66, atol=5e-3)
 
 
+@settings(max_examples=30)  # one parameter, and each example integrates a motion
 @given(st.floats(0.9, 1.0))
 def test_impact_loses_the_energy_of_its_restitution(restitution):
     """A mass that hits the spring of eq. 12 leaves with nearly the speed of its restitution."""

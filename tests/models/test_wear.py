@@ -301,6 +301,7 @@ def test_missing_value_gives_a_missing_result(formula, case):
         (wear_depth, {"specific_wear": 0.000505}, "specific_wear = 0.000505 1/Pa .* mm3/"),
         (steady_bushing_wear, {"shaft_radius": 33.36}, "shaft_radius = 33.36 m"),
         (mean_sliding_speed, {"diameter": 66.72}, "diameter = 66.72 m"),
+        (mean_sliding_speed, {"half_swing": 12.2}, "half_swing = 12.2 rad .* degrees"),
         (pressure_velocity, {"width": 100.0}, "width = 100 m"),
         (friction_heat, {"speed": 50000.0}, "speed = 50000 m/s"),
         (bushing_heat_share, {"pin_conductivity": 45000.0}, "pin_conductivity = 45000 W"),
