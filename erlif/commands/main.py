@@ -33,7 +33,7 @@ INTERRUPTED = 130
 
 
 class _Commands(click.Group):
-    """Ends bad input with one message and status 2, a defect of erlif with a traceback and status 1."""
+    """Bad input ends with one message and status 2, a defect of erlif with status 1."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

@@ -9,7 +9,7 @@ import click
 from erlif.core.errors import OutputError
 
 PATH = click.Path(path_type=Path)
-"""A file or directory. The functions check whether it exists, so that their messages reach the user."""
+"""A file or directory. The stages check whether it exists; their messages reach the user."""
 
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
 

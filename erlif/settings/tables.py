@@ -110,7 +110,7 @@ class CameraSettings(Settings):
     )
     dark: FileName | None = Field(
         None,
-        description="Dark frames: laser off, exposure time and camera gain as in the run. Either "
+        description="Dark frames: lens capped, exposure time and camera gain as in the run. Either "
         "dark or offset is required.",
         examples=["camera1_dark.tif"],
     )
@@ -126,10 +126,12 @@ class CameraSettings(Settings):
     gain: Gain | None = Field(
         None,
         description="Photo-electrons per count. Default: measured from the flats by photon "
-        "transfer (EMVA 1288).",
+        "transfer (EMVA 1288), without flats from the frames.",
     )
     read_noise: Electrons | None = Field(
-        None, description="Rms read noise of a pixel. Default: measured from the darks."
+        None,
+        description="Rms read noise of a pixel. Default: measured from the darks, "
+        "without darks from the frames.",
     )
 
     @property
@@ -268,7 +270,9 @@ class VogelSettings(Settings):
 class OilSettings(Settings):
     """The oil between pin and bushing."""
 
-    name: Text = Field("", description="Name of the oil, for figures.", examples=["80W-90"])
+    name: Text = Field(
+        "", description="Name of the oil in figures and reports.", examples=["80W-90"]
+    )
     viscosity: Viscosity | None = Field(
         None,
         description="Dynamic viscosity at the temperature of the run. Either viscosity or vogel is "

@@ -76,7 +76,7 @@ def test_vogels_law_without_a_temperature_is_refused(lab, refused):
 
 
 def test_vogels_law_follows_the_temperature(lab, command, film):
-    """The isoviscous film goes with the viscosity: at 25 degC, 0.05e-3 exp(1100/140) = 0.129 Pa s against 0.12."""
+    """Isoviscous film is proportional to viscosity: 0.05e-3 exp(1100/140) = 0.129 Pa s at 25 C."""
     lab.edit("run/run.toml", ('viscosity = "0.12 Pa s"', VOGEL))
     command("process", lab.run)
     ours, constant = read_film(lab.film), read_film(film)

@@ -1,0 +1,568 @@
+"""Write docs/files.md and the JSON schemas in docs/schema again: ``python docs/make_files.py``.
+
+The pages of the settings come from the tables of `erlif.settings`; the variables of calibration.nc
+and film.nc stand below, and a test holds them to the files that erlif writes.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from erlif.core.flags import Flag
+from erlif.settings import (
+    FixtureSettings,
+    Key,
+    RunSettings,
+    Settings,
+    Table,
+    json_schema,
+    keys_of,
+    tables_of,
+)
+from erlif.settings.toml import toml_value
+
+DOCS = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a netCDF file."""
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: str
+    unit: str
+    meaning: str
+    when: str = ""
+    """Condition under which it is in the file; empty: always."""
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """An attribute of a file, a group or a variable."""
+
+    name: str
+    meaning: str
+    when: str = ""
+
+
+T, F, YX = ("trigger",), ("frame",), ("y", "x")
+MAP = ("trigger", "y", "x")
+
+FILM = (
+    Variable("trigger", T, "int64", "", "Number of the encoder trigger within the cycle, from 0."),
+    Variable("x", ("x",), "float64", "mm", "Position of the pixel centres along image x."),
+    Variable("y", ("y",), "float64", "mm", "Position of the pixel centres along image y, down."),
+    Variable(
+        "thickness", MAP, "float32", "um", "Film thickness. NaN exactly where flags is not 0."
+    ),
+    Variable(
+        "thickness_std",
+        MAP,
+        "float32",
+        "um",
+        "Standard deviation of the thickness of a pixel, random part: photons, reading, darks, flats "
+        "and interpolation.",
+    ),
+    Variable(
+        "thickness_std_shared",
+        MAP,
+        "float32",
+        "um",
+        "Standard deviation common to all pixels: calibration and registration.",
+    ),
+    Variable(
+        "flags", MAP, "uint8", "1", "Bit mask of the reasons why a pixel is not valid, see below."
+    ),
+    Variable("frames_used", T, "int64", "1", "Number of frame pairs combined for this trigger."),
+    Variable(
+        "encoder_angle", T, "float64", "degree", "Encoder angle as logged, mean of the frames."
+    ),
+    Variable("stroke", T, "int8", "1", "+1 where the angle rises, -1 where it falls."),
+    Variable("crank_angle", T, "float64", "degree", "Crank angle from the ground link, 0 to 360."),
+    Variable(
+        "rocker_speed",
+        T,
+        "float64",
+        "rad s-1",
+        "Angular speed in the joint, signed, from the linkage.",
+    ),
+    Variable(
+        "sliding_speed", T, "float64", "m s-1", "Speed of the pin surface against the bushing."
+    ),
+    Variable("load", T, "float64", "N", "Load on the joint, from the log, else from [joint]."),
+    Variable(
+        "temperature",
+        T,
+        "float64",
+        "degree_Celsius",
+        "Temperature of the oil.",
+        "the log has temperature_C",
+    ),
+    Variable(
+        "film_mean", T, "float64", "um", "Mean film thickness over the valid pixels of the region."
+    ),
+    Variable(
+        "film_mean_std", T, "float64", "um", "Its standard deviation, random and shared parts."
+    ),
+    Variable(
+        "film_min",
+        T,
+        "float64",
+        "um",
+        "Minimum film thickness in the region, of a smooth gap fitted to the valid pixels: a "
+        "parabola along the sliding direction with a tilt. Never the thinnest noisy pixel.",
+    ),
+    Variable(
+        "film_min_std", T, "float64", "um", "Its standard deviation, random and shared parts."
+    ),
+    Variable(
+        "film_hamrock_dowson",
+        T,
+        "float64",
+        "um",
+        "Line-contact formula 2.65 G^0.54 U^0.7 W^-0.13 at the speed and load of the trigger.",
+    ),
+    Variable(
+        "film_theory",
+        T,
+        "float64",
+        "um",
+        "Prediction of the lubrication regime of this joint; regime and reason are attributes.",
+    ),
+    Variable(
+        "film_parameter",
+        T,
+        "float64",
+        "1",
+        "Lambda: film_min over the combined rms roughness.",
+        "both surfaces have a roughness",
+    ),
+    Variable(
+        "speed_exponent",
+        (),
+        "float64",
+        "1",
+        "Exponent n of film_min proportional to (rocker_speed/load)^n, from a log-log fit without "
+        "the triggers below a tenth of the highest speed.",
+    ),
+    Variable("speed_exponent_std", (), "float64", "1", "Its standard deviation."),
+    Variable("speed_exponent_mean", (), "float64", "1", "The same exponent for film_mean."),
+    Variable("speed_exponent_mean_std", (), "float64", "1", "Its standard deviation."),
+)
+
+FILM_ATTRIBUTES = (
+    Attribute("Conventions", "CF-1.11."),
+    Attribute("title", "Title with the name of the run."),
+    Attribute("history", "Version of erlif and the step that wrote the file."),
+    Attribute("erlif_version", "Version of erlif."),
+    Attribute("settings", "All settings, defaults included, as TOML."),
+    Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
+    Attribute("calibration", "Parameters, covariance and origin of the calibration, as JSON."),
+    Attribute("notes", "Findings about inputs and results, one a line."),
+    Attribute(
+        "smoothing", "Resolution of the smoothed ratio behind the maps. [px]", "smoothing is set"
+    ),
+    Attribute("smoothing_comment", "What was smoothed and what was not.", "smoothing is set"),
+)
+
+VARIABLE_ATTRIBUTES = (
+    Attribute("units", "Unit, in the notation of UDUNITS."),
+    Attribute("long_name", "Short description."),
+    Attribute("comment", "Further remark."),
+    Attribute("ancillary_variables", "Names of the standard deviations and flags of a variable."),
+    Attribute("flag_masks", "Of flags: the bits."),
+    Attribute("flag_meanings", "Of flags: the names of the bits."),
+    Attribute(
+        "share_beyond_range",
+        "Of film_mean: share of the region that is too thin or too thick, for each trigger.",
+    ),
+    Attribute("regime", "Of film_theory: the lubrication regime of most triggers."),
+    Attribute("regimes_by_trigger", "Of film_theory: the regime of each trigger."),
+    Attribute("reason", "Of film_theory: why this regime was selected."),
+    Attribute("notes", "Of film_theory: assumptions of the formula and how far they hold."),
+    Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
+    Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
+)
+
+FRAMES = (
+    Variable("frame", F, "int64", "", "Number of the frame pair, from 0."),
+    Variable("trigger", F, "int64", "1", "Trigger within the cycle."),
+    Variable("cycle", F, "int64", "1", "Turn of the crank, from 0."),
+    Variable("time", F, "float64", "s", "Time of the trigger; NaN where it is not logged."),
+    Variable(
+        "drift_x", F, "float64", "px", "Drift of camera 2 along x against the mean of the run."
+    ),
+    Variable("drift_y", F, "float64", "px", "The same along y."),
+    Variable("pulse_energy", F, "float64", "1", "Energy of the laser pulse relative to the mean."),
+    Variable("file_camera1", F, "text", "", "File name of the frame of camera 1."),
+    Variable("file_camera2", F, "text", "", "File name of the frame of camera 2."),
+)
+
+FRAMES_ATTRIBUTES = (
+    Attribute(
+        "skipped_frames",
+        "Frame pairs that were left out, with the reason.",
+        "--skip-bad-frames left out a pair",
+    ),
+)
+
+REGISTRATION = (
+    Variable(
+        "displacement_x",
+        YX,
+        "float32",
+        "px",
+        "Camera-2 pixel minus camera-1 pixel of the same object point, along x, at zero drift.",
+    ),
+    Variable("displacement_y", YX, "float32", "px", "The same along y."),
+    Variable("displacement_std", YX, "float32", "px", "Standard deviation of one component of it."),
+    Variable("overlap", YX, "uint8", "1", "1 where camera 2 sees the object point."),
+    Variable("poor", YX, "uint8", "1", "1 where the registration is not good enough for a ratio."),
+)
+
+REGISTRATION_ATTRIBUTES = (
+    Attribute("registration_quality", "Correlation of the cameras after registration, 0 to 1."),
+    Attribute("registration_model", "Form of the camera map, in words."),
+    Attribute("registration_model_asked", "Form that the settings asked for."),
+    Attribute("registration_orientation", "Orientation of camera 2 against camera 1."),
+    Attribute("registration_window", "Side of the interrogation window. [px]"),
+    Attribute("registration_step", "Distance between window centres. [px]"),
+    Attribute("registration_passes", "Number of Gauss-Newton passes at full resolution."),
+    Attribute("registration_whiten", "1 where spatial frequencies are weighted by coherence."),
+    Attribute("registration_search", "Largest offset searched for, as a part of the frame."),
+    Attribute("registration_frames_for_map", "Largest number of frame pairs behind the map."),
+    Attribute("registration_threads", "Threads used; the result does not depend on it."),
+)
+
+BLUR_ATTRIBUTES = (
+    Attribute(
+        "blur_difference",
+        "Half the blur variance of camera 2 less that of camera 1, along x and y. [px2]",
+    ),
+    Attribute("blur_difference_std", "Its standard deviation. [px2]"),
+    Attribute("blur_difference_comment", "The definition of blur_difference."),
+)
+
+BIN, DEPARTURE = ("bin",), "the ratio departs from the model"
+CALIBRATION = (
+    Variable(
+        "ratio_at_zero",
+        (),
+        "float64",
+        "1",
+        "K: ratio camera 2 / camera 1 of a film of zero thickness.",
+    ),
+    Variable(
+        "attenuation_camera1", (), "float64", "um-1", "p: attenuation in the band of camera 1."
+    ),
+    Variable(
+        "attenuation_camera2", (), "float64", "um-1", "q: attenuation in the band of camera 2."
+    ),
+    Variable(
+        "parameter", ("parameter",), "text", "", "Names of the parameters, in the order K, p, q."
+    ),
+    Variable(
+        "covariance",
+        ("parameter", "parameter2"),
+        "float64",
+        "",
+        "Covariance of K, p and q, in their units. Dimension parameter2 has the same order.",
+    ),
+    Variable(
+        "thickness_range", ("bound",), "float64", "um", "Calibrated range, lower and upper end."
+    ),
+    Variable("curve_x", BIN, "float64", "mm", "Position along the profile."),
+    Variable(
+        "curve_thickness", BIN, "float64", "um", "Thickness from the coordinate measuring machine."
+    ),
+    Variable("curve_ratio", BIN, "float64", "1", "Mean ratio in the bin."),
+    Variable(
+        "curve_ratio_std",
+        BIN,
+        "float64",
+        "1",
+        "Standard deviation of that mean, the error of the profile included.",
+    ),
+    Variable("curve_residual", BIN, "float64", "1", "Ratio minus fitted ratio."),
+    Variable("reduced_chi_square", (), "float64", "1", "Reduced chi-square of the fit."),
+    Variable(
+        "departure_knots",
+        ("departure_knot",),
+        "float64",
+        "um",
+        "Knots of a cubic spline over the thickness that is added to the log ratio of the model.",
+        DEPARTURE,
+    ),
+    Variable(
+        "departure_coefficient",
+        ("departure_function",),
+        "float64",
+        "1",
+        "Coefficients of its B-splines.",
+        DEPARTURE,
+    ),
+    Variable(
+        "departure_covariance",
+        ("departure_function", "departure_function2"),
+        "float64",
+        "1",
+        "Covariance of the coefficients, independent of K, p and q.",
+        DEPARTURE,
+    ),
+)
+
+CALIBRATION_ATTRIBUTES = (
+    Attribute("Conventions", "CF-1.11."),
+    Attribute("title", "ERLIF calibration."),
+    Attribute("erlif_version", "Version of erlif."),
+    Attribute("band_camera1_nm", "Centre wavelength of camera 1. [nm]"),
+    Attribute("band_camera2_nm", "Centre wavelength of camera 2. [nm]"),
+    Attribute("ratio_direction", "camera2/camera1."),
+    Attribute("fixture", "Name of the fixture."),
+    Attribute("date", "Day the first frame was written, year-month-day."),
+    Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
+    Attribute("notes", "Findings about inputs and fit, one a line."),
+    Attribute("note_records", "The same with level and subject, as JSON."),
+    Attribute("profile_file", "Name of the profile among input_hashes."),
+    Attribute(
+        "pose",
+        "Origin, direction and scale of the profile as refined, with covariance, as JSON.",
+        "align = true",
+    ),
+)
+
+ENCODER = (
+    ("frame", "", "required", "Number of the frame pair: whole numbers that rise by one."),
+    ("angle_deg", "degree", "required", "Encoder angle at the trigger."),
+    ("time_s", "s", "optional", "Time of the trigger."),
+    ("load_N", "N", "optional", "Load on the joint, above 0. Absent: load of [joint] is used."),
+    ("temperature_C", "degree Celsius", "optional", "Temperature of the oil, for a Vogel law."),
+)
+
+PROFILE = (
+    ("x_mm", "mm", "required", "Position along the profile."),
+    ("y_mm", "mm", "optional", "Position across the profile, where a surface was measured."),
+    ("thickness_um", "um", "required", "Film thickness at this position."),
+    ("uncertainty_um", "um", "optional", "Standard deviation of the thickness, above 0."),
+)
+
+
+def settings_section(
+    kind: type[Settings], name: str, leave_out: Sequence[str] = ()
+) -> Iterator[str]:
+    """The tables of a settings file, each with its keys; tables of one form share a section."""
+    by_kind: dict[type[Settings], list[Table]] = {}
+    for table in tables_of(kind):
+        if table.title not in leave_out:
+            by_kind.setdefault(table.kind, []).append(table)
+    for inner, tables in by_kind.items():
+        keys = list(keys_of(inner))
+        if not keys:
+            continue
+        titles = " and ".join(f"\\[{table.title}\\]" for table in tables if table.path)
+        choice = keys[0].choices if keys[0].name == "kind" else ()
+        heading = titles or f"Top of {name}"
+        yield f"### {heading}{f', {choice[0]}' if choice else ''}"
+        yield ""
+        yield tables[0].meaning if titles else "Keys above the first table."
+        if titles and not all(table.required for table in tables):
+            yield "The table is optional."
+        yield ""
+        yield "| key | value | default | meaning |"
+        yield "|---|---|---|---|"
+        yield from (key_row(key) for key in keys)
+        yield ""
+
+
+def key_row(key: Key) -> str:
+    """One row about a key."""
+    value = key.form
+    if key.choices:
+        value = ", ".join(f'`"{choice}"`' for choice in key.choices)
+    elif key.bounds:
+        value = f"{value}, {key.bounds}"
+    if not key.choices:
+        value = f"{value}: `{toml_value(key.example)}`"
+    meaning, _, absent = key.meaning.partition(" Default: ")
+    default = "**required**" if key.required else absent.rstrip(".") or "none"
+    if key.default not in (None, ""):
+        default = f"`{toml_value(key.default)}`"
+    return f"| `{key.name}` | {value} | {default} | {meaning} |"
+
+
+def variables_table(variables: Sequence[Variable]) -> Iterator[str]:
+    """Rows about the variables of a group."""
+    yield "| variable | dims | type | unit | meaning |"
+    yield "|---|---|---|---|---|"
+    for variable in variables:
+        when = f" Only where {variable.when}." if variable.when else ""
+        dims = ", ".join(variable.dims) or "scalar"
+        unit = variable.unit or "-"
+        meaning = f"{variable.meaning}{when}"
+        yield f"| `{variable.name}` | {dims} | {variable.dtype} | {unit} | {meaning} |"
+    yield ""
+
+
+def attributes_table(attributes: Sequence[Attribute]) -> Iterator[str]:
+    """Rows about attributes."""
+    yield "| attribute | meaning |"
+    yield "|---|---|"
+    for attribute in attributes:
+        when = f" Only where {attribute.when}." if attribute.when else ""
+        yield f"| `{attribute.name}` | {attribute.meaning}{when} |"
+    yield ""
+
+
+def columns_table(columns: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
+    """Rows about the columns of a CSV file."""
+    yield "| column | unit | | meaning |"
+    yield "|---|---|---|---|"
+    for name, unit, need, meaning in columns:
+        yield f"| `{name}` | {unit or '-'} | {need} | {meaning} |"
+    yield ""
+
+
+def flags_table() -> Iterator[str]:
+    """Rows about the bits of flags."""
+    meanings = {
+        Flag.SATURATED: "A camera reads full scale.",
+        Flag.DIM: "A camera has too little light above its dark level for a ratio.",
+        Flag.BAD_PIXEL: "Hot, dead or noisy pixel of a camera.",
+        Flag.OUTSIDE_OVERLAP: "Seen by one camera only.",
+        Flag.BELOW_RANGE: "Film thinner than the calibrated or the measurable range.",
+        Flag.ABOVE_RANGE: "Film thicker than the calibrated or the measurable range.",
+        Flag.POOR_REGISTRATION: "The registration is not good enough for a ratio.",
+        Flag.NO_FILM: "Bubble or bare wall: the fluorescence of both bands is missing.",
+    }
+    yield "| bit | name | meaning |"
+    yield "|---|---|---|"
+    for flag in Flag:
+        yield f"| {flag.value} | `{str(flag.name).lower()}` | {meanings[flag]} |"
+    yield ""
+
+
+INTRODUCTION = """\
+<!-- made by docs/make_files.py; a test holds it to what erlif reads and writes -->
+
+# Files
+
+erlif reads `run.toml`, `fixture.toml`, `encoder.csv`, `profile.csv` and frames; it writes
+`calibration.nc` and `film.nc`. This page is generated from the program.
+
+In settings files a quantity is text with a unit, `"50 lbf"` or `"114 rpm"`, in any unit of its
+kind. A bare number in place of a quantity is refused, and so is an unknown key; the message names
+the nearest known key. `erlif init` writes a first `run.toml` or `fixture.toml`, in which a gap,
+`"??"`, stands for every required value that the files do not show.
+
+Editors with JSON schema complete and check these files. `erlif init` writes the schema beside the
+settings, and their first line, `#:schema ./run.schema.json`, points to it for Taplo and Even Better
+TOML. The schemas are also in the repository: `docs/schema/run.schema.json` and
+`docs/schema/fixture.schema.json`.
+"""
+
+FRAMES_TEXT = """\
+## Frames
+
+Frames, darks and flats are grey images of 8 or 16-bit unsigned counts, at least 64 x 64 pixels, all
+of one size and type in a run: TIFF, or any format for which `imageio` has a reader. Frame k of
+camera 1 and frame k of camera 2 show the same laser pulse, and row k of the encoder log belongs to
+them. Single-page files are taken in natural order (frame_2 before frame_10); a multi-page file
+holds its frames in order.
+"""
+
+SHARED_TABLES_TEXT = """\
+The tables \\[camera1\\], \\[camera2\\], \\[optics\\], \\[registration\\] and \\[thickness\\] are
+those of run.toml."""
+
+ENCODER_TEXT = """\
+One row for each frame pair, below one header row; decimal points, commas between columns."""
+
+FURTHER_COLUMNS_TEXT = """\
+Further columns keep their names and travel into film.nc, numbers as the mean over the frames of a
+trigger. Their names must differ from the variables of film.nc."""
+
+CAMERA_MAP_TEXT = """\
+Group `registration`: the camera map of the fixture, with the variables and attributes of the
+[same group in film.nc](#group-registration), without `blur_difference`."""
+
+
+def render() -> str:
+    """The page as Markdown."""
+    shared = ("camera1", "camera2", "optics", "registration", "thickness", "thickness.roi")
+    lines = [INTRODUCTION, "## run.toml", ""]
+    lines += settings_section(RunSettings, "run.toml")
+    lines += ["## fixture.toml", ""]
+    lines += [SHARED_TABLES_TEXT, ""]
+    lines += settings_section(FixtureSettings, "fixture.toml", leave_out=shared)
+    lines += [FRAMES_TEXT]
+
+    lines += ["## encoder.csv", "", ENCODER_TEXT, ""]
+    lines += columns_table(ENCODER)
+    lines += [FURTHER_COLUMNS_TEXT, "", "## profile.csv", ""]
+    lines += ["At least eight points of the fixture, in the order of these columns.", ""]
+    lines += columns_table(PROFILE)
+
+    lines += ["## calibration.nc", "", "netCDF-4, written by `erlif calibrate`.", ""]
+    lines += variables_table(CALIBRATION)
+    lines += ["Attributes of the file:", ""]
+    lines += attributes_table(CALIBRATION_ATTRIBUTES)
+    lines += [
+        "Group `registration`: the camera map of the fixture, with variables and attributes as in "
+    ]
+    lines[-1] += "[film.nc](#group-registration), the attributes `blur_difference...` excepted."
+    lines += [""]
+
+    lines += [
+        "## film.nc",
+        "",
+        "netCDF-4 (or zarr, by the suffix), written by `erlif process`.",
+        "",
+    ]
+    lines += variables_table(FILM)
+    lines += [
+        "Further columns of the encoder log are variables of their own name on `trigger`.",
+        "",
+    ]
+    lines += ["Bits of `flags`; a valid pixel has none:", ""]
+    lines += flags_table()
+    lines += ["Attributes of the file:", ""]
+    lines += attributes_table(FILM_ATTRIBUTES)
+    lines += ["Attributes of variables:", ""]
+    lines += attributes_table(VARIABLE_ATTRIBUTES)
+    lines += ["### Group frames", "", "What belongs to single frame pairs.", ""]
+    lines += variables_table(FRAMES)
+    lines += attributes_table(FRAMES_ATTRIBUTES)
+    lines += [
+        "### Group registration",
+        "",
+        "The camera map: where camera 2 sees the pixels of camera 1.",
+        "",
+    ]
+    lines += variables_table(REGISTRATION)
+    lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def schemas() -> dict[str, str]:
+    """The JSON schemas by their file names."""
+    kinds = {"run.schema.json": RunSettings, "fixture.schema.json": FixtureSettings}
+    return {
+        name: json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n"
+        for name, kind in kinds.items()
+    }
+
+
+def main() -> None:
+    """Write the page and the schemas."""
+    (DOCS / "files.md").write_text(render(), encoding="utf-8")
+    (DOCS / "schema").mkdir(exist_ok=True)
+    for name, text in schemas().items():
+        (DOCS / "schema" / name).write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

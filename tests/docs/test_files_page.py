@@ -1,0 +1,155 @@
+"""docs/files.md and the JSON schemas, held to what erlif reads and writes."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import h5netcdf
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.calibration import read_profile
+from erlif.calibration.departure import Departure
+from erlif.ingest import read_encoder_log
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.fixture(scope="module")
+def page():
+    spec = importlib.util.spec_from_file_location("make_files", DOCS / "make_files.py")
+    module = sys.modules["make_files"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules["make_files"]
+
+
+def test_the_committed_page_is_the_generated_one(page):
+    assert (DOCS / "files.md").read_text(encoding="utf-8") == page.render(), (
+        "python docs/make_files.py"
+    )
+
+
+def test_the_committed_schemas_are_the_generated_ones(page):
+    for name, text in page.schemas().items():
+        assert (DOCS / "schema" / name).read_text(encoding="utf-8") == text, (
+            "python docs/make_files.py"
+        )
+
+
+def contents(group):
+    """Dims, type and unit of each variable of a group."""
+    found = {}
+    for name, variable in group.variables.items():
+        kind = (
+            "text"
+            if variable.dtype == object or variable.dtype.kind in "SU"
+            else str(variable.dtype)
+        )
+        found[name] = (tuple(variable.dimensions), kind, variable.attrs.get("units", ""))
+    return found
+
+
+def described(variables, *, always=False):
+    return {
+        one.name: (one.dims, one.dtype, one.unit) for one in variables if not (always and one.when)
+    }
+
+
+def check_names(found, documented):
+    """Names of the file are on the page; names of the page without a condition are in the file."""
+    assert set(found) <= {one.name for one in documented}
+    assert {one.name for one in documented if not one.when} <= set(found)
+
+
+def check_variables(found, documented):
+    check_names(found, documented)
+    all_described = described(documented)
+    assert found == {name: all_described[name] for name in found}
+
+
+def test_film_holds_the_variables_and_attributes_of_the_page(page, film):
+    with h5netcdf.File(film) as file:
+        found = contents(file)
+        assert found.pop("laser_mJ") == (("trigger",), "float64", "")  # a further column of the log
+        check_variables(found, page.FILM)
+        check_names(file.attrs, page.FILM_ATTRIBUTES)
+        check_variables(contents(file.groups["frames"]), page.FRAMES)
+        check_names(file.groups["frames"].attrs, page.FRAMES_ATTRIBUTES)
+        check_variables(contents(file.groups["registration"]), page.REGISTRATION)
+        attributes = [*page.REGISTRATION_ATTRIBUTES, *page.BLUR_ATTRIBUTES]
+        check_names(file.groups["registration"].attrs, attributes)
+        used = {
+            name
+            for variable in file.variables.values()
+            for name in variable.attrs
+            if name != "_FillValue"
+        }
+        check_names(used, page.VARIABLE_ATTRIBUTES)
+
+
+def test_calibration_holds_the_variables_and_attributes_of_the_page(page, small_rig):
+    with h5netcdf.File(small_rig.fixture / "calibration.nc") as file:
+        check_variables(contents(file), page.CALIBRATION)
+        check_names(file.attrs, page.CALIBRATION_ATTRIBUTES)
+        check_variables(contents(file.groups["registration"]), page.REGISTRATION)
+        check_names(file.groups["registration"].attrs, page.REGISTRATION_ATTRIBUTES)
+
+
+def test_a_departure_from_the_model_is_stored_as_the_page_describes(page):
+    dataset = xr.Dataset()
+    Departure(np.arange(8.0), np.zeros(4), np.eye(4)).describe(dataset)
+    found = {
+        str(name): (dataset[name].dims, str(dataset[name].dtype), dataset[name].attrs["units"])
+        for name in dataset
+    }
+    assert found == {name: described(page.CALIBRATION)[name] for name in found}
+    assert {one.name for one in page.CALIBRATION if one.when == page.DEPARTURE} == set(found)
+
+
+def test_conditional_attributes_appear_under_their_condition(page, lab):
+    lab.edit("run/run.toml", ("[thickness]", "[thickness]\nsmoothing = 3"))
+    lab.frames(1)[2].write_bytes(b"")
+    erlif.process(lab.run, output=lab.film, skip_bad_frames=True).close()
+    with h5netcdf.File(lab.film) as file:
+        assert set(file.attrs) == {one.name for one in page.FILM_ATTRIBUTES}
+        assert set(file.groups["frames"].attrs) == {one.name for one in page.FRAMES_ATTRIBUTES}
+
+
+def test_the_documented_columns_of_the_log_are_read_with_their_units(page, tmp_path):
+    path = tmp_path / "encoder.csv"
+    names = [name for name, *_ in page.ENCODER]
+    path.write_text(",".join(names) + "\n" + ",".join("1" for _ in names) + "\n")
+    log = read_encoder_log(path)
+    assert "number" in log
+    units = sorted(log[name].attrs["units"].replace("_", " ") for name in log if name != "number")
+    assert units == sorted(unit for _, unit, *_ in page.ENCODER if unit)
+
+
+@pytest.mark.parametrize(
+    "left_out", [(), ("y_mm",), ("uncertainty_um",), ("y_mm", "uncertainty_um")]
+)
+def test_the_documented_columns_of_the_profile_are_read(page, tmp_path, left_out):
+    names = [name for name, *_ in page.PROFILE if name not in left_out]
+    assert all(need == "optional" for name, _, need, _ in page.PROFILE if name in left_out)
+    path = tmp_path / "profile.csv"
+    rows = [",".join(str(1 + (k * (n + 1)) % 7) for n in range(len(names))) for k in range(12)]
+    rows = [f"{k},{row.partition(',')[2]}" for k, row in enumerate(rows)]
+    path.write_text("\n".join([",".join(names), *rows]))
+    profile = read_profile(path)
+    assert (profile.uncertainty is None) == ("uncertainty_um" in left_out)
+    assert (profile.position.ndim == 1) == ("y_mm" in left_out)
+
+
+def test_every_row_of_the_page_fits_its_table(page):
+    columns = None
+    for line in page.render().splitlines():
+        if not line.startswith("|"):
+            columns = None
+            continue
+        cells = len(re.findall(r"(?<!\\)\|", line))
+        columns = columns or cells
+        assert cells == columns, line
