@@ -1074,8 +1074,8 @@ class JointDesign:
         given = {name: value for name, value in given.items() if value is not None}
         require_single(**given)
         for name, value in given.items():
-            if np.isnan(value):
-                raise ModelError(f"{name} must be a number, got NaN.")
+            if isinstance(value, str) or np.isnan(value):
+                raise ModelError(f"{name} must be a number in SI units, got {value!r}.")
 
         # no play, no hole and no friction are designs too
         may_be_zero = {"lateral_play", "hole_diameter", "friction"}

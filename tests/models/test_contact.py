@@ -47,6 +47,7 @@ STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
 RADIUS = conformal_radius(0.03336, bushing_radius=0.03359)
 LOBE = relative_radii(-0.03359, radius_1_across=0.2, radius_2=0.03336, radius_2_across=np.inf)
 
+# groups of lengths and moduli near 1, or radii beyond those of machines, are no slips of units
 DIMENSIONLESS = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
 
 TABLE = [
