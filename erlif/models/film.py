@@ -443,7 +443,7 @@ def line_contact_film(
 
     Notes
     -----
-    Johnson's regime map in the variables of Moes, gV = G W^1.5 U^-0.5 and gE = W U^-0.5.
+    The regime map of Johnson (1970) in its variables gV = G W^1.5 U^-0.5 and gE = W U^-0.5.
 
     Examples
     --------

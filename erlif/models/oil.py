@@ -1,6 +1,6 @@
 """Viscosity and density of an oil against temperature and pressure.
 
-Vogel (1921) and Walther (ASTM D341) for temperature, Barus (1893) and Roelands (1966) for pressure,
+Vogel (1921) and Walther (1931) for temperature, Barus (1893) and Roelands (1966) for pressure,
 Dowson and Higginson (1966) for the density under pressure; Farzaneh (2002), section 2.2.2, for the
 gear oil of the pin joint.
 """
@@ -190,7 +190,7 @@ def walther_viscosity(
 ) -> Values:
     """Kinematic viscosity from two measured ones: log10 log10(nu + 0.7) = A - B log10 T, in mm2/s.
 
-    Walther's law as ASTM D341 uses it, for petroleum products above 2 mm2/s.
+    Walther (1931), as ASTM D341 uses his law, for petroleum products above 2 mm2/s.
 
     Parameters
     ----------

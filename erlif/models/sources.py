@@ -1,7 +1,8 @@
-"""Each published number of the four sources beside the one that the models give: the text of docs/sources.md.
+"""Published numbers of the four sources beside those of the models: the text of docs/sources.md.
 
-What the sources print is in sources_numbers.csv and sources_errata.csv beside this file; the column `model` of the first
-names an entry of `MODELS`, which computes the same number in the same unit.
+The printed numbers are in sources_numbers.csv and the misprints in sources_errata.csv beside this
+file; the column `model` of the first names an entry of `MODELS`, which computes the same number in
+the same unit.
 """
 
 import csv
@@ -17,65 +18,106 @@ from erlif.models import bearing, contact, film, friction, reaction, wear
 from erlif.models.arguments import Values
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
-LBF = 4.4482216152605  # N
-INCH = 0.0254  # m
-RPM = 2 * np.pi / 60  # rad/s
+LBF = 4.4482216152605
+"""Pound-force. [N]"""
+
+INCH = 0.0254
+"""[m]"""
+
+RPM = 2 * np.pi / 60
+"""Turn per minute. [rad/s]"""
+
+HORSEPOWER = 745.7
+"""[W]"""
 
 TITLES = {
     "T": "Farzaneh (2002), Failure Analysis and Design of a Heavily Loaded Pin Joint",
-    "S": "Strand (2005), Design, Testing and Analysis of Journal Bearings for Construction Equipment",
+    "S": "Strand (2005), Design, Testing and Analysis of Journal Bearings for Construction "
+    "Equipment",
     "M": "Mukras et al. (2008), Modeling a Slider-Crank Mechanism With Joint Wear",
     "C": "Colbert et al. (2009), Edges, clearances, and wear",
 }
+"""Author and title of each source, by its key in the tables."""
 
 OUT_OF_REACH = {
-    "T": "the figures of chapters 3 and 4, Figs. 5-3 to 5-10, and the stresses of 37 and 60 MPa in the links: no data or "
-    "drawings.",
+    "T": "the figures of chapters 3 and 4, Figs. 5-3 to 5-10, and the stresses of 37 and 60 MPa in "
+    "the links: no data or drawings.",
     "S": "papers B to G and Figs. 18 to 38: finite elements and tests without data.",
     "M": "Figs. 6 to 15: curves without numbers.",
-    "C": "Figs. 6 to 8 and the drawn contours of Fig. B1: curves without numbers (erlif's own contours are in its tests); "
-    "1.6 times the true friction of a bushing with interference: above pi/2, the most that the model can give, for the "
+    "C": "Figs. 6 to 8 and the drawn contours of Fig. B1: curves without numbers (erlif's own "
+    "contours are in its tests); the friction of a bushing with interference, 1.6 times the true "
+    "one: the largest ratio of the model is pi/2, for contact over half of the shaft, while an "
     "interference presses all round.",
 }
+"""Published results that cannot be computed again, and why, by the key of the source."""
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+"""The crank-rocker of Farzaneh (2002), appendix A.2."""
+
 RIG_SPEED = 114 * RPM
+"""Crank speed of that rig. [rad/s]"""
+
 RULE_SPEED = RIG_SPEED * 5.5 / 26
+"""Greatest rocker speed by the crank-over-rocker rule of the source. [rad/s]"""
+
 MUKRAS = SliderCrank(crank=2 * 0.0381, coupler=2 * 0.1016)
+"""The slider-crank of Mukras et al. (2008), whose Table 1 gives half lengths."""
+
 PIN, BUSHING, LENGTH = 0.03336, 0.03359, 0.237
+"""Radii of pin and bushing and length of the joint of Farzaneh (2002). [m]"""
+
 STEEL = contact.contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
+"""E* of steel on steel. [Pa]"""
 
 
 @dataclass(frozen=True)
 class PublishedNumber:
-    """A number that a source prints, and what the model makes of it."""
+    """A number printed by a source, and the one computed by the model."""
 
     source: str
     """Key of `TITLES`."""
     place: str
+    """Section, equation or table of the source."""
     quantity: str
+    """What the number is."""
     printed: str
     """As printed, with a decimal point; empty where the source gives no number."""
     unit: str
+    """Unit of both numbers."""
     within: float
     """Half width of agreement, by default half a unit of the last printed digit."""
     model: str
     """Key of `MODELS`."""
     computed: float
+    """Number of the model."""
     note: str
+    """Reason of a difference, or conditions of the comparison."""
 
     @property
     def verdict(self) -> str:
-        """Whether the model gives the printed number, to the last printed digit."""
+        """Whether the model agrees with the printed number to its last digit."""
         if not self.printed:
             return "not printed"
-        return (
-            "agrees" if abs(self.computed - float(self.printed)) <= self.within else "**differs**"
-        )
+        agrees = abs(self.computed - float(self.printed)) <= self.within
+        return "agrees" if agrees else "**differs**"
 
 
 def published_numbers() -> tuple[PublishedNumber, ...]:
-    """Compute every number of sources_numbers.csv."""
+    """Compute every number of sources_numbers.csv.
+
+    Returns
+    -------
+    tuple of PublishedNumber
+        In the order of the table.
+
+    Examples
+    --------
+    The swing of the rig of Farzaneh (2002) is not what the source prints:
+
+    >>> (swing,) = (number for number in published_numbers() if number.model == "swing")
+    >>> swing.printed, round(swing.computed, 2), swing.verdict
+    ('26', 24.43, '**differs**')
+    """
     return tuple(
         PublishedNumber(
             source=row["source"],
@@ -83,7 +125,7 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
             quantity=row["quantity"],
             printed=row["printed"],
             unit=row["unit"],
-            within=float(row["within"] or 0.5 * 10.0 ** -len(row["printed"].partition(".")[2])),
+            within=float(row["within"] or _half_last_digit(row["printed"])),
             model=row["model"],
             computed=float(MODELS[row["model"]]()),
             note=row["note"],
@@ -93,45 +135,60 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
 
 
 def render_sources() -> str:
-    """Text of docs/sources.md in Markdown: published numbers, errata, and what no one can recompute."""
+    """Write the text of docs/sources.md: published numbers, errata, and what has no data.
+
+    Returns
+    -------
+    str
+        Markdown, one section for each source.
+
+    Examples
+    --------
+    >>> render_sources().splitlines()[0]
+    '# Published numbers and what erlif computes'
+    """
     numbers, errata = published_numbers(), _table("sources_errata.csv")
     agreed = sum(number.verdict == "agrees" for number in numbers)
     differing = sum(number.verdict == "**differs**" for number in numbers)
+
     lines = [
         "# Published numbers and what erlif computes",
         "",
-        "Made by `erlif.models.sources.render_sources`; a test holds this file to it. A number agrees when the model rounds "
-        "to the printed digits. The models hold the corrected equations; each erratum names its evidence.",
+        "Made by `erlif.models.sources.render_sources`; a test keeps this file equal to its "
+        "result. A number agrees when the computed value rounds to the printed digits. The models "
+        "hold the corrected equations; the evidence stands beside each erratum.",
         "",
-        f"{agreed} comparisons agree, {differing} differ; {len(errata)} formulas or words are misprinted or ambiguous.",
+        f"{agreed} comparisons agree, {differing} differ; {len(errata)} formulas or words are "
+        "misprinted or ambiguous.",
         "",
     ]
-    for source, title in TITLES.items():
-        lines += [
-            f"## {title}",
-            "",
-            "| place | quantity | printed | erlif | unit | verdict | note |",
-            "|" + "---|" * 7,
-        ]
-        for n in numbers:
-            if n.source == source:
-                lines.append(
-                    _line(
-                        n.place,
-                        n.quantity,
-                        n.printed,
-                        f"{n.computed:.5g}",
-                        n.unit,
-                        n.verdict,
-                        n.note,
-                    )
-                )
-        lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
-        for row in errata:
-            if row["source"] == source:
-                lines.append(_line(row["place"], row["printed"], row["corrected"], row["evidence"]))
-        lines += ["", f"Not recomputed: {OUT_OF_REACH[source]}", ""]
+    for source in TITLES:
+        lines += _section(
+            source,
+            [number for number in numbers if number.source == source],
+            [row for row in errata if row["source"] == source],
+        )
     return "\n".join(lines)
+
+
+def _section(
+    source: str, numbers: list[PublishedNumber], errata: list[dict[str, str]]
+) -> list[str]:
+    """Lines on one source: its numbers, its errata, and what cannot be computed again."""
+    lines = [
+        f"## {TITLES[source]}",
+        "",
+        "| place | quantity | printed | erlif | unit | verdict | note |",
+        "|" + "---|" * 7,
+    ]
+    for n in numbers:
+        computed = f"{n.computed:.5g}"
+        lines.append(_line(n.place, n.quantity, n.printed, computed, n.unit, n.verdict, n.note))
+
+    lines += ["", "| place | printed | correct | evidence |", "|" + "---|" * 4]
+    for row in errata:
+        lines.append(_line(row["place"], row["printed"], row["corrected"], row["evidence"]))
+    return [*lines, "", f"Not recomputed: {OUT_OF_REACH[source]}", ""]
 
 
 def _line(*cells: str) -> str:
@@ -144,7 +201,13 @@ def _table(name: str) -> list[dict[str, str]]:
     )
 
 
+def _half_last_digit(printed: str) -> float:
+    """Half a unit of the last digit of a decimal number."""
+    return 0.5 * 10.0 ** -len(printed.partition(".")[2])
+
+
 def _film(pressure_viscosity: float) -> Values:
+    """Film of the steel joint at 100,000 lbf and the mean speed, eq. 2.8 in standard form. [m]"""
     return film.dowson_higginson_film(
         0.042,
         load_per_length=1e5 * LBF / LENGTH,
@@ -156,7 +219,7 @@ def _film(pressure_viscosity: float) -> Values:
 
 
 def _lobe(load: float, *, exact: bool = False) -> contact.EllipticalContact:
-    """Contact of one of the two lobes under a total load [lbf]."""
+    """Contact of one of the two lobes of the undercut bushing under a total load [lbf]."""
     radius, across = contact.relative_radii(
         -BUSHING, radius_1_across=0.2, radius_2=PIN, radius_2_across=np.inf
     )
@@ -165,11 +228,12 @@ def _lobe(load: float, *, exact: bool = False) -> contact.EllipticalContact:
 
 
 def _torque(radius: float) -> Values:
+    """Torque of the friction 0.15 at 100,000 lbf. [N m]"""
     return friction.friction_torque(0.15, load=1e5 * LBF, radius=radius)
 
 
 def _life(load: float, exponent: float) -> Values:
-    """Life [h] of the ball bearings of the machine."""
+    """Life of the ball bearings of the rig. [h]"""
     return (
         reaction.rolling_bearing_life(load, rating=23.9e3, speed=RIG_SPEED, exponent=exponent)
         / 3600
@@ -177,14 +241,14 @@ def _life(load: float, exponent: float) -> Values:
 
 
 def _growth_with_hole(hole_ratio: Values) -> Values:
-    """Growth [%] of the pin diameter by a hole."""
+    """Growth of the pin diameter by a lubrication hole. [%]"""
     case = {"free_length": 0.1, "yield_stress": 6e8, "safety": 2.0}
     plain = bearing.pin_diameter_in_bending(1e5, **case)
     return 100 * (bearing.pin_diameter_with_hole(1e5, hole_ratio=hole_ratio, **case) / plain - 1)
 
 
 def _safe_from(simple: float) -> float:
-    """Half contact angle [degree] from which a simple law's d p / 2q exceeds Persson's."""
+    """Half contact angle above which a simple law's d p / 2q exceeds Persson's. [degree]"""
     return float(
         np.degrees(brentq(lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8))
     )
@@ -192,7 +256,11 @@ def _safe_from(simple: float) -> float:
 
 @cache
 def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
-    """Worn mass [g] and depth [mm] of the joint of Mukras et al., from its initial dynamics, PTFE of 2200 kg/m3."""
+    """Worn mass [g] and depth [mm] of the joint of Mukras et al. (2008), from initial dynamics.
+
+    The source states neither the preload of the spring nor the width of the bushing; both are
+    fitted to the first row of its Table 4. The bushing is PTFE of 2200 kg/m3.
+    """
     bodies = reaction.SliderCrankBodies(
         rod_mass=0.8175,
         rod_inertia=5500e-6,
@@ -267,7 +335,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "life_8_printed": lambda: _life(8.2e3, 10 / 3),
     "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * INCH) / 1e6,
     "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * INCH),
-    "power": lambda: _torque(1.25 * INCH) * 24 * RPM / 745.7,
+    "power": lambda: _torque(1.25 * INCH) * 24 * RPM / HORSEPOWER,
     "hole_least": lambda: np.min(_growth_with_hole(np.linspace(0, 0.2, 401))),
     "hole_largest": lambda: np.max(_growth_with_hole(np.linspace(0, 0.2, 401))),
     "cosine": lambda: contact.sinusoidal_pressure(1.0, pin_diameter=1.0),
@@ -293,4 +361,4 @@ MODELS: dict[str, Callable[[], Values]] = {
     "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
     "projected": lambda: contact.projected_pressure(400.0 / 0.010, pin_diameter=0.010) / 1e6,
 }
-"""The models behind sources_numbers.csv, each in the unit of its row."""
+"""Function for each row of sources_numbers.csv, by its column `model`, in the unit of the row."""
