@@ -1,4 +1,4 @@
-"""Quantities as people write them."""
+"""Quantities with units: definitions, refusals of what would be misread, arbitrary text."""
 
 import contextlib
 import math
@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from erlif.core.units import parse_quantity
 
-# definitions: BIPM SI brochure, 9th edition; NIST SP 811, appendix B (pound-force, inch); one rpm is 2 pi/60 rad/s
+# definitions: BIPM SI brochure, 9th edition; NIST SP 811, appendix B (pound-force, inch);
+# one rpm is 2 pi/60 rad/s
 KNOWN = [
     ("50 lbf", "N", 50 * 4.4482216152605),
     ("1 kgf", "N", 9.80665),
@@ -50,7 +51,7 @@ KNOWN = [
 
 
 @pytest.mark.parametrize(("text", "unit", "value"), KNOWN)
-def test_a_quantity_is_read_in_its_unit(text, unit, value):
+def test_quantity_is_converted_to_the_requested_unit(text, unit, value):
     assert parse_quantity(text, unit) == pytest.approx(value, rel=1e-12)
 
 
@@ -73,21 +74,21 @@ REFUSED = [
     ("50 kg", "N", "kgf"),
     ("3 px", "m", "pixel"),
     ("3 pixel", "m", "pixel"),
-    ("5 s", "m", "cannot be read"),
-    ("5 foo", "m", "cannot be read"),
-    ("1000 degC", "delta_degC", "cannot be read"),
+    ("5 s", "m", "cannot be converted"),
+    ("5 foo", "m", "cannot be converted"),
+    ("1000 degC", "delta_degC", "cannot be converted"),
     ("nan N", "N", "number with a unit"),
     ("inf N", "N", "number with a unit"),
     ("1e400 N", "N", "not finite"),
     ("2**99999999 N", "N", "number with a unit"),
     ("5 m**99", "m", "number with a unit"),
-    ("5 m/0", "m", "cannot be read"),
+    ("5 m/0", "m", "cannot be converted"),
     ("5 m; 6 m", "m", "number with a unit"),
 ]
 
 
 @pytest.mark.parametrize(("text", "unit", "words"), REFUSED)
-def test_what_would_be_misread_is_refused(text, unit, words):
+def test_text_that_would_be_misread_is_refused(text, unit, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         parse_quantity(text, unit)
 
@@ -111,7 +112,7 @@ UNITS = [
 
 @settings(deadline=None, database=None)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
-def test_a_number_in_the_wanted_unit_comes_back_unchanged(value, unit):
+def test_number_in_the_requested_unit_is_unchanged(value, unit):
     assert parse_quantity(f"{value!r} {unit}", unit) == value
 
 
@@ -150,6 +151,6 @@ PIECES = [
     ),
     st.sampled_from(UNITS),
 )
-def test_any_text_is_a_finite_number_or_a_value_error(text, unit):
+def test_any_text_gives_a_finite_number_or_a_value_error(text, unit):
     with contextlib.suppress(ValueError):
         assert math.isfinite(parse_quantity("5 " + text, unit))
