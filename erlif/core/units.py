@@ -25,7 +25,7 @@ _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"\s*((?:1\s*/\s*)?[^\W\d](?:[\w ^/·()⁻-]|\*(?!\*)){0,40}|°C?)\s*\Z"
 )
-"""A decimal number and a short unit, without arithmetic such as 2**99999999, which pint computes."""
+"""A decimal number and a short unit; pint would compute arithmetic such as 2**99999999."""
 
 _HINTS = {
     "lb": 'write "lbf" for a force',

@@ -232,6 +232,7 @@ def require_increasing(**arguments: Values) -> None:
     for (smaller, low), (larger, high) in pairwise(pairs):
         wrong = np.asarray(np.less_equal(high, low))
         if np.any(wrong):
+            # both on their common grid, to quote the pair that is out of order
             first, second = (np.asarray(v)[wrong].flat[0] for v in (high + 0 * low, low + 0 * high))
             raise ModelError(f"{larger} must exceed {smaller}, got {first:g} and {second:g}.")
 
@@ -546,7 +547,7 @@ def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
     found = []
     for name, value in arguments.items():
         values = np.asarray(value, float)
-        sizes = np.abs(values)
+        sizes = np.abs(values)  # speeds and expansions have either sign
         odd = (sizes > 0) & np.isfinite(sizes) & ((sizes < scale.lowest) | (sizes > scale.highest))
         if np.any(odd):
             found.append(f"{name} = {values[odd].flat[0]:g} {scale.unit}")
@@ -583,10 +584,14 @@ def _as_number(name: str, value: Values) -> Values:
     """A float for a scalar, a float array for a list; arrays, flags and other objects unchanged."""
     if isinstance(value, str):
         raise ModelError(f"{name} must be a number in SI units, got {value!r}.")
+
+    # flags are not numbers, and a DataArray keeps its coordinates
     if isinstance(value, bool | np.bool_) or hasattr(value, "dims"):
         return value
     if isinstance(value, int | float | np.number):
         return float(value)
+
+    # integers become floats, which integer powers need; single precision stays
     if isinstance(value, list | tuple | range):
         array = np.asarray(value)
         return array if array.dtype == bool else array.astype(float)

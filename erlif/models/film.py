@@ -109,6 +109,7 @@ def isoviscous_rigid_film(
     """
     _require_speed(entrainment_speed=entrainment_speed)
     _require_contact(load_per_length=load_per_length, viscosity=viscosity, radius=radius)
+    # U/W with the moduli cancelled, so that rigid bodies need none
     return MARTIN_CONSTANT * radius * viscosity * np.abs(entrainment_speed) / load_per_length
 
 
@@ -158,6 +159,7 @@ def piezoviscous_rigid_film(
     _require_speed(entrainment_speed=entrainment_speed)
     _require_contact(viscosity=viscosity, radius=radius)
     _require_pressure_viscosity(pressure_viscosity)
+    # G U with the moduli cancelled, so that rigid bodies need none
     return (
         BLOK_CONSTANT
         * radius
@@ -369,6 +371,7 @@ def thesis_film(
         contact_modulus=contact_modulus,
     )
 
+    # in the symbols of the source, which count the modulus once in G and W and twice in V
     G = pressure_viscosity * contact_modulus
     V = viscosity * np.abs(sliding_speed) / (2 * contact_modulus * radius)
     W = load_per_length / (contact_modulus * radius)
@@ -474,6 +477,7 @@ def line_contact_film(
         contact_modulus=contact_modulus,
     )
     rigid, viscous, elastic, both = asymptotes
+    # whichever mechanism gives the thickest film carries the load
     film = np.maximum(np.maximum(rigid, viscous), np.maximum(elastic, both))
     governing = _number_of_largest(film, asymptotes)
 
@@ -489,6 +493,7 @@ def line_contact_film(
         gE = W / np.sqrt(U)
     gV = pressure_viscosity * 2 * contact_modulus * gE * np.sqrt(W)
 
+    # width and pressure of the dry contact bound those of the lubricated one
     half_width, pressure = hertz_line(
         load_per_length, radius=radius, contact_modulus=contact_modulus
     )
@@ -580,6 +585,7 @@ def hamrock_dowson_film(
     G = pressure_viscosity * 2 * contact_modulus
     U = viscosity * np.abs(entrainment_speed) / (2 * contact_modulus * radius_along)
     W = load / (2 * contact_modulus * radius_along**2)
+    # ellipticity of the dry contact, by the fit of the source
     k = 1.03 * (radius_across / radius_along) ** 0.64
 
     minimum = 3.63 * radius_along * U**0.68 * G**0.49 * W**-0.073 * (1 - np.exp(-0.68 * k))
@@ -671,6 +677,7 @@ def film_parameter(film: Values, *, roughness_a: Values, roughness_b: Values) ->
     require_not_negative(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
     check_film(film=film, roughness_a=roughness_a, roughness_b=roughness_b)
 
+    # smooth surfaces leave the parameter undefined
     combined = np.sqrt(roughness_a**2 + roughness_b**2)
     if np.any(np.equal(combined, 0)):
         raise ModelError("roughness_a and roughness_b must not both be zero.")
@@ -707,6 +714,7 @@ def lubrication_regimes(film_parameter: Values) -> Values:
     ('hydrodynamic', 'elastohydrodynamic')
     """
     require_not_negative(film_parameter=film_parameter)
+    # numpy would make a table of tuples of equal length, so the array is filled one by one
     flat = np.ravel(np.asarray(film_parameter))
     regimes = np.empty(flat.size, object)
     for i, value in enumerate(flat):
@@ -773,12 +781,15 @@ def _asymptotes(
     contact_modulus: Values,
 ) -> tuple[Values, Values, Values, Values]:
     """Film thicknesses of the four regimes, in the order of `FILM_REGIMES`."""
+    # rigid bodies: the pressure is too low to flatten them
     rigid = isoviscous_rigid_film(
         entrainment_speed, load_per_length=load_per_length, viscosity=viscosity, radius=radius
     )
     viscous = piezoviscous_rigid_film(
         entrainment_speed, viscosity=viscosity, pressure_viscosity=pressure_viscosity, radius=radius
     )
+
+    # elastic bodies: the flattened contact takes up the load
     elastic = isoviscous_elastic_film(
         entrainment_speed,
         load_per_length=load_per_length,
@@ -837,6 +848,7 @@ def _regime_notes(governing: Values, film: Values, asymptotes: tuple[Values, ...
 
 def _motion_notes(entrainment_speed: Values, half_width: Values, stroke: float | None) -> list[str]:
     notes = []
+    # speeds of both signs, or a standstill
     if np.any(np.less_equal(entrainment_speed, 0)) and np.any(
         np.greater_equal(entrainment_speed, 0)
     ):
@@ -845,6 +857,7 @@ def _motion_notes(entrainment_speed: Values, half_width: Values, stroke: float |
             "maintained by squeeze and depends on the acceleration."
         )
 
+    # the half width first, since a film that misses the centre does not cross either
     if stroke is None:
         notes.append("No stroke given: whether the motion sweeps the contact was not checked.")
     elif np.any(np.greater(half_width, stroke)):

@@ -255,6 +255,7 @@ def log_band_ratio_gradient(
     require_not_negative(
         attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
     )
+    # ln K, less the transmission of camera 1, plus that of camera 2
     t = np.asarray(thickness, float)
     p, q = attenuation_camera1, attenuation_camera2
     return np.stack(
@@ -272,12 +273,14 @@ def _float64(value: Values) -> Values:
 
 
 def _mean_transmission(x: Array) -> Array:
+    # the closed form is 0/0 at zero, so it is evaluated at 1 there and then replaced
     small = np.abs(x) < SERIES_BELOW
     safe = np.where(small, 1.0, x)
     return np.where(small, 1 - x / 2 + x * x / 6, -np.expm1(-safe) / safe)
 
 
 def _mean_transmission_log_slope(x: Array) -> Array:
+    # as above; the limit of the depth keeps exp from overflowing
     small = np.abs(x) < SLOPE_SERIES_BELOW
     safe = np.where(small, 1.0, np.minimum(x, LARGEST_DEPTH))
     return np.where(small, -0.5 + x / 12 - x**3 / 720, 1 / np.expm1(safe) - 1 / safe)

@@ -97,6 +97,7 @@ class CrankRocker:
             Interior angle psi at the rocker pivot. [rad]
         """
         require_finite(crank_angle=crank_angle)
+        # law of cosines in the triangle of coupler, rocker and diagonal
         a, b, c, d = self.crank, self.coupler, self.rocker, self.ground
         diagonal = self._diagonal(crank_angle)
         to_crank_pin = np.arctan2(a * np.sin(crank_angle), d - a * np.cos(crank_angle))
@@ -137,6 +138,7 @@ class CrankRocker:
             Angle at the rocker pin. [rad]
         """
         require_finite(crank_angle=crank_angle)
+        # the same triangle, at the rocker pin
         b, c = self.coupler, self.rocker
         return np.arccos((b**2 + c**2 - self._diagonal(crank_angle) ** 2) / (2 * b * c))
 
@@ -160,6 +162,7 @@ class CrankRocker:
             Rate of psi. [rad/s]
         """
         require_finite(crank_speed=crank_speed)
+        # both pins move at one speed along the coupler
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         return (
             crank_speed * self.crank * np.sin(phi - crank_angle) / (self.rocker * np.sin(psi + phi))
@@ -182,6 +185,7 @@ class CrankRocker:
             Rate of phi. [rad/s]
         """
         require_finite(crank_speed=crank_speed)
+        # the rocker pin does not move along the rocker
         phi, psi = self.coupler_angle(crank_angle), self.rocker_angle(crank_angle)
         return (
             -crank_speed
@@ -346,6 +350,7 @@ class CrankRocker:
         >>> round(rig.crank_angle(rig.rocker_angle(4.0), rising=rising), 9)
         4.0
         """
+        # the triangle of crank, coupler and reach stands on either side of the reach
         psi = _within_reach(rocker_angle, self.limits(), tolerance, "rocker_angle")
         reach = np.sqrt(
             self.rocker**2 + self.ground**2 - 2 * self.rocker * self.ground * np.cos(psi)
@@ -483,6 +488,7 @@ class SliderCrank:
             Direction phi of the rod from crank pin to slider. [rad]
         """
         require_finite(crank_angle=crank_angle)
+        # the slider pin stays on the line: crank sin t + rod sin phi = 0
         return np.arcsin(-self.crank * np.sin(crank_angle) / self.rod)
 
     @broadcasting
@@ -502,6 +508,7 @@ class SliderCrank:
             Rate of phi. [rad/s]
         """
         require_finite(crank_speed=crank_speed)
+        # the rate of: crank sin t + rod sin phi = 0
         phi = self.coupler_angle(crank_angle)
         return -crank_speed * self.crank * np.cos(crank_angle) / (self.rod * np.cos(phi))
 
@@ -718,6 +725,7 @@ class SliderCrank:
             A position beyond the reach of the slider.
         """
         x = _within_reach(slider_position, self.slider_limits(), tolerance, "slider_position")
+        # the half-angle form stays exact at the dead centres, where the cosine is flat
         beyond = np.maximum(self.rod**2 - (x - self.crank) ** 2, 0.0)
         short = np.maximum((x + self.crank) ** 2 - self.rod**2, 0.0)
         return (-_sign(rising) * 2 * np.arctan2(np.sqrt(beyond), np.sqrt(short))) % TURN

@@ -98,6 +98,8 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
     """
     require_positive(a=a)
     require_finite(temperature=temperature, b=b, c=c)
+
+    # the viscosity diverges at c; below it the law has no meaning
     above = temperature - c
     if np.any(np.less_equal(above, 0)):
         coldest = np.nanmin(np.asarray(temperature))
@@ -161,6 +163,7 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     check_temperature(temperatures=temperatures)
     check_viscosity(viscosities=viscosities)
 
+    # from cold to hot, in the logarithm of the viscosity
     order = np.argsort(np.asarray(temperatures))
     T, y = np.asarray(temperatures, float)[order], np.log(np.asarray(viscosities, float)[order])
     if T[0] == T[1] or T[1] == T[2]:
@@ -175,6 +178,7 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
             "them."
         )
 
+    # the two outer points fix b and a for this c
     b = (y[0] - y[2]) / (1 / (T[0] - c) - 1 / (T[2] - c))
     return VogelConstants(float(np.exp(y[0] - b / (T[0] - c))), float(b), float(c))
 
@@ -242,6 +246,7 @@ def walther_viscosity(
     )
     check_kinematic_viscosity(viscosity_1=viscosity_1, viscosity_2=viscosity_2)
 
+    # a straight line over log T, with the viscosity in mm2/s
     w1, w2 = (np.log10(np.log10(nu * 1e6 + WALTHER_SHIFT)) for nu in (viscosity_1, viscosity_2))
     slope = (w2 - w1) / (np.log10(temperature_2) - np.log10(temperature_1))
     w = w1 + slope * (np.log10(temperature) - np.log10(temperature_1))
@@ -338,6 +343,8 @@ def roelands_viscosity(
     require_positive(viscosity=viscosity)
     require_not_negative(pressure_viscosity=pressure_viscosity)
     require_finite(pressure=pressure)
+
+    # all isobars meet at the lowest viscosity, and the power needs a positive base
     scale = np.log(viscosity) + ROELANDS_CONSTANT
     if np.any(np.less_equal(scale, 0)):
         raise ModelError(

@@ -282,6 +282,7 @@ def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
 
 
 MODELS: dict[str, Callable[[], Values]] = {
+    # Farzaneh (2002), sections 1.2 and 2.2.2: dimensions and film of the steel joint
     "thesis_bore": lambda: 2e3 * BUSHING,
     "thesis_clearance": lambda: 2e3 * BUSHING - 66.7,
     "klbf_100": lambda: 1e5 * LBF / 1e3,
@@ -293,6 +294,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "film_parameter": lambda: film.film_parameter(
         0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6
     ),
+    # section 3: Hertz contact of the lobes, test stages
     "lobe_pressure": lambda: _lobe(1e5).pressure / 1e6,
     "lobe_pressure_exact": lambda: _lobe(1e5, exact=True).pressure / 1e6,
     "lobe_a": lambda: _lobe(1e5).a * 1e3,
@@ -308,6 +310,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "undercut": lambda: 100 * 543 / 2340,
     "stage_6": lambda: 8e3 + 5 * 4e3,
     "stage_5": lambda: 8e3 + 4 * 4e3,
+    # section 5 and appendix A.2: the crank-rocker
     "images": lambda: np.floor(2 * np.degrees(np.ptp(RIG.limits())) / 0.96),
     "swing": lambda: np.degrees(np.ptp(RIG.limits())),
     "crank_for_26": lambda: (
@@ -318,6 +321,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "speed_fall": lambda: -RIG.speed_limits(crank_speed=RIG_SPEED)[0],
     "speed_rise": lambda: RIG.speed_limits(crank_speed=RIG_SPEED)[1],
     "speed_rule_rpm": lambda: RULE_SPEED / RPM,
+    # appendices A.3 and A.4: drive, bearings and rods
     "torque": lambda: _torque(1.25 * INCH) * 100,
     "torque_true": lambda: _torque(PIN) * 100,
     "link_force": lambda: _torque(1.25 * INCH) / RIG.rocker / 1e3,
@@ -336,6 +340,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * INCH) / 1e6,
     "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * INCH),
     "power": lambda: _torque(1.25 * INCH) * 24 * RPM / HORSEPOWER,
+    # Strand (2005)
     "hole_least": lambda: np.min(_growth_with_hole(np.linspace(0, 0.2, 401))),
     "hole_largest": lambda: np.max(_growth_with_hole(np.linspace(0, 0.2, 401))),
     "cosine": lambda: contact.sinusoidal_pressure(1.0, pin_diameter=1.0),
@@ -346,6 +351,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "persson": lambda: contact.persson_group(np.pi / 2),
     "persson_peak": lambda: contact.persson_peak_group(np.pi / 2),
     "persson_closed": lambda: contact.persson_peak_group(np.pi - 1e-9),
+    # Mukras et al. (2008); 32,000 cycles took 17 h
     "crank_rpm": lambda: 32_000 / (17 * 60),
     "mass_1": lambda: _wear(32_000)[0],
     "mass_slack": lambda: _wear(32_000, preload=0.0)[0],
@@ -356,6 +362,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "error_depth_1": lambda: 100 * (1 - 0.6575 / 0.7850),
     "error_mass_2": lambda: 100 * (1 - 0.1589 / 0.1714),
     "error_depth_2": lambda: 100 * (1 - 0.4524 / 0.4850),
+    # Colbert et al. (2009)
     "uniform": lambda: friction.uniform_torque_ratio(np.pi / 2),
     "steady_wear": lambda: friction.cosine_torque_ratio(np.pi / 2),
     "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
