@@ -33,7 +33,7 @@ def budget(
       erlif budget data_samples/straight_bushing --trigger 12
     """
     from erlif.pipeline import budget as make_budget
-    from erlif.pipeline import render_budget
+    from erlif.report import render_budget
 
     with show_progress() as progress:
         found = make_budget(

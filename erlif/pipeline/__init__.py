@@ -1,6 +1,6 @@
 """The order of the stages, and only here."""
 
-from erlif.pipeline.budget import budget, render_budget
+from erlif.pipeline.budget import budget
 from erlif.pipeline.check import check
 from erlif.pipeline.fixture import calibrate
 from erlif.pipeline.images import restore_images
@@ -13,6 +13,5 @@ __all__ = [
     "check",
     "init",
     "process",
-    "render_budget",
     "restore_images",
 ]

@@ -271,30 +271,3 @@ def _as_dataset(
         {"term": order, "quantity": [title for title, _, _ in columns]},
         {"run": name, "trigger": trigger, "frames": frames},
     )
-
-
-def render_budget(budget: xr.Dataset) -> str:
-    """Write a budget as a table in Markdown, in nanometres."""
-    titles = [str(title) for title in budget.quantity.values]
-    lines = [
-        f"Standard deviations in nm: {budget.attrs['run']}, trigger {budget.attrs['trigger']}, {budget.attrs['frames']} frame pair(s).",
-        "",
-        f"| term | {' | '.join(titles)} | kind |",
-        f"|---|{'---:|' * len(titles)}---|",
-        f"| film [um] | {' | '.join(f'{value:.2f}' for value in budget['value'].values)} | |",
-    ]
-    for term, row, kind in zip(
-        budget.term.values, budget["std"].values, budget.kind.values, strict=True
-    ):
-        cells = [_in_nanometres(value) for value in row]
-        if kind == "sum":
-            term, cells = f"**{term}**", [f"**{cell}**" for cell in cells]
-        lines.append(f"| {term} | {' | '.join(cells)} | {'' if kind == 'sum' else kind} |")
-    return "\n".join(lines) + "\n"
-
-
-def _in_nanometres(value: float) -> str:
-    if np.isnan(value):
-        return "-"
-    nanometres = 1000 * value
-    return f"{nanometres:.1f}" if nanometres < 10 else f"{nanometres:.0f}"

@@ -1,7 +1,16 @@
-"""A processed run as one page: numbers, figures and a viewer of the maps, in a file that needs nothing else."""
+"""A film or a calibration for its reader: one page with a viewer, or a few lines of text."""
 
-from erlif.report.maps import decode_map, embed_map
+from erlif.report.budget import render_budget
+from erlif.report.maps import MapCoding, decode_map, embed_map
 from erlif.report.page import write_report
 from erlif.report.summary import describe_calibration, summarise
 
-__all__ = ["decode_map", "describe_calibration", "embed_map", "summarise", "write_report"]
+__all__ = [
+    "MapCoding",
+    "decode_map",
+    "describe_calibration",
+    "embed_map",
+    "render_budget",
+    "summarise",
+    "write_report",
+]

@@ -1,4 +1,4 @@
-"""Thickness maps as text in a page: whole steps of a nanometre or more, deflated, base64."""
+"""Thickness maps as text in a page: counts of a nanometre or more, deflated, in base64."""
 
 from __future__ import annotations
 
@@ -14,63 +14,92 @@ from erlif.core.arrays import Array, FlagImage
 
 _BLOCK = 4  # pixels on a side that share one pair of standard deviations
 _LEAST_STD = 1e-4  # um, the standard deviation of code 1
-_PER_OCTAVE = 12  # codes for a factor of two: the standard deviation is kept to 3 %
+_PER_OCTAVE = 12  # codes for a factor of two: standard deviations are kept to 3 %
 _BUDGET = 11e6  # characters of the page for all maps
-_PER_PIXEL = 2.2  # characters that a pixel takes
+_PER_PIXEL = 2.2  # characters of the page for one pixel
+_FINEST_STEP = 1e-3  # um
+_FULL_SCALE = 65535  # counts of 16 bits
+_REACH = 65.0  # um of the finest step that 16 bits reach, with some room
 
 
 @dataclass(frozen=True)
 class MapCoding:
-    """How the maps of a film are written.
-
-    Attributes
-    ----------
-    stride : int
-        Every stride-th pixel along x and y is kept.
-    step : float
-        Thickness of one count. [um]
-    """
+    """How the maps of a film are written."""
 
     stride: int
+    """Every stride-th pixel along x and y is kept. [px]"""
     step: float
+    """Film thickness of one count. [um]"""
 
 
 @dataclass(frozen=True)
 class DecodedMap:
-    """What a page holds of one trigger: thickness [um], NaN where flagged; flags; standard deviations of blocks [um]."""
+    """The content of a page for one trigger."""
 
     thickness: Array
+    """(row, column): film thickness, NaN where flagged. [um]"""
     flags: FlagImage
+    """(row, column): bits of `erlif.core.flags.Flag`."""
     std: Array
+    """(block row, block column): random standard deviation, NaN without valid pixels. [um]"""
     std_shared: Array
+    """(block row, block column): shared standard deviation, as `std`. [um]"""
 
 
 def choose_coding(film: xr.Dataset, *, thickest: float) -> MapCoding:
-    """Keep every pixel if the page allows it, and steps of 1 nm if 16 bits reach `thickest` [um]."""
+    """Keep every pixel if the page has room, and steps of 1 nm if 16 bits reach `thickest` [um]."""
     pixels = film.sizes["trigger"] * film.sizes["y"] * film.sizes["x"]
     stride = max(1, math.ceil(math.sqrt(pixels * _PER_PIXEL / _BUDGET)))
-    return MapCoding(stride, 1e-3 * max(1, math.ceil(thickest / 65.0)))
+    return MapCoding(stride, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
 
 
 def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
     """Write the map of one trigger as base64 text.
 
-    The bytes under it, deflated: high bytes of the thickness counts of all pixels, their low bytes, the flags, then for blocks
-    of 4 x 4 kept pixels one byte for the random and one for the shared standard deviation (median of the valid pixels;
-    0 where there are none, else 1 + 12 log2(std / 0.1 nm)).
+    The deflated bytes are: high bytes of the thickness counts of all pixels, low bytes, flags, then
+    for blocks of 4 x 4 kept pixels one byte for the random and one for the shared standard
+    deviation (median of the valid pixels; 0 without any, else 1 + 12 log2(std / 0.1 nm)).
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    coding : MapCoding
+        Kept pixels, and the thickness of one count.
+
+    Returns
+    -------
+    str
+        Base64.
+
+    Examples
+    --------
+    Reading back leaves a rounding of half a count:
+
+    >>> from erlif.plots import example_film
+    >>> film, coding = example_film(), MapCoding(stride=1, step=1e-3)
+    >>> text = embed_map(film, trigger=0, coding=coding)
+    >>> decoded = decode_map(text, shape=film.thickness.shape[1:], coding=coding)
+    >>> error = np.nanmax(abs(decoded.thickness - film.thickness.values[0]))
+    >>> bool(error < 0.501e-3)
+    True
     """
     one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
         trigger=trigger, y=slice(None, None, coding.stride), x=slice(None, None, coding.stride)
     )
     flags = one.flags.values.astype(np.uint8)
-    good = flags == 0
+    valid = flags == 0
+
     counts = np.zeros(flags.shape, np.uint16)
-    counts[good] = np.clip(np.rint(one.thickness.values[good] / coding.step), 0, 65535).astype(
-        np.uint16
-    )
+    whole = np.rint(one.thickness.values[valid] / coding.step)
+    counts[valid] = np.clip(whole, 0, _FULL_SCALE).astype(np.uint16)
+
+    # bytes of one kind follow each other, because the high ones hardly change and deflate well
     planes = [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8), flags]
     planes += [
-        _encode_std(np.where(good, one[name].values, np.nan))
+        _encode_std(np.where(valid, one[name].values, np.nan))
         for name in ("thickness_std", "thickness_std_shared")
     ]
     packed = zlib.compress(b"".join(plane.tobytes() for plane in planes), 9)
@@ -78,6 +107,7 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
 
 
 def _encode_std(std: Array) -> FlagImage:
+    """Codes of the blocks, on a logarithmic scale."""
     median = _block_median(std)
     with np.errstate(divide="ignore", invalid="ignore"):
         code = 1 + np.rint(_PER_OCTAVE * np.log2(median / _LEAST_STD))
@@ -85,17 +115,17 @@ def _encode_std(std: Array) -> FlagImage:
 
 
 def _block_median(values: Array) -> Array:
+    """Lower median of the finite values of each block, NaN without any."""
     rows, columns = block_shape((values.shape[0], values.shape[1]))
     padded = np.full((rows * _BLOCK, columns * _BLOCK), np.nan)
     padded[: values.shape[0], : values.shape[1]] = values
-    blocks = (
-        padded.reshape(rows, _BLOCK, columns, _BLOCK)
-        .transpose(0, 2, 1, 3)
-        .reshape(rows, columns, -1)
-    )
-    ordered = np.sort(blocks, axis=-1)  # NaN last
-    valid = np.isfinite(blocks).sum(axis=-1)
-    middle = np.maximum(valid - 1, 0) // 2
+    tiles = padded.reshape(rows, _BLOCK, columns, _BLOCK).transpose(0, 2, 1, 3)
+    blocks = tiles.reshape(rows, columns, -1)
+
+    # sorting puts NaN last, so that the middle of the finite values has a known place
+    ordered = np.sort(blocks, axis=-1)
+    finite = np.isfinite(blocks).sum(axis=-1)
+    middle = np.maximum(finite - 1, 0) // 2
     return np.asarray(np.take_along_axis(ordered, middle[..., None], axis=-1)[..., 0])
 
 
@@ -105,27 +135,42 @@ def block_shape(shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> DecodedMap:
-    """Read what `embed_map` wrote, as the page's own reader does.
+    """Read the text of `embed_map`, as the viewer of the page does.
 
     Parameters
     ----------
     text : str
         Base64.
-    shape : (rows, columns)
-        Of the kept pixels.
+    shape : (int, int)
+        Rows and columns of the kept pixels.
     coding : MapCoding
+        That of the page.
+
+    Returns
+    -------
+    DecodedMap
+        Thickness, flags and standard deviations.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> film, coding = example_film(), MapCoding(stride=2, step=1e-3)
+    >>> text = embed_map(film, trigger=0, coding=coding)
+    >>> decode_map(text, shape=(12, 32), coding=coding).std.shape
+    (3, 8)
     """
     data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
     pixels, blocks = shape[0] * shape[1], block_shape(shape)
     high, low, flags = (data[n * pixels : (n + 1) * pixels].reshape(shape) for n in range(3))
+    thickness = np.where(flags == 0, (high.astype(float) * 256 + low) * coding.step, np.nan)
+
     codes = data[3 * pixels :].reshape(2, *blocks).astype(float)
     std = np.where(codes > 0, _LEAST_STD * 2 ** ((codes - 1) / _PER_OCTAVE), np.nan)
-    thickness = np.where(flags == 0, (high.astype(float) * 256 + low) * coding.step, np.nan)
     return DecodedMap(thickness, flags, std[0], std[1])
 
 
 def describe_coding(coding: MapCoding) -> dict[str, float]:
-    """What the page's reader needs to know."""
+    """Constants of the coding by the names of viewer.js."""
     return {
         "stride": coding.stride,
         "step": coding.step,

@@ -1,4 +1,4 @@
-"""A film or a calibration in a few lines that a person reads."""
+"""A film or a calibration in a few lines for the terminal."""
 
 from __future__ import annotations
 
@@ -8,108 +8,161 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 
+_TITLE = 28  # columns of the titles of a film
+_CALIBRATION_TITLE = 34  # columns of the titles of a calibration
+_AT = (0.1, 0.5)  # places in the calibrated range whose uncertainty is printed
+
 
 def summarise(film: xr.Dataset) -> str:
-    """Say what a film shows: range, trend, theory, share of valid pixels, and what was flagged and why.
+    """Describe a film: thickness over the cycle, valid pixels, trend, theory and notes.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
+
+    Returns
+    -------
+    str
+        Several lines.
+
+    Examples
+    --------
+    The minimum film thickness of this film follows the speed to the power of 0.6:
+
+    >>> from erlif.plots import example_film
+    >>> lines = summarise(example_film()).splitlines()
+    >>> lines[0]
+    'example: 6 triggers from 6 frame pairs of 64 x 24 pixels'
+    >>> print(*[line for line in lines if "n =" in line], sep="\\n")
+      power of speed over load    minimum: n = 0.600 ± 0.010, mean: n = 0.600 ± 0.010; 6 triggers
     """
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
-    frames = int(film.frames_used.sum())
     lines = [
-        f"{name}: {film.sizes['trigger']} triggers from {frames} frame pairs of {film.sizes['x']} x {film.sizes['y']} pixels",
-        _film_line(film, "film_min", "least film"),
-        _film_line(film, "film_mean", "mean film"),
+        f"{name}: {film.sizes['trigger']} triggers from {int(film.frames_used.sum())} frame pairs "
+        f"of {film.sizes['x']} x {film.sizes['y']} pixels",
+        _film_line(film, "film_min", "minimum film thickness"),
+        _film_line(film, "film_mean", "mean film thickness"),
         *_flag_lines(film),
-        *_trend_lines(film),
+        _trend_line(film),
+        *_theory_lines(film),
     ]
     notes = [note for note in str(film.attrs.get("notes", "")).split("\n") if note]
-    lines += [f"  {'note' if n == 0 else '':14s}{note}" for n, note in enumerate(notes)]
+    lines += [_line("notes" if n == 0 else "", note) for n, note in enumerate(notes)]
     return "\n".join(lines)
 
 
+def _line(title: str, text: str, width: int = _TITLE) -> str:
+    return f"  {title:{width}s}{text}"
+
+
+def _film_line(film: xr.Dataset, variable: str, title: str) -> str:
+    """Range of a statistic over the cycle, with the triggers of its ends."""
+    values, std = film[variable].values, film[f"{variable}_std"].values
+    if not np.isfinite(values).any():
+        none = "none: no trigger has enough valid pixels in the region of interest"
+        return _line(title, none)
+    ends = [
+        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k})"
+        for k in (int(np.nanargmin(values)), int(np.nanargmax(values)))
+    ]
+    return _line(title, f"{ends[0]} to {ends[1]}")
+
+
+def _flag_lines(film: xr.Dataset) -> list[str]:
+    """Share of valid pixels, and of each flag that occurs."""
+    counts = dict.fromkeys(Flag, 0)
+    valid = total = 0
+    for trigger in range(film.sizes["trigger"]):
+        flags = film.flags.isel(trigger=trigger).values
+        valid += int((flags == 0).sum())
+        total += flags.size
+        for flag in Flag:
+            counts[flag] += int(((flags & flag) > 0).sum())
+    shares = [
+        f"{str(flag.name).lower()} {count / total:.2%}" for flag, count in counts.items() if count
+    ]
+    return [
+        _line("valid pixels", f"{valid / total:.1%}"),
+        _line("flagged pixels", ", ".join(shares) or "none"),
+    ]
+
+
+def _trend_line(film: xr.Dataset) -> str:
+    """Fitted powers of speed over load."""
+    title, exponent = "power of speed over load", film.speed_exponent
+    if not np.isfinite(float(exponent)):
+        return _line(title, "not fitted: fewer than five triggers can be used")
+    minimum = f"{float(exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
+    mean = f"{float(film.speed_exponent_mean):.3f} ± {float(film.speed_exponent_mean_std):.3f}"
+    used = exponent.attrs["triggers_used"]
+    return _line(title, f"minimum: n = {minimum}, mean: n = {mean}; {used} triggers")
+
+
+def _theory_lines(film: xr.Dataset) -> list[str]:
+    """Predicted film at the highest speed, and the reason for the regime."""
+    theory = film.film_theory
+    top = int(np.argmax(np.abs(film.rocker_speed.values)))
+    speed, load = float(film.sliding_speed[top]), float(film["load"][top])
+    formula = float(film.film_hamrock_dowson[top])
+    return [
+        _line(
+            "theory at the highest speed",
+            f"{float(theory[top]):.3g} um, {theory.attrs['regime']} ({speed:.3f} m/s, "
+            f"{load:.0f} N); 2.65 line-contact formula: {formula:.3g} um",
+        ),
+        _line("", str(theory.attrs["reason"])),
+    ]
+
+
 def describe_calibration(calibration: Calibration) -> str:
-    """Parameters of a calibration with their uncertainties, its range, and what it has to say of itself."""
-    std = calibration.standard_deviations
-    low, high = calibration.thickness_range
+    """Describe a calibration: parameters with standard deviations, calibrated range and notes.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        From `erlif.calibrate` or `erlif.open_calibration`.
+
+    Returns
+    -------
+    str
+        Several lines.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_calibration
+    >>> print(*describe_calibration(example_calibration()).splitlines()[:3], sep="\\n")
+    example wedge: ratio camera 2 / camera 1 against thickness, 20 points
+      K, ratio of a vanishing film      0.66000 ± 0.00100
+      p, attenuation camera 1 [1/um]    0.39000 ± 0.00200
+    """
+    points = calibration.curve.sizes["bin"]
+    lines = [f"{calibration.fixture}: ratio camera 2 / camera 1 against thickness, {points} points"]
+
+    def add(title: str, text: str) -> None:
+        lines.append(_line(title, text, _CALIBRATION_TITLE))
+
     names = (
         "K, ratio of a vanishing film",
         "p, attenuation camera 1 [1/um]",
         "q, attenuation camera 2 [1/um]",
     )
-    lines = [
-        f"{calibration.fixture}: ratio camera 2 / camera 1 against thickness, {calibration.curve.sizes['bin']} points"
-    ]
-    lines += [
-        f"  {name:32s}{value:.5f} ± {error:.5f}"
-        for name, value, error in zip(names, calibration.parameters, std, strict=True)
-    ]
-    lines.append(f"  {'answers from':32s}{low:.2f} to {high:.2f} um")
-    middle = np.array([low + 0.1 * (high - low), (low + high) / 2])
-    errors = calibration.thickness_std(middle)
-    lines.append(
-        f"  {'leaves in a thickness':32s}"
-        + ", ".join(
-            f"{100 * error / t:.2f} % at {t:.1f} um"
-            for t, error in zip(middle, errors, strict=True)
-        )
-    )
-    lines.append(f"  {'reduced chi-square':32s}{calibration.reduced_chi_square:.2f}")
+    stds = calibration.standard_deviations
+    for name, value, std in zip(names, calibration.parameters, stds, strict=True):
+        add(name, f"{value:.5f} ± {std:.5f}")
+
+    low, high = calibration.thickness_range
+    add("calibrated range", f"{low:.2f} to {high:.2f} um")
+    places = np.array([low + share * (high - low) for share in _AT])
+    errors = calibration.thickness_std(places)
+    shares = [f"{100 * e / t:.2f} % at {t:.1f} um" for t, e in zip(places, errors, strict=True)]
+    add("error shared by all pixels", ", ".join(shares))
+    add("reduced chi-square", f"{calibration.reduced_chi_square:.2f}")
+
     if calibration.departure is not None:
         film = np.linspace(low, high, 501)
         share = 100 * np.expm1(calibration.departure.predict(film))
-        lines.append(
-            f"  {'departs from the model by':32s}{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
-        )
+        text = f"{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
+        add("departure from the model", text)
     lines += [f"  note: {note}" for note in calibration.notes]
     return "\n".join(lines)
-
-
-def _film_line(film: xr.Dataset, variable: str, label: str) -> str:
-    values, std = film[variable].values, film[f"{variable}_std"].values
-    if not np.isfinite(values).any():
-        return f"  {label:14s}none: no trigger has enough valid pixels in the region of interest"
-    thin, thick = int(np.nanargmin(values)), int(np.nanargmax(values))
-    return (
-        f"  {label:14s}{values[thin]:.2f} ± {std[thin]:.2f} um (trigger {thin}) to {values[thick]:.2f} ± {std[thick]:.2f} um "
-        f"(trigger {thick})"
-    )
-
-
-def _flag_lines(film: xr.Dataset) -> list[str]:
-    counts = dict.fromkeys(Flag, 0)
-    answered = total = 0
-    for trigger in range(film.sizes["trigger"]):
-        flags = film.flags.isel(trigger=trigger).values
-        answered += int((flags == 0).sum())
-        total += flags.size
-        for flag in Flag:
-            counts[flag] += int(((flags & flag) > 0).sum())
-    left_out = ", ".join(
-        f"{str(flag.name).lower()} {count / total:.2%}" for flag, count in counts.items() if count
-    )
-    return [f"  {'pixels':14s}{answered / total:.1%} answered; flagged: {left_out or 'none'}"]
-
-
-def _trend_lines(film: xr.Dataset) -> list[str]:
-    lines = []
-    exponent = film.speed_exponent
-    if np.isfinite(float(exponent)):
-        lines.append(
-            f"  {'trend':14s}least film ~ (|speed|/load)^n, n = {float(exponent):.3f} ± {float(film.speed_exponent_std):.3f} "
-            f"({exponent.attrs['triggers_used']} triggers above a tenth of the top speed); mean film: n = "
-            f"{float(film.speed_exponent_mean):.3f} ± {float(film.speed_exponent_mean_std):.3f}"
-        )
-    else:
-        lines.append(f"  {'trend':14s}not fitted: fewer than five triggers can be used")
-    theory = film.film_theory
-    top = int(np.argmax(np.abs(film.rocker_speed.values)))
-    lines.append(
-        f"  {'theory':14s}{theory.attrs['regime']}: {float(theory[top]):.3g} um at top speed ({float(film.sliding_speed[top]):.3f} m/s, "
-        f"{float(film['load'][top]):.0f} N); the Dowson-Higginson line-contact formula (2.65) gives {float(film.film_hamrock_dowson[top]):.3g} um"
-    )
-    lines.append(f"  {'':14s}{theory.attrs['reason']}")
-    return lines

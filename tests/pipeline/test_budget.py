@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 import erlif
 from erlif.commands.main import main
-from erlif.pipeline import render_budget
+from erlif.report import render_budget
 from erlif.rig import RigSettings, simulate
 
 ROOT = Path(__file__).parents[2]

@@ -1,0 +1,80 @@
+"""Titles and captions of the figures in the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Caption:
+    """Text of a figure, and the format of its image."""
+
+    title: str
+    """Heading of the figure."""
+    text: str
+    """What the figure shows, panel by panel."""
+    kind: str = "svg"
+    """``"svg"`` for lines, ``"png"`` for images."""
+    dpi: float = 150.0
+    """Resolution of an image. [pixel/inch]"""
+
+
+CAPTIONS = {
+    "speed_against_angle": Caption(
+        "Speed of the joint against encoder angle",
+        "The line is the kinematics of the linkage; the points are the triggers: filled circles "
+        "for rising angle, open squares for falling angle. Right axis: surface speed of the pin.",
+    ),
+    "fixture_profile": Caption(
+        "Profile of the calibration fixture",
+        "Thickness by the coordinate measuring machine (CMM); bars are one standard deviation "
+        "where the profile gives it. Shaded: calibrated range.",
+    ),
+    "processed_images": Caption(
+        "Processed images of one trigger",
+        "Both bands after correction by dark and flat; camera 2 is resampled onto the pixel grid "
+        "of camera 1. Grey: outside the image of camera 2.",
+        "png",
+    ),
+    "ratio_image": Caption(
+        "Ratio of the two images",
+        "Camera 2 over camera 1, which rises with film thickness: the ratio that the map was "
+        "computed from. Grey: flagged.",
+        "png",
+    ),
+    "calibration": Caption(
+        "Calibration",
+        "(a) Ratio against thickness with the fitted reabsorption model and its 95 % band; bars "
+        "are one standard deviation and include the error of the CMM. (b) Residuals of the fit. "
+        "Shaded: calibrated range.",
+    ),
+    "thickness_map": Caption(
+        "Film thickness at one trigger",
+        "(a) Map; flagged pixels have the colour of their flag; dashed: region of interest. "
+        "(b) Profile along sliding, averaged over the axial extent of the region, with the gap of "
+        "rigid bodies h = h_min + x²/2R fitted to it. (c) Difference of the two. Bands are 95 % "
+        "of the random error, dashed lines 95 % of the error that all pixels share.",
+        "png",
+    ),
+    "film_against_speed": Caption(
+        "Film thickness against speed over load",
+        "(a) Mean and minimum film thickness of each trigger with the fitted powers n; bars are "
+        "one standard deviation, random and shared. Grey: too slow for the fit. (b) Minimum film "
+        "thickness and theory on wider scales.",
+    ),
+    "map_sheet": Caption(
+        "Maps of the cycle", "One colour scale for all maps. Grey: flagged.", "png"
+    ),
+    "film_over_cycle": Caption(
+        "Film thickness and speed over the cycle",
+        "(a) Mean and minimum film thickness with 95 % bands of random and shared errors; "
+        "(b) speed. Dotted: dead points of the mechanism.",
+    ),
+    "registration": Caption(
+        "Registration of the cameras",
+        "(a, b) Displacement of camera 2 against camera 1 less its mean; dashed: edge of the "
+        "overlap. (c) Drift of each frame, in addition to the displacement.",
+        "png",
+    ),
+}
+"""Captions by the name of the figure, as in `erlif.plots.files.DRAWN`."""

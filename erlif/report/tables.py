@@ -1,0 +1,262 @@
+"""The tables of the report: results, calibration, registration, flags and triggers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.flags import Flag
+from erlif.plots.files import FigureSource
+from erlif.plots.maps import flag_swatch, flag_title
+from erlif.plots.style import FLAG_COLOURS
+
+_REASONS = {
+    Flag.SATURATED: "a camera read full scale",
+    Flag.DIM: "too little light above the dark level for a ratio",
+    Flag.BAD_PIXEL: "hot, dead or noisy pixel of a camera",
+    Flag.OUTSIDE_OVERLAP: "seen by one camera only",
+    Flag.BELOW_RANGE: "film too thin for the calibration, or for a single pixel in this light",
+    Flag.ABOVE_RANGE: "film too thick for the calibration, or for a single pixel in this light",
+    Flag.POOR_REGISTRATION: "registration of the cameras not accurate enough",
+    Flag.NO_FILM: "bubble or bare wall: both bands are without fluorescence",
+}
+"""Meaning of each flag for the reader of the report."""
+
+_UNKNOWN = "not known"
+
+
+def with_error(value: float, std: float, unit: str = "") -> str:
+    """Write a value and its standard deviation, both to the second digit of the latter."""
+    if not math.isfinite(value):
+        return _UNKNOWN
+    if not (math.isfinite(std) and std > 0):
+        return f"{value:.4g} {unit}".strip()
+    digits = max(0, 1 - math.floor(math.log10(std)))
+    return f"{value:.{digits}f} ± {std:.{digits}f} {unit}".strip().replace("-", "−")
+
+
+def with_span(values: Array) -> str:
+    """Write the range of the finite values."""
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return _UNKNOWN
+    low, high = (f"{float(end):.4g}" for end in (known.min(), known.max()))
+    return f"{low} to {high}" if low != high else low
+
+
+def with_digits(value: float, digits: int) -> str:
+    """Write a value with a fixed number of digits, and a minus of the width of a plus."""
+    return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
+
+
+def make_table(
+    rows: Iterable[Sequence[str]],
+    *,
+    head: Sequence[str] = (),
+    caption: str = "",
+    numbers: Iterable[int] = (),
+) -> str:
+    """Make an HTML table of cells that are HTML already.
+
+    Parameters
+    ----------
+    rows : iterable of sequence of str
+        The cells; the first of each row is its heading.
+    head : sequence of str
+        Headings of the columns.
+    caption : str
+        Title of the table.
+    numbers : iterable of int
+        Columns that are aligned at the right.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> make_table([("Load", "222 N")])
+    '<table><tbody><tr><th scope="row">Load</th><td>222 N</td></tr></tbody></table>'
+    """
+    right = set(numbers)
+
+    def look(column: int) -> str:
+        return ' class="n"' if column in right else ""
+
+    parts = ["<table>", f"<caption>{caption}</caption>" if caption else ""]
+    if head:
+        cells = "".join(f'<th scope="col"{look(n)}>{cell}</th>' for n, cell in enumerate(head))
+        parts.append(f"<thead><tr>{cells}</tr></thead>")
+
+    parts.append("<tbody>")
+    for row in rows:
+        cells = f'<th scope="row"{look(0)}>{row[0]}</th>'
+        cells += "".join(f"<td{look(n)}>{cell}</td>" for n, cell in enumerate(row[1:], 1))
+        parts.append(f"<tr>{cells}</tr>")
+    parts.append("</tbody></table>")
+    return "".join(parts)
+
+
+def results_table(film: xr.Dataset, valid: float) -> str:
+    """Make the table of the results; `valid` is the mean share of valid pixels."""
+    rows = [
+        ("Triggers, frame pairs", f"{film.sizes['trigger']}, {int(film.frames_used.sum())}"),
+        ("Image", f"{film.sizes['x']} × {film.sizes['y']} pixels"),
+        ("Valid pixels", f"{100 * valid:.1f} %"),
+        *_film_rows(film),
+        *_exponent_rows(film),
+        *_theory_rows(film),
+    ]
+    if "film_parameter" in film:
+        rows.append(("Film parameter Λ", with_span(film.film_parameter.values)))
+    rows.append(("Load", f"{with_span(film['load'].values)} N"))
+
+    caption = "Results (± is one standard deviation, random and shared)"
+    notes = str(film.film_theory.attrs.get("notes", "")).split("\n")
+    limits = " ".join(escape(note) for note in notes if note)
+    below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
+    return make_table(rows, caption=caption) + below
+
+
+def _film_rows(film: xr.Dataset) -> list[tuple[str, str]]:
+    """Range of minimum and mean film thickness over the cycle."""
+    rows = []
+    for name, title in (
+        ("film_min", "Minimum film thickness"),
+        ("film_mean", "Mean film thickness"),
+    ):
+        value, std = film[name].values, film[f"{name}_std"].values
+        if np.isfinite(value).any():
+            low, high = int(np.nanargmin(value)), int(np.nanargmax(value))
+            ends = [with_error(float(value[k]), float(std[k])) for k in (low, high)]
+            rows.append((f"{title}, over the cycle", f"{ends[0]} to {ends[1]} µm"))
+    return rows
+
+
+def _exponent_rows(film: xr.Dataset) -> list[tuple[str, str]]:
+    """Fitted powers of speed over load."""
+    rows = []
+    for name, title in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
+        if name not in film:
+            continue
+        text = with_error(float(film[name]), float(film[f"{name}_std"]))
+        used = film[name].attrs.get("triggers_used")
+        count = f" ({int(used)} triggers)" if used is not None else ""
+        rows.append((f"Power of speed over load, {title} film thickness", text + count))
+    return rows
+
+
+def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
+    """Predicted films, and the measured minimum relative to them."""
+    theory = film.film_theory
+    share = film.film_min.values / theory.values
+    known = share[np.isfinite(share)]
+    median = f"{float(np.median(known)):.2g} (median)" if known.size else _UNKNOWN
+    span = f"{with_span(theory.values)} µm; measured minimum over theory: {median}"
+    return [
+        ("Theory", escape(str(theory.attrs.get("long_name", "")))),
+        ("Range of the theory", span),
+        ("Reason for this theory", escape(str(theory.attrs.get("reason", "")))),
+        ("2.65 line-contact formula", f"{with_span(film.film_hamrock_dowson.values)} µm"),
+    ]
+
+
+def calibration_table(source: FigureSource) -> str:
+    """Make the table of the calibration."""
+    calibration = source.calibration
+    values, stds = calibration.parameters.tolist(), calibration.standard_deviations.tolist()
+    low, high = calibration.thickness_range
+    one, two = calibration.bands
+    date = f", {escape(calibration.date)}" if calibration.date else ""
+    rows = [
+        ("Fixture", escape(calibration.fixture) + date),
+        ("Ratio", f"{two:g} nm over {one:g} nm (camera 2 over camera 1)"),
+        ("Ratio of a vanishing film, K", with_error(values[0], stds[0])),
+        ("Attenuation of camera 1, p", with_error(values[1], stds[1], "µm⁻¹")),
+        ("Attenuation of camera 2, q", with_error(values[2], stds[2], "µm⁻¹")),
+        ("Calibrated range", f"{low:.2f} to {high:.2f} µm"),
+    ]
+    if math.isfinite(calibration.reduced_chi_square):
+        rows.append(("Reduced χ²", f"{calibration.reduced_chi_square:.2f}"))
+    return make_table(rows, caption="Calibration")
+
+
+def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> str:
+    """Make the table of the registration from the groups of a film."""
+    quality = float(registration.attrs["registration_quality"])
+    std = float(np.nanmedian(registration.displacement_std.values))
+    rows = [
+        ("Correlation of the aligned textures", f"{quality:.3f}"),
+        ("Model", escape(str(registration.attrs["registration_model"]))),
+        ("Standard deviation of the map", f"{std:.3f} px (median)"),
+    ]
+
+    drift = np.hypot(frames.drift_x.values, frames.drift_y.values)
+    if np.isfinite(drift).any():
+        rms, most = math.sqrt(float(np.nanmean(drift**2))), float(np.nanmax(drift))
+        rows.append(("Drift of camera 2", f"{rms:.2f} px rms, {most:.2f} px at most"))
+    if "pulse_energy" in frames and np.isfinite(frames.pulse_energy.values).any():
+        spread = 100 * float(np.nanstd(frames.pulse_energy.values))
+        rows.append(("Spread of the pulse energy", f"{spread:.1f} %"))
+    skipped = int(np.isnan(frames.drift_x.values).sum())
+    if skipped:
+        rows.append(("Frame pairs without drift, or left out", f"{skipped}"))
+    return make_table(rows, caption="Registration")
+
+
+def flag_table(shares: Array) -> str:
+    """Make the table of the flags that occur; `shares` in the order of `Flag`."""
+    rows = [
+        (_swatch(flag) + flag_title(flag), _REASONS[flag], f"{100 * float(share):.2f} %")
+        for flag, share in zip(Flag, shares, strict=True)
+        if share > 0
+    ]
+    if not rows:
+        return "<p>All pixels are valid.</p>"
+    caption = "Flagged pixels (one pixel may have several flags)"
+    return make_table(rows, head=("Flag", "Reason", "Share"), caption=caption, numbers=[2])
+
+
+def flag_key() -> str:
+    """Make the key of the colours of all flags, in the order in which a map shows them."""
+    return "".join(f"<li>{_swatch(flag)}{flag_title(flag)}</li>" for flag in FLAG_COLOURS)
+
+
+def _swatch(flag: Flag) -> str:
+    return f'<span class="swatch" style="background:{flag_swatch(flag)}"></span>'
+
+
+def trigger_table(film: xr.Dataset, valid: Array) -> str:
+    """Make the table of the triggers; `valid` (trigger,) is the share of valid pixels."""
+    warm, rough = "temperature" in film, "film_parameter" in film
+    head = ["Trigger", "Stroke", "Encoder [°]", "Crank [°]", "Speed [rad/s]", "Sliding [mm/s]"]
+    head += ["Load [N]", *(["Oil [°C]"] if warm else []), "Frame pairs"]
+    head += ["Mean film thickness [µm]", "Minimum film thickness [µm]"]
+    head += ["Theory [µm]", "2.65 formula [µm]", *(["Λ"] if rough else []), "Valid pixels"]
+
+    rows = []
+    for k in range(film.sizes["trigger"]):
+        one = {
+            str(name): float(film[name].values[k])
+            for name in film
+            if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
+        }
+        row = [f"{k}", "outward" if one["stroke"] > 0 else "return"]
+        row += [with_digits(one["encoder_angle"], 2), with_digits(one["crank_angle"], 2)]
+        row += [with_digits(one["rocker_speed"], 3), with_digits(1e3 * one["sliding_speed"], 1)]
+        row += [with_digits(one["load"], 1)]
+        row += [with_digits(one["temperature"], 2)] if warm else []
+        row += [f"{int(one['frames_used'])}"]
+        row += [with_error(one[name], one[f"{name}_std"]) for name in ("film_mean", "film_min")]
+        row += [with_digits(one["film_theory"], 1), with_digits(one["film_hamrock_dowson"], 3)]
+        row += [with_digits(one["film_parameter"], 1)] if rough else []
+        rows.append([*row, f"{100 * valid[k]:.1f} %"])
+
+    table = make_table(rows, head=head, numbers=[0, *range(2, len(head))])
+    look = 'class="wide" tabindex="0" role="region" aria-label="Table of the triggers"'
+    return f"<div {look}>{table}</div>"

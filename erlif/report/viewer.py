@@ -1,0 +1,94 @@
+"""The viewer of the maps: its controls, and the data that viewer.js reads."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from erlif.files import describe_trigger, region_of, settings_of
+from erlif.plots.maps import common_limits, flag_swatch, flag_title
+from erlif.plots.style import FLAG_COLOURS, colour_map
+from erlif.report.maps import MapCoding, describe_coding
+from erlif.report.tables import flag_key
+
+_COLOURS = 256  # of the palette
+_SAMPLES = 12  # maps that the limits of the colour scale are taken from
+
+
+def viewer_section(film: xr.Dataset, coding: MapCoding) -> str:
+    """Write the controls of the viewer as HTML."""
+    last = film.sizes["trigger"] - 1
+    return f"""<p>Move over the map to read the film thickness; click, or use the arrow keys
+(with Shift ten at a time), to draw the profile of a row. The dashed box is the region of interest.
+{_describe_thinning(coding)}Thickness is rounded to {1e3 * coding.step:g} nm; standard deviations
+are those of single pixels, medians of 4 × 4.</p>
+<p><strong id="trigger-title" aria-live="polite"></strong></p>
+<div class="controls">
+<label for="trigger">Trigger</label>
+<button type="button" id="previous">Previous</button>
+<input type="range" id="trigger" min="0" max="{last}" step="1" value="0">
+<button type="button" id="next">Next</button>
+</div>
+<div class="viewer">
+<canvas id="map" tabindex="0" role="img"
+ aria-label="Map of film thickness at the chosen trigger"></canvas>
+<div><canvas id="profile" role="img" aria-label="Film thickness along the chosen row"></canvas>
+<output id="readout" for="trigger"></output></div>
+</div>
+<ul class="key" aria-label="Colours of flagged pixels">{flag_key()}</ul>
+<noscript><p>The viewer needs JavaScript; the figures below do not.</p></noscript>"""
+
+
+def _describe_thinning(coding: MapCoding) -> str:
+    """One sentence where the page does not hold every pixel."""
+    if coding.stride == 1:
+        return ""
+    ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
+    return f"The page holds every {ordinal} pixel along each axis; the film file holds all. "
+
+
+def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
+    """Write the data of viewer.js as JSON that can stand in a script element."""
+    x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
+    pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
+    region = region_of(film)
+    sliding = settings_of(film).optics.x_axis == "sliding"
+    count = film.sizes["trigger"]
+    limits = common_limits(film, range(0, count, max(1, count // _SAMPLES)))
+
+    data: dict[str, Any] = {
+        "width": int(x.size),
+        "height": int(y.size),
+        "coding": describe_coding(coding),
+        "x": [float(x[0]), pitch[0]],
+        "y": [float(y[0]), pitch[1]],
+        "pixelAspect": pitch[1] / pitch[0],
+        "xLabel": f"x ({'sliding' if sliding else 'axial'}) [mm]",
+        "yLabel": f"y ({'axial' if sliding else 'sliding'}) [mm]",
+        "region": [*region.x, *region.y],
+        "limits": [round(limit, 3) for limit in limits],
+        "palette": _palette(),
+        "flags": [
+            {
+                "bit": int(flag),
+                "name": flag_title(flag),
+                "rgb": [int(flag_swatch(flag)[n : n + 2], 16) for n in (1, 3, 5)],
+            }
+            for flag in FLAG_COLOURS
+        ],
+        "triggers": [describe_trigger(film, k).capitalize() for k in range(count)],
+    }
+
+    # "</script>" in a name must not end the element
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+def _palette() -> str:
+    """Colours of the map in six hexadecimal digits each."""
+    colours = np.asarray(colour_map("batlow")(np.linspace(0, 1, _COLOURS)))[:, :3]
+    whole = (255 * colours).round().astype(int)
+    return "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in whole.tolist())

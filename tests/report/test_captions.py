@@ -1,0 +1,40 @@
+"""Every figure has a caption that names its panels."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from erlif import plots
+from erlif.plots.files import DRAWN, FigureSource
+from erlif.report.captions import CAPTIONS
+
+
+def test_every_figure_has_a_caption():
+    assert set(CAPTIONS) == set(DRAWN)
+
+
+@pytest.mark.parametrize("caption", CAPTIONS.values(), ids=list(CAPTIONS))
+def test_caption_is_a_sentence(caption):
+    assert caption.text.endswith(".")
+    assert not caption.title.endswith(".")
+    assert caption.kind in ("svg", "png")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(set(DRAWN) - {"fixture_profile"}))
+def test_caption_names_the_panels_that_are_drawn(name, tmp_path):
+    """Letters in the caption are those in the figure."""
+    path = plots.write_example(tmp_path / "film.nc")
+    film = plots.example_film()
+    source = FigureSource(path, film, 1, None, None)
+    source.__dict__["images"] = plots.example_images(film, trigger=1)
+    figure = DRAWN[name](source)
+    drawn = {ax.get_title(loc="left").strip("()") for ax in figure.axes} - {""}
+    named = {
+        letter for group in re.findall(r"\(([a-d, ]+)\)", CAPTIONS[name].text) for letter in group
+    }
+    named -= {",", " "}
+    assert named <= drawn
+    assert not named or named == drawn

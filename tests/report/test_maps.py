@@ -1,0 +1,103 @@
+"""Embedded maps read back as the film, to the rounding that the page names."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes import film as scene
+
+from erlif.report import MapCoding, decode_map, embed_map, maps, write_report
+from erlif.report.maps import block_shape, choose_coding, describe_coding
+
+FINE = MapCoding(1, 1e-3)
+
+
+def decoded(film, trigger, coding=FINE):
+    shape = film.thickness.values[0, :: coding.stride, :: coding.stride].shape
+    text = embed_map(film, trigger=trigger, coding=coding)
+    return decode_map(text, shape=shape, coding=coding)
+
+
+def test_maps_of_the_page_read_back_as_the_film(page, film):
+    data = json.loads(page.texts["film-data"])
+    coding = MapCoding(data["coding"]["stride"], data["coding"]["step"])
+    assert coding == FINE
+    for k in range(scene.TRIGGERS):
+        found = decode_map(
+            page.texts[f"map-{k}"], shape=(data["height"], data["width"]), coding=coding
+        )
+        npt.assert_array_equal(found.flags, film.flags.values[k])
+        npt.assert_allclose(found.thickness, film.thickness.values[k], atol=0.5001e-3)
+
+
+def test_standard_deviations_are_medians_of_blocks(film):
+    """Codes keep a standard deviation to 3 %."""
+    found = decoded(film, 0)
+    block = film.thickness_std.values[0][8:12, 20:24]
+    median = np.sort(block.ravel())[7]  # the lower one of sixteen
+    npt.assert_allclose(found.std[2, 5], median, rtol=0.03)
+    npt.assert_allclose(found.std_shared[2, 5], 0.02, rtol=0.03)
+
+
+def test_block_at_the_edge_is_the_median_of_its_pixels(film):
+    small = film.isel(x=slice(4, 11), y=slice(0, 6))
+    found = decoded(small, 0)
+    assert found.std.shape == (2, 2) == block_shape((6, 7))
+    values = np.sort(small.thickness_std.values[0][4:, 4:].ravel())
+    npt.assert_allclose(found.std[1, 1], values[(values.size - 1) // 2], rtol=0.03)
+
+
+def test_block_without_valid_pixels_has_no_standard_deviation(film):
+    found = decoded(film, 1)
+    assert np.isnan(found.thickness[20:24, 30:34]).all()
+    changed = film.load().copy(deep=True)
+    changed.flags.values[1, 20:24, 28:32] = 128
+    found = decoded(changed, 1)
+    assert np.isnan(found.std[5, 7])
+    assert np.isfinite(found.std[5, 5])
+
+
+@pytest.mark.parametrize("std", [1e-4, 1e-3, 0.05, 2.0, 100.0])
+def test_standard_deviations_are_kept_over_six_decades(film, std):
+    changed = film.load().copy(deep=True)
+    changed.thickness_std.values[:] = std
+    npt.assert_allclose(decoded(changed, 0).std[5, 5], std, rtol=0.03)
+
+
+def test_large_film_is_thinned(film, film_path, tmp_path, monkeypatch, without_figures, read_page):
+    monkeypatch.setattr(maps, "_BUDGET", 20_000)
+    page = read_page(write_report(film_path, tmp_path / "thin.html").read_text(encoding="utf-8"))
+    data = json.loads(page.texts["film-data"])
+    coding = MapCoding(data["coding"]["stride"], data["coding"]["step"])
+    assert coding.stride == 2
+    assert "every 2nd pixel" in page.texts["viewer"]
+    found = decode_map(page.texts["map-4"], shape=(data["height"], data["width"]), coding=coding)
+    npt.assert_allclose(found.thickness, film.thickness.values[4, ::2, ::2], atol=0.5001e-3)
+
+
+def test_steps_grow_where_sixteen_bits_would_not_reach(film):
+    assert choose_coding(film, thickest=60.0).step == 1e-3
+    coding = choose_coding(film, thickest=400.0)
+    assert 65535 * coding.step > 400.0
+    assert 65535 * (coding.step - 1e-3) < 400.0 * 1.01
+
+
+def test_thick_film_reads_back_in_its_coarser_steps(film):
+    changed = film.load().copy(deep=True)
+    changed.thickness.values[:] = 399.9
+    coding = choose_coding(changed, thickest=400.0)
+    found = decoded(changed, 0, coding).thickness
+    npt.assert_allclose(found[np.isfinite(found)], 399.9, atol=0.51 * coding.step)
+
+
+def test_viewer_has_the_constants_of_the_coding():
+    described = describe_coding(MapCoding(2, 3e-3))
+    assert described["stride"] == 2
+    assert described["step"] == 3e-3
+    # the formula of viewer.js for a code, against the decoder
+    code = 100
+    std = described["leastStd"] * 2 ** ((code - 1) / described["perOctave"])
+    npt.assert_allclose(std, 1e-4 * 2 ** (99 / 12))
