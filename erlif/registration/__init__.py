@@ -1,4 +1,8 @@
-"""Camera 2 on the pixels of camera 1."""
+"""Camera 2 on the pixels of camera 1: the map, the drift of each frame, and the alignment.
+
+`register_frames` finds one map for a run, `estimate_drift` the translation of a frame on top of it,
+and `align_frames` samples camera 2 accordingly, with its noise and its flags.
+"""
 
 from erlif.registration.alignment import align_frames
 from erlif.registration.background import divide_by_light

@@ -88,11 +88,13 @@ def align_frames(
         }
         aligned["signal"][1, n] = warp(own["signal"], dx, dy, (x, y))
 
+        # the spline averages the noise of neighbouring pixels; their variance changes slowly
         factor = interpolation_variance_factor(dx, dy, (x, y))
         for name in ("signal_var", "signal_var_fixed"):
             _gather(own[name], dx, dy, x, y, factor, aligned[name][1, n])
         averaging[n] = np.nanmean(factor) if np.isfinite(factor).any() else 1.0
 
+        # NaN drift leaves no pixel valid, and the reason belongs in the flags
         flags = aligned["flags"][1, n]
         _gather_flags(own["flags"], dx, dy, x, y, flags)
         flags[~camera_map.overlap] |= _OUTSIDE

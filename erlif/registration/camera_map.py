@@ -67,6 +67,7 @@ class CameraMap:
     @property
     def model(self) -> str:
         """Description of the map for reports and files; `from_dataset` reads it back."""
+        # files of all versions have these words, so they stay as they are
         text = f"{self.kind.value}, {self.resolution}" if self.resolution else self.kind.value
         if self.stored:
             text += ", stored with the calibration"
@@ -123,6 +124,7 @@ class CameraMap:
         defaults = asdict(RegistrationSettings())
         attributes = {name: _setting_attribute(name) for name in defaults}
         named = ("registration_quality", "registration_model", *attributes.values())
+        # all that is missing is named at once
         missing = [name for name in _VARIABLES if name not in dataset]
         missing += [name for name in named if name not in dataset.attrs]
         if missing:
@@ -131,6 +133,7 @@ class CameraMap:
                 "register the cameras again and store the map with to_dataset."
             )
 
+        # a file returns numpy scalars, and integers for booleans
         attrs = dataset.attrs
         chosen: dict[str, Any] = {
             name: type(default)(attrs[attributes[name]]) for name, default in defaults.items()
@@ -200,6 +203,7 @@ def describe_map(camera_map: CameraMap) -> xr.Dataset:
     >>> group.displacement_x.attrs["units"], group.displacement_x.encoding["zlib"]
     ('px', True)
     """
+    # the lowest level: the last bits of a displacement are noise, which no level compresses
     compress = {"zlib": True, "complevel": 1, "shuffle": True}
     dataset = camera_map.to_dataset()
     for name in dataset:
@@ -230,6 +234,7 @@ def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
     >>> float(moved.displacement_x[0, 0]), float(moved.displacement_y[0, 0])
     (4.5, -3.25)
     """
+    # the map of a run's own frames has its mean drift by definition; nothing is to be recorded
     taken_up = None
     if camera_map.stored:
         before = camera_map.drift_taken_up or (0.0, 0.0)

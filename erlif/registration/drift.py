@@ -240,6 +240,8 @@ def follow_drift(
     sums = np.zeros((1, 1, SUMS))
     last = 2 if min(pair.reference.shape) >= LARGE else 1
 
+    # coarse images first: whole pixels by correlation, then Gauss-Newton steps; the images of the
+    # last step need one step, or two where they are still binned
     for binning, passes in ((2 * last, COARSE_PASSES), (last, last)):
         views = textures(pair, binning, threads)
         spline = views.spline(threads)
@@ -292,6 +294,7 @@ def whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
     value = fft.irfft2(product, size)
 
+    # negative lags stand at the end of the transform, where negative indices find them
     near = np.r_[-FARTHEST : FARTHEST + 1]
     j, i = np.unravel_index(int(np.argmax(value[np.ix_(near, near)])), (near.size, near.size))
     return np.array([near[i], near[j]], float)
@@ -317,6 +320,7 @@ def shift_std(sums: AnyArray) -> tuple[float, float]:
     if not np.linalg.det(matrix) > 0:
         return float("nan"), float("nan")
 
+    # the scatter of the scores holds shot noise, private texture and residual distortion alike
     scores = np.stack([sums[..., BX].ravel(), sums[..., BY].ravel()])
     inverse = np.linalg.inv(matrix)
     covariance = inverse @ (scores @ scores.T) @ inverse

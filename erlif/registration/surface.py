@@ -45,6 +45,7 @@ def spline_weights(
     weights : array, (n, 4)
         Their weights, which add up to 1.
     """
+    # positions beyond the interval stay in the outer element, with u below 0 or above 1
     t = (np.asarray(positions, float) - start) * (elements / (stop - start))
     first = np.clip(np.floor(t), 0, elements - 1).astype(np.int64)
 
@@ -86,6 +87,7 @@ def _evaluate(
             for k in range(4):
                 line[i] += weight_y[y, k] * coefficients[j + k, i]
         for x in range(out.shape[1]):
+            # four terms in float64, rounded once
             i = first_x[x]
             value = weight_x[0, x] * line[i] + weight_x[1, x] * line[i + 1]
             out[y, x] = value + weight_x[2, x] * line[i + 2] + weight_x[3, x] * line[i + 3]
@@ -316,6 +318,7 @@ def cell_weights(sums: AnyArray) -> AnyArray:
     The larger of the cell's own variance and that of the 3 by 3 cells around it counts: a single
     cell may match by chance.
     """
+    # empty cells divide by zero and are left out below
     n, ee = sums[..., WEIGHT], sums[..., EE]
     near_n, near_e = _box3(n), _box3(ee)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -402,6 +405,7 @@ def solve_surface(system: Equations, *, basis: AnyArray | None = None) -> Surfac
 
     right = system.right - matrix @ system.start
     if basis is not None:
+        # both components have the same degree
         both = np.kron(np.eye(2), basis)
         solution = both @ _solve(both.T @ matrix @ both, both.T @ right)
     else:

@@ -143,7 +143,7 @@ def test_translation_is_added_to_each_component(found):
 
 def test_stored_map_records_the_whole_translation(found):
     stored = replace(found, stored=True)
-    moved = move_map(move_map(stored, np.array([0.5, -0.25])), np.array([0.25, 1.0]))
-    assert moved.drift_taken_up == (0.75, 0.75)
+    moved = move_map(move_map(stored, np.array([0.5, -0.25])), np.array([0.25, 1.5]))
+    assert moved.drift_taken_up == (0.75, 1.25)
     assert moved.stored
-    assert moved.model.endswith("the mean drift taken up is (0.750, 0.750) px")
+    assert moved.model.endswith("the mean drift taken up is (0.750, 1.250) px")

@@ -1,4 +1,4 @@
-"""The drift of single frames and the check of a stored map, on scenes whose displacement is known."""
+"""The drift of single frames and the check of a stored map, on scenes of known displacement."""
 
 from dataclasses import replace
 
@@ -66,7 +66,7 @@ def run():
 
 
 def test_drift_scatters_no_less_than_the_bound_and_little_more():
-    """The Cramer-Rao bound for two noisy samplings of one known scene is 1 / sum(g^2 / (v1 + v2))."""
+    """The Cramer-Rao variance of two noisy samplings of one scene is 1 / sum(g^2 / (v1 + v2))."""
     truth = Scene(SHAPE, 9, private=0.0, scratches=0).photograph(
         smooth_map(SHAPE, offset=(1.3, -0.6))
     )
@@ -214,7 +214,7 @@ def test_whole_pixels_of_a_translation_are_found(move):
 
 
 def test_opposite_edges_of_the_frame_are_kept_apart():
-    """A bright point at each edge is no translation by 3 px; the faint one in common has moved 1."""
+    """A bright point at each edge is no translation by 3 px; a faint one has moved by 1."""
     left, right = np.zeros((64, 64), np.float32), np.zeros((64, 64), np.float32)
     left[3, 1] = right[3, 62] = 1.0
     left[30, 30] = right[30, 31] = 0.5

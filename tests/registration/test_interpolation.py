@@ -1,4 +1,4 @@
-"""Warping by cubic B-splines: against scipy's, against straight lines, and what it does to noise."""
+"""Warping by cubic B-splines: against scipy's, against polynomials, and its effect on noise."""
 
 import numpy as np
 import numpy.testing as npt

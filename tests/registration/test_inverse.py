@@ -81,7 +81,7 @@ def test_map_and_inverse_are_distinguished_at_any_translation(name, move):
     assert same.misfit < 1e-5
     swapped = compare_with_inverse(stored, camera_map(backwards(field), move=move))
     assert swapped.inverted is True
-    # a translation also moves the point at which the inverse is read: part of the distortion is left
+    # a translation also moves the point at which the inverse is read, which leaves a little
     still = move == (0.0, 0.0)
     assert swapped.misfit_inverse < (0.001 if still else 0.06)
     assert same.misfit_inverse == pytest.approx(swapped.misfit, rel=0.03 if still else 0.1)

@@ -1,4 +1,4 @@
-"""Local windows: displacements of known sums, outliers, interpolation, and the noise of the passes."""
+"""Local windows: displacements of known sums, outliers, interpolation, noise of the passes."""
 
 import numpy as np
 import numpy.testing as npt
@@ -243,7 +243,7 @@ def test_single_pass_has_the_noise_of_its_window():
 
 @pytest.mark.parametrize("sigma", [1.5, 2.26])
 def test_standard_deviation_of_windows_is_the_scatter_of_their_vectors(sigma):
-    """Scores of independent noise, three times larger in y, are solved once and their rest judged."""
+    """One pass over scores of independent noise, three times larger in y."""
     rng = np.random.default_rng(5)
     shape = (60, 80)
     texture = sums_of(constant(0, 0, shape), shape=shape)

@@ -259,7 +259,7 @@ def test_polynomial_is_found_in_its_own_space(degree):
 
 
 def test_coefficients_without_data_fall_back_to_the_plane_of_the_start():
-    """Half of the frame is dark; the other half is displaced by a plane, at which the sums stand."""
+    """Half of the frame is dark; the sums of the other half stand at a plane that fits."""
     plane = affine_surface(BOX, np.array([[0.02, 0.0], [0.01, -0.03]]), np.array([1.0, 2.0]))
     cells = make_cells(plane)
     here_x, here_y = plane.evaluate(cells.x, cells.y)

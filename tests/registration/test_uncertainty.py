@@ -165,7 +165,7 @@ def test_standard_deviation_is_the_rms_of_both_components(component, variance):
 
 
 def test_standard_deviation_follows_the_grid_of_positions():
-    """The error of one coefficient, the last along x and the first along y, is felt in its corner."""
+    """One coefficient, the last along x and the first along y, acts in its corner only."""
     model = Model((4, 3))
     covariance = np.zeros((84, 84))
     covariance[6, 6] = 1.0
