@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration.settings import RegistrationSettings
 
@@ -36,16 +36,16 @@ class CameraMap:
     the camera-2 pixels are those of the image after `orient`.
     """
 
-    displacement_x: AnyArray
-    """(y, x), float32; NaN more than a few pixels beyond the frame of camera 2. [px]"""
-    displacement_y: AnyArray
-    """(y, x), float32, as displacement_x. [px]"""
-    displacement_std: AnyArray
-    """(y, x), float32: standard deviation of one component, the rms of the two. [px]"""
-    overlap: AnyArray
-    """(y, x), bool: camera 2 sees the point, at zero drift."""
-    poor: AnyArray
-    """(y, x), bool: the registration is not accurate enough here."""
+    displacement_x: Image
+    """(y, x); NaN more than a few pixels beyond the frame of camera 2. [px]"""
+    displacement_y: Image
+    """(y, x), as displacement_x. [px]"""
+    displacement_std: Image
+    """(y, x): standard deviation of one component, the rms of the two. [px]"""
+    overlap: Mask
+    """(y, x): True where camera 2 sees the point, at zero drift."""
+    poor: Mask
+    """(y, x): True where the registration is not accurate enough here."""
     quality: float
     """Correlation coefficient of the two textures after alignment. [1]"""
     kind: MapKind

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from scipy import fft
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
@@ -147,7 +147,7 @@ def check_map(
     *,
     tolerance: float = 0.1,
     settings: RegistrationSettings | None = None,
-) -> AnyArray:
+) -> Array:
     """Check on a few frames of a run that a map made before still fits.
 
     Parameters
@@ -228,7 +228,7 @@ def check_map(
 
 
 def follow_drift(
-    displacement_x: AnyArray, displacement_y: AnyArray, pair: Pair, *, threads: int = 1
+    displacement_x: Image, displacement_y: Image, pair: Pair, *, threads: int = 1
 ) -> Drift:
     """Measure the drift of a checked pair against a dense displacement (NaN where not known). [px]
 
@@ -265,7 +265,7 @@ def follow_drift(
     return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
 
 
-def beyond_chance(products: AnyArray) -> bool:
+def beyond_chance(products: Array) -> bool:
     """Whether the textures of the two cameras have more in common than chance gives.
 
     The mean product over the cells is the sharper test. The median decides where a few cells
@@ -281,7 +281,7 @@ def beyond_chance(products: AnyArray) -> bool:
     )
 
 
-def whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
+def whole_pixels(a: Image, b: Image) -> Array:
     """Translation (dx, dy) of ``b`` against ``a`` to the pixel, from their cross-correlation.
 
     NaN in ``b`` counts as 0, the mean of a texture.
@@ -300,7 +300,7 @@ def whole_pixels(a: AnyArray, b: AnyArray) -> AnyArray:
     return np.array([near[i], near[j]], float)
 
 
-def binned_field(field: AnyArray, binning: int) -> AnyArray:
+def binned_field(field: Image, binning: int) -> Image:
     """The displacement at the centres of the binned pixels, in binned pixels.
 
     ``binning`` is 1, 2 or 4: the centre lies between four pixels, whose mean is taken.
@@ -313,7 +313,7 @@ def binned_field(field: AnyArray, binning: int) -> AnyArray:
     return np.asarray(sum(parts) * np.float32(0.25 / binning), np.float32)
 
 
-def shift_std(sums: AnyArray) -> tuple[float, float]:
+def shift_std(sums: Array) -> tuple[float, float]:
     """Standard deviations of a common translation (dx, dy), from the scatter of the cell scores."""
     gxx, gxy, gyy = (float(sums[..., k].sum()) for k in (GXX, GXY, GYY))
     matrix = np.array([[gxx, gxy], [gxy, gyy]])

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
 
@@ -115,7 +115,7 @@ def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None
             out[row, m + n + 1] = lanes[max(n - 3, 0), r]
 
 
-def spline_coefficients(image: AnyArray, *, threads: int = 1) -> AnyArray:
+def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
     """Return the cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
@@ -322,7 +322,7 @@ def warp(
     drift: tuple[float, float] = (0.0, 0.0),
     *,
     threads: int = 1,
-) -> AnyArray:
+) -> Image:
     """Sample camera 2 at the pixels of camera 1.
 
     Parameters
@@ -389,7 +389,7 @@ def warp(
 
 
 @cache
-def _noise_table(size: int = 1024) -> AnyArray:
+def _noise_table(size: int = 1024) -> Array:
     """Sum over k of the squared cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
     n = 64  # taps on either side; the pole to this power is 1e-37
     f = np.linspace(0.0, 1.0, size + 1)
@@ -406,14 +406,14 @@ def _noise_table(size: int = 1024) -> AnyArray:
     for i in range(4):
         response[i : i + 2 * n + 1] += inverse[:, None] * taps[i]
 
-    table: AnyArray = np.sum(response**2, axis=0)
+    table: Array = np.sum(response**2, axis=0)
     table.setflags(write=False)
     return table
 
 
 def interpolation_variance_factor(
     displacement_x: AnyArray, displacement_y: AnyArray, drift: tuple[float, float] = (0.0, 0.0)
-) -> AnyArray:
+) -> Image:
     """Return the variance of a warped pixel over that of a pixel of camera 2.
 
     The noise is independent from pixel to pixel. The cardinal cubic spline eta weighs the pixels,

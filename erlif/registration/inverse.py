@@ -106,7 +106,7 @@ def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparis
     if run is not None:
         variance += 2 * (run.std[known] ** 2).mean()
 
-    return _judge(
+    return judge(
         misfit,
         misfit_inverse,
         apart=2 * _rms(own.dx, own.dy, known),  # d and -d are apart by twice d
@@ -114,7 +114,7 @@ def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparis
     )
 
 
-def _judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> InverseComparison:
+def judge(misfit: float, misfit_inverse: float, *, apart: float, std: float) -> InverseComparison:
     """Verdict from the misfits, the distance between the candidates and the noise of the maps. [px]
 
     The found map lies ``(worse^2 - better^2) / (2 apart)`` from the middle, along the line between

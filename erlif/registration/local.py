@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import Array, Image, Mask
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY
 
 LARGEST_STEP: Final = 1.5
@@ -47,7 +47,7 @@ def window_sigma(window: int, step: int) -> float:
     return window / (2 * float(np.sqrt(np.pi))) / step
 
 
-def window_sums(cells: AnyArray, sigma: float) -> AnyArray:
+def window_sums(cells: Array, sigma: float) -> Array:
     """Gaussian-weighted sums about each cell; nothing beyond the edges."""
     return np.asarray(
         ndimage.gaussian_filter(cells, (sigma, sigma, 0), mode="constant", truncate=TRUNCATE)
@@ -57,15 +57,15 @@ def window_sums(cells: AnyArray, sigma: float) -> AnyArray:
 class Windows(NamedTuple):
     """Solution of the Gauss-Newton equations in a window about each cell."""
 
-    vector: AnyArray
+    vector: Array
     """(component, row, column): remaining displacement; component 0 is x. [px]"""
-    inverse: AnyArray
+    inverse: Array
     """(row, column, 2, 2): inverse of the normal matrix. [px^2]"""
-    sound: AnyArray
-    """(row, column), bool: the window has texture enough."""
+    sound: Mask
+    """(row, column): True where the window has texture enough."""
 
 
-def solve_windows(sums: AnyArray, sigma: float) -> Windows:
+def solve_windows(sums: Array, sigma: float) -> Windows:
     """Solve for the displacement that each Gaussian window still needs.
 
     Parameters
@@ -94,7 +94,7 @@ def solve_windows(sums: AnyArray, sigma: float) -> Windows:
     return Windows(vector, inverse, trace > FAINT * ridge)
 
 
-def replace_outliers(field: AnyArray, sound: AnyArray) -> AnyArray:
+def replace_outliers(field: Array, sound: Mask) -> Array:
     """Replace vectors that fail the normalised median test by the median of their neighbours.
 
     Parameters
@@ -126,7 +126,7 @@ def replace_outliers(field: AnyArray, sound: AnyArray) -> AnyArray:
     return np.where(bad, middle, field)
 
 
-def smooth(field: AnyArray) -> AnyArray:
+def smooth(field: Array) -> Array:
     """Smooth by 1-2-1 along both axes, edges repeated."""
     p = np.pad(field, ((0, 0), (1, 1), (1, 1)), mode="edge")
     p = p[:, :-2] + 2 * p[:, 1:-1] + p[:, 2:]
@@ -134,8 +134,8 @@ def smooth(field: AnyArray) -> AnyArray:
 
 
 def to_pixels(
-    nodes: AnyArray, positions_y: AnyArray, positions_x: AnyArray, shape: tuple[int, int]
-) -> AnyArray:
+    nodes: Array, positions_y: Array, positions_x: Array, shape: tuple[int, int]
+) -> Image:
     """Interpolate from equidistant nodes to all pixels by Catmull-Rom splines.
 
     Parameters
@@ -157,7 +157,7 @@ def to_pixels(
     return np.asarray(down @ nodes.astype(np.float32) @ np.ascontiguousarray(across.T))
 
 
-def _catmull_rom(positions: AnyArray, size: int) -> AnyArray:
+def _catmull_rom(positions: Array, size: int) -> Image:
     """Weights (pixel, node) of the nodes along one axis."""
     n = len(positions)
     t = (np.arange(size) - positions[0]) / (positions[1] - positions[0])
@@ -225,7 +225,7 @@ def response(sigma: float, passes: int) -> Response:
     return Response(float((held**2).mean() / (window**2).mean()), float(kept))
 
 
-def window_std(sums: AnyArray, sigma: float, passes: int) -> AnyArray:
+def window_std(sums: Array, sigma: float, passes: int) -> Array:
     """Return the standard deviation of the local field, from the scatter of the cell scores.
 
     Parameters
@@ -264,7 +264,7 @@ def window_std(sums: AnyArray, sigma: float, passes: int) -> AnyArray:
     return np.where(sound, np.sqrt(np.maximum(variance, floor)), np.inf)
 
 
-def still_off(sums: AnyArray, step: int, *, tolerance: float) -> AnyArray:
+def still_off(sums: Array, step: int, *, tolerance: float) -> Mask:
     """Find the cells whose surroundings of some 64 px clearly need another displacement.
 
     Parameters

@@ -90,12 +90,12 @@ def describe_surface(
     # the standard deviation is smooth: a coarse grid and interpolation between
     covariance = surface_covariance(cells, model, surface.box)
     x, y = np.linspace(0, shape[1] - 1, STD_COLUMNS), np.linspace(0, shape[0] - 1, STD_ROWS)
-    std = surface_std(covariance, model, surface.box, x, y)
+    coarse = surface_std(covariance, model, surface.box, x, y)
     zoom = ((shape[0] - 1) / (STD_ROWS - 1), (shape[1] - 1) / (STD_COLUMNS - 1))
     row, column = (
         np.arange(n, dtype=np.float32) / np.float32(z) for n, z in zip(shape, zoom, strict=True)
     )
-    std = bilinear(std.astype(np.float32), row, column)
+    std = bilinear(coarse.astype(np.float32), row, column)
 
     dx, dy = surface.on_pixels(shape)
     return Solution(dx, dy, std, MapKind.SURFACE, str(model))

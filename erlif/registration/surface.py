@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from scipy.linalg import cho_factor, cho_solve
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.registration.matching import EE, WEIGHT
 
 Box = tuple[float, float, float, float]
@@ -26,7 +26,7 @@ LIT_SHARE: Final = 0.25
 
 def spline_weights(
     positions: AnyArray, start: float, stop: float, elements: int
-) -> tuple[AnyArray, AnyArray]:
+) -> tuple[AnyArray, Array]:
     """Return the cubic B-spline weights of positions on an interval cut into equal elements.
 
     Parameters
@@ -60,7 +60,7 @@ def spline_weights(
     return first, weights
 
 
-def design(positions: AnyArray, start: float, stop: float, elements: int) -> AnyArray:
+def design(positions: AnyArray, start: float, stop: float, elements: int) -> Array:
     """The weights of `spline_weights` as a full matrix (position, coefficient)."""
     first, weights = spline_weights(positions, start, stop, elements)
     matrix = np.zeros((len(first), elements + 3))
@@ -94,7 +94,7 @@ def _evaluate(
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def bilinear(values: AnyArray, row: AnyArray, column: AnyArray) -> AnyArray:
+def bilinear(values: Image, row: Image, column: Image) -> Image:
     """Interpolate a small float32 table at fractional rows and columns, constant beyond its edges.
 
     The rows are interpolated once for each output row, then the columns.
@@ -121,7 +121,7 @@ class Surface:
 
     box: Box
     """Region on which the elements are equal; beyond it the outer ones are continued. [px]"""
-    coefficients: AnyArray
+    coefficients: Array
     """(component, y, x), three more than elements along each axis; component 0 is x. [px]"""
 
     @property
@@ -129,7 +129,7 @@ class Surface:
         """Elements along x and along y."""
         return self.coefficients.shape[2] - 3, self.coefficients.shape[1] - 3
 
-    def evaluate(self, x: AnyArray, y: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def evaluate(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Displacement (dx, dy) at the grid of coordinates x and y, each (len(y), len(x)). [px]"""
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
@@ -137,7 +137,7 @@ class Surface:
         down = design(y, y0, y1, ny)
         return down @ self.coefficients[0] @ across.T, down @ self.coefficients[1] @ across.T
 
-    def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[AnyArray, AnyArray]:
+    def on_pixels(self, shape: tuple[int, int], *, binning: int = 1) -> tuple[Image, Image]:
         """Displacement (dx, dy) on all pixels of a binned frame, float32. [binned px]
 
         Binned pixel k covers the pixels from ``k * binning`` and lies at their centre.
@@ -168,7 +168,7 @@ class Surface:
         return Surface(self.box, self.coefficients + shift)
 
 
-def affine_surface(box: Box, matrix: AnyArray, offset: AnyArray) -> Surface:
+def affine_surface(box: Box, matrix: Array, offset: Array) -> Surface:
     """The affine displacement ``matrix @ (x, y) + offset`` as a surface of one element."""
     x0, x1, y0, y1 = box
     # a cubic B-spline whose coefficients are the values of a line at these places is the line
@@ -180,7 +180,7 @@ def affine_surface(box: Box, matrix: AnyArray, offset: AnyArray) -> Surface:
     )
 
 
-def degree_basis(degree: int) -> AnyArray:
+def degree_basis(degree: int) -> Array:
     """Orthonormal coefficients (16, p) of the polynomials up to this total degree, at most 3.
 
     A surface of one element has 16 coefficients and holds all polynomials of the third degree in
@@ -272,11 +272,11 @@ class Equations:
     """Region of the spline. [px]"""
     elements: tuple[int, int]
     """Elements along x and along y."""
-    matrix: AnyArray
+    matrix: Array
     """(2p, 2p), x coefficients first: information on the coefficients. [1/px^2]"""
-    right: AnyArray
+    right: Array
     """(2p,): the matrix times the solution. [1/px]"""
-    start: AnyArray
+    start: Array
     """(2p,): the plane to which coefficients without data fall back. [px]"""
 
 
@@ -284,17 +284,17 @@ class Equations:
 class Cells:
     """Cell sums with their places, the displacement at which they hold, and their weights."""
 
-    sums: AnyArray
+    sums: Array
     """(row, column, 11), see `erlif.registration.matching.SUMS`."""
-    x: AnyArray
+    x: Array
     """Columns of the cell centres. [px]"""
-    y: AnyArray
+    y: Array
     """Rows of the cell centres. [px]"""
-    here_x: AnyArray
+    here_x: Array
     """(row, column): displacement along x at which the sums were taken. [px]"""
-    here_y: AnyArray
+    here_y: Array
     """(row, column): displacement along y at which the sums were taken. [px]"""
-    weight: AnyArray
+    weight: Array
     """(row, column): reciprocal of the residual variance of the textures. [1]"""
 
     @property
@@ -312,7 +312,7 @@ class Cells:
         )
 
 
-def cell_weights(sums: AnyArray) -> AnyArray:
+def cell_weights(sums: Array) -> Array:
     """Reciprocal residual variance of each cell; 0 if it is nearly empty.
 
     The larger of the cell's own variance and that of the 3 by 3 cells around it counts: a single
@@ -326,11 +326,11 @@ def cell_weights(sums: AnyArray) -> AnyArray:
         near = np.where(near_n > 0, near_e / near_n, 0)
         variance = np.maximum(own, near)
         lit = n > LIT_SHARE * n.max()
-        weight: AnyArray = np.where(lit & (variance > 0), 1 / variance, 0)
+        weight: Array = np.where(lit & (variance > 0), 1 / variance, 0)
     return weight
 
 
-def _box3(cells: AnyArray) -> AnyArray:
+def _box3(cells: Array) -> Array:
     """Sum over 3 by 3 cells; nothing beyond the edges."""
     p = np.pad(cells, 1)
     p = p[:-2] + p[1:-1] + p[2:]
@@ -380,7 +380,7 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
     return Equations(box, elements, matrix, right.reshape(2 * p), _plane(cells, box, elements))
 
 
-def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> AnyArray:
+def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> Array:
     """Spline coefficients (2p,) of the plane nearest to the displacement of the cells."""
     x, y = np.meshgrid(
         (cells.x - box[0]) / (box[1] - box[0]), (cells.y - box[2]) / (box[3] - box[2])
@@ -395,7 +395,7 @@ def _plane(cells: Cells, box: Box, elements: tuple[int, int]) -> AnyArray:
     return np.concatenate([(fit[0, k] + fit[1, k] * gx + fit[2, k] * gy).ravel() for k in range(2)])
 
 
-def solve_surface(system: Equations, *, basis: AnyArray | None = None) -> Surface:
+def solve_surface(system: Equations, *, basis: Array | None = None) -> Surface:
     """Solve for the surface; ``basis`` restricts its coefficients (see `degree_basis`).
 
     The unknowns are the departures from the plane, so that the ridge pulls towards the plane.
@@ -415,13 +415,13 @@ def solve_surface(system: Equations, *, basis: AnyArray | None = None) -> Surfac
     return Surface(system.box, solution.reshape(2, ny + 3, nx + 3))
 
 
-def _solve(matrix: AnyArray, right: AnyArray) -> AnyArray:
+def _solve(matrix: Array, right: Array) -> Array:
     """Solve a symmetric system with a ridge; zeros if it is empty."""
     n = len(matrix)
     ridge = RIDGE * np.trace(matrix) / n
     if not ridge > 0:
         return np.zeros(n)
-    solution: AnyArray = cho_solve(
+    solution: Array = cho_solve(
         cho_factor(matrix + ridge * np.eye(n), overwrite_a=True, check_finite=False), right
     )
     return solution

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY
 from erlif.registration.selection import Model
 from erlif.registration.surface import RIDGE, Box, Cells, equations, spline_weights
@@ -80,7 +80,7 @@ def _block_scores(
             )
 
 
-def surface_covariance(cells: Cells, model: Model, box: Box) -> AnyArray:
+def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     """Return the covariance of the spline coefficients of a fitted surface.
 
     In the corners of frames below some 500 px, where single blocks determine a spline, it is too
@@ -180,7 +180,7 @@ def _variance_at(
             out[r, c] = 0.5 * total
 
 
-def surface_std(covariance: AnyArray, model: Model, box: Box, x: AnyArray, y: AnyArray) -> AnyArray:
+def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -> Array:
     """Return the standard deviation of the displacement of a surface.
 
     Parameters

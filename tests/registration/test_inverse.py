@@ -16,6 +16,7 @@ from erlif.registration import (
     orient,
     register,
 )
+from erlif.registration.inverse import judge
 from erlif.registration.settings import ORIENTATIONS
 
 SHAPE = (240, 320)
@@ -190,6 +191,27 @@ def test_another_orientation_or_frame_size_excludes_the_map_itself():
     turned = camera_map(AFFINE, orientation="rotated_90")
     result = compare_with_inverse(stored, turned)
     assert (result.misfit, result.misfit_inverse, result.inverted) == (np.inf, np.inf, None)
+
+
+@pytest.mark.parametrize(
+    ("misfit", "misfit_inverse", "std", "significance", "inverted"),
+    [
+        (0.0, 2.0, 0.19, 1 / 0.19, False),  # half the distance, in standard deviations
+        (2.0, 0.0, 0.19, 1 / 0.19, True),
+        (0.0, 2.0, 0.21, 1 / 0.21, None),  # below 5
+        (0.45, 2.0, 0.1, (4 - 0.45**2) / 4 / 0.1, False),
+        (0.55, 2.0, 0.1, (4 - 0.55**2) / 4 / 0.1, None),  # above a quarter of the other
+        (np.inf, 0.3, 0.1, (4 - 0.3**2) / 4 / 0.1, True),  # excluded: as far as the inverse
+        (np.inf, 0.6, 0.1, (4 - 0.6**2) / 4 / 0.1, None),
+        (1.7, 1.7, 0.1, 0.0, None),
+        (2.5, 2.4, 0.1, 0.0, None),  # both further than the candidates from each other
+    ],
+)
+def test_verdict_in_closed_form(misfit, misfit_inverse, std, significance, inverted):
+    """Candidates 2 px apart; the found map lies (worse^2 - better^2) / 4 px from their middle."""
+    result = judge(misfit, misfit_inverse, apart=2.0, std=std)
+    assert result.significance == pytest.approx(significance)
+    assert result.inverted is inverted
 
 
 def test_poor_and_unseen_pixels_do_not_count():
