@@ -238,8 +238,11 @@ def normalise(
     texture : array, (y, x), float32
         Mean 0 and rms near 1; 0 where the weight is 0. [1]
     weight : array, (y, x), float32
-        0 where the pixel must not count or the light is below a fiftieth of the brighter parts of
-        the frame.
+        0 where the pixel must not count or is not finite.
+
+    Notes
+    -----
+    Cells darker than a fiftieth of the brighter parts of the frame do not enter the averages.
 
     Examples
     --------

@@ -9,7 +9,7 @@ Y, X = np.indices((120, 160), dtype=np.float64)
 
 
 def test_light_of_a_wedge_is_found_to_its_border():
-    """Linear and quadratic light, also at the edge of the image, where a local mean is off by its slope."""
+    """Linear and quadratic light, also at the border, where a local mean is off by its slope."""
     for light in (20 + 5 * X, 2000 - 0.1 * (X - 40) ** 2 + 3 * Y):
         npt.assert_allclose(local_light(light, np.ones_like(light)), light, rtol=2e-3)
 
@@ -39,3 +39,66 @@ def test_flagged_pixels_do_not_shape_the_light():
     npt.assert_allclose(local_light(spoilt, weight), light, rtol=2e-3)
     _, used = divide_by_light(spoilt.astype(np.float32), weight)
     assert not used[50:56, 70:76].any()
+
+
+def test_mixed_curvature_is_found_as_well():
+    light = 1500 + 0.05 * (X - 80) * (Y - 60)
+    npt.assert_allclose(local_light(light, np.ones_like(light)), light, rtol=2e-3)
+
+
+def test_the_window_is_a_gaussian_of_twelve_pixels():
+    """A slow cubic is left by a quadratic fit as known from its third moment.
+
+    About each place, x^3 projects onto x as 3 sigma^2 x, so the value there stays; and x^4 onto
+    the constant as -3 sigma^4, for the quadratic takes 6 sigma^2 x^2 - 3 sigma^4 of it.
+    """
+    u = (X - 80) / 80
+    for power, at_the_middle in ((3, 0.0), (4, -3 * (12 / 80) ** 4)):
+        found = local_light(1000 * (1 + u**power), np.ones_like(u))[60, 80] / 1000 - 1
+        npt.assert_allclose(found, at_the_middle, atol=2e-4)
+
+
+def test_light_is_linear_in_the_image():
+    rng = np.random.default_rng(2)
+    one, two = rng.uniform(100, 200, (2, *X.shape))
+    weight = np.ones_like(one)
+    together = local_light(3 * one + two, weight)
+    npt.assert_allclose(
+        together, 3 * local_light(one, weight) + local_light(two, weight), rtol=1e-5
+    )
+
+
+def test_light_is_zero_where_nothing_near_counts():
+    weight = np.ones(X.shape)
+    weight[:, 80:] = 0
+    light = local_light(np.full(X.shape, 500.0), weight)
+    npt.assert_allclose(light[:, :76], 500, rtol=5e-3)
+    npt.assert_allclose(light[:, 140:], 0, atol=1)  # the spline rings by a part in a thousand
+
+
+def test_frames_need_not_be_made_of_whole_cells():
+    light = 800 + 3 * X[:53, :61] + 2 * Y[:53, :61]
+    found = local_light(light, np.ones_like(light))
+    assert found.shape == (53, 61)
+    assert found.dtype == np.float32
+    npt.assert_allclose(found[:-8, :-8], light[:-8, :-8], rtol=5e-3)
+
+
+def test_dark_parts_have_neither_texture_nor_weight():
+    """Below a fiftieth of the brighter parts the light is too weak to divide by."""
+    image = np.full(X.shape, 1000, np.float32)
+    image[:, 100:] = 10
+    texture, weight = divide_by_light(image, np.ones(X.shape, np.float32))
+    npt.assert_array_equal(weight[:, 140:], 0)
+    npt.assert_array_equal(texture[weight == 0], 1)
+    image[:, 100:] = 50
+    assert divide_by_light(image, np.ones(X.shape, np.float32))[1][:, 140:].all()
+
+
+def test_texture_keeps_its_contrast_whatever_the_level():
+    wave = 1 + 0.1 * np.cos(2 * np.pi * X / 5)
+    for level in (200.0, 20000.0):
+        image = (level * wave).astype(np.float32)
+        texture, weight = divide_by_light(image, np.ones(X.shape, np.float32))
+        npt.assert_allclose(texture[20:-20, 20:-20], wave[20:-20, 20:-20], atol=5e-3)
+        assert (texture.dtype, weight.dtype) == (np.float32, np.float32)

@@ -1,0 +1,195 @@
+"""Blocks matched between textures of known offset, and the affine field that most of them share."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Blobs
+
+from erlif.registration.blocks import BLOCK, STRIDE, agree, integral, match_blocks
+
+SHAPE = (112, 144)
+
+
+def noise(seed=0, shape=SHAPE):
+    return np.random.default_rng(seed).standard_normal(shape).astype(np.float32)
+
+
+def ones(shape=SHAPE):
+    return np.ones(shape, np.float32)
+
+
+def blobs(dx=0.0, dy=0.0):
+    """An analytic texture whose features lie (dx, dy) further right and down."""
+    field = Blobs(SHAPE, 2.0, np.random.default_rng(1))
+    y, x = np.indices(SHAPE, dtype=float)
+    return field(x - dx, y - dy).astype(np.float32)
+
+
+def grid(columns=8, rows=6):
+    """Centres of blocks about the middle of a frame."""
+    x, y = np.meshgrid(np.arange(columns) * 16.0 - 56, np.arange(rows) * 16.0 - 40)
+    return np.stack([x.ravel(), y.ravel()], axis=-1)
+
+
+# integral images --------------------------------------------------------------------------------
+
+
+def test_an_integral_image_holds_the_sums_of_all_rectangles_from_the_origin():
+    a, b = noise(1), noise(2)
+    out = np.full((SHAPE[0] + 1, SHAPE[1] + 1), np.nan)
+    integral(a, b, out)
+    expected = np.zeros_like(out)
+    expected[1:, 1:] = (a.astype(float) * b).cumsum(0).cumsum(1)
+    npt.assert_allclose(out, expected, atol=1e-3)
+
+
+# matching ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("offset", [(0, 0), (3, 0), (0, -2), (-4, 5)])
+def test_a_whole_offset_is_found_by_every_block(offset):
+    dx, dy = offset
+    a = noise()
+    b = np.roll(a, (dy, dx), (0, 1))
+    found = match_blocks(a, b, ones(), 6)
+    rows, cols = (SHAPE[0] - BLOCK) // STRIDE + 1, (SHAPE[1] - BLOCK) // STRIDE + 1
+    assert len(found.centres) == rows * cols
+    # white noise has a peak of one pixel; its neighbours pull the parabola by some hundredths
+    npt.assert_allclose(found.vectors, np.tile(offset, (rows * cols, 1)), atol=0.1)
+
+
+@pytest.mark.parametrize("offset", [(0.3, 0.0), (0.0, 0.3), (-1.4, 2.25)])
+def test_a_parabola_finds_the_fraction_of_the_offset(offset):
+    found = match_blocks(blobs(), blobs(*offset), ones(), 6)
+    npt.assert_allclose(np.median(found.vectors, axis=0), offset, atol=0.06)
+
+
+def test_centres_are_those_of_the_blocks():
+    centres = match_blocks(noise(), noise(), ones(), 2).centres
+    npt.assert_array_equal(centres[0], [(BLOCK - 1) / 2, (BLOCK - 1) / 2])
+    npt.assert_array_equal(np.unique(np.diff(np.unique(centres[:, 0]))), [STRIDE])
+    npt.assert_array_equal(centres.max(0) + (BLOCK - 1) / 2, [143, 111])
+
+
+def test_a_frame_of_one_block_is_matched_about_its_own_centre():
+    small = noise(shape=(30, 20))
+    found = match_blocks(small, small, ones((30, 20)), 2)
+    npt.assert_array_equal(found.centres, [[9.5, 9.5]])
+
+
+def test_peaks_of_common_texture_stand_far_above_chance():
+    alike = match_blocks(noise(), noise(), ones(), 6).strength
+    strange = match_blocks(noise(), noise(7), ones(), 6).strength
+    assert alike.min() > 20
+    assert strange.max() < 6  # the highest of 169 values by chance
+
+
+def test_strength_does_not_depend_on_the_contrast_of_either_camera():
+    a, b = noise(), noise() + noise(3)
+    plain = match_blocks(a, b, ones(), 4)
+    scaled = match_blocks(8 * a, b / 4, ones(), 4)
+    npt.assert_allclose(scaled.strength, plain.strength, rtol=1e-4)
+    npt.assert_allclose(scaled.vectors, plain.vectors, atol=1e-4)
+
+
+def test_blocks_that_camera_2_does_not_see_are_left_out():
+    weight = ones()
+    weight[:, 88:] = 0
+    found = match_blocks(noise(), noise() * weight, weight, 3)
+    assert found.centres[:, 0].max() == 79.5  # of the block from 80 to 111 a quarter is seen
+    assert len(found.centres) == len(found.vectors) == len(found.strength)
+
+
+def test_a_peak_on_the_rim_of_the_search_keeps_whole_pixels():
+    found = match_blocks(blobs(), blobs(3.4, 0.2), ones(), 3)
+    npt.assert_array_equal(found.vectors[:, 0], 3)
+
+
+# agreement --------------------------------------------------------------------------------------
+
+MATRIX = np.array([[0.02, -0.05], [0.04, 0.01]])
+OFFSET = np.array([2.0, -3.0])
+
+
+def test_an_affine_field_is_found_as_it_is():
+    centres = grid()
+    found = agree(centres, centres @ MATRIX.T + OFFSET, np.ones(len(centres)))
+    npt.assert_allclose(found.matrix, MATRIX, atol=1e-10)
+    npt.assert_allclose(found.offset, OFFSET, atol=1e-10)
+    assert found.part == 1
+
+
+@pytest.mark.parametrize("wrong", [10, 20])
+def test_wrong_blocks_change_nothing_but_the_part_that_agrees(wrong):
+    centres = grid()
+    vectors = centres @ MATRIX.T + OFFSET
+    rng = np.random.default_rng(2)
+    bad = rng.choice(len(centres), wrong, replace=False)
+    angle = rng.uniform(0, 2 * np.pi, wrong)
+    vectors[bad] += 8 * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    found = agree(centres, vectors, np.ones(len(centres)))
+    npt.assert_allclose(found.matrix, MATRIX, atol=1e-9)
+    assert found.part == (48 - wrong) / 48
+
+
+def test_all_blocks_that_agree_take_part_in_the_fit():
+    """The error of the offset falls with the root of the number of blocks."""
+    centres = grid()
+    rng = np.random.default_rng(3)
+    offsets = [
+        agree(centres, OFFSET + rng.normal(0, 0.2, centres.shape), np.ones(48)).offset - OFFSET
+        for _ in range(40)
+    ]
+    assert 0.7 < np.std(offsets) / (0.2 / np.sqrt(48)) < 1.3
+
+
+def test_blocks_a_pixel_off_do_not_agree():
+    centres = grid()
+    vectors = np.zeros_like(centres)
+    vectors[::8, 0] = 1.6
+    vectors[3::8, 1] = 0.6
+    found = agree(centres, vectors, np.ones(48))
+    assert found.part == 42 / 48
+
+
+def test_a_quarter_of_the_blocks_is_enough_if_they_are_the_strong_ones():
+    centres = grid()
+    rng = np.random.default_rng(4)
+    vectors = rng.uniform(-6, 6, centres.shape)
+    vectors[:12] = OFFSET
+    strength = np.where(np.arange(48) < 12, 20.0, 2.0)
+    found = agree(centres, vectors, strength)
+    there = centres[:12] @ found.matrix.T + found.offset
+    npt.assert_allclose(there, np.tile(OFFSET, (12, 1)), atol=1)
+    assert 12 / 48 <= found.part < 0.5
+
+
+@pytest.mark.parametrize(("slope", "part"), [(0.11, 1.0), (0.13, 0.0)])
+def test_a_field_steeper_than_any_camera_mount_is_refused(slope, part):
+    centres = grid()
+    found = agree(centres, centres * slope, np.ones(48))
+    npt.assert_allclose(found.part, part, atol=0.2 if part == 0 else 0)
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_three_blocks_always_agree_and_do_not_count(count):
+    found = agree(grid()[:count], np.zeros((count, 2)), np.ones(count))
+    assert found.part == 0
+    npt.assert_array_equal(found.matrix, 0)
+
+
+def test_four_blocks_that_span_a_rectangle_are_enough():
+    centres = np.array([[0.0, 0.0], [64.0, 0.0], [0.0, 64.0], [64.0, 64.0]])
+    assert agree(centres, np.ones((4, 2)), np.ones(4)).part == 1
+
+
+def test_blocks_in_a_line_determine_no_field():
+    centres = np.stack([np.arange(8) * 16.0, np.zeros(8)], axis=-1)
+    assert agree(centres, np.ones((8, 2)), np.ones(8)).part == 0
+
+
+def test_the_same_blocks_always_give_the_same_field():
+    centres = grid()
+    vectors = OFFSET + np.random.default_rng(5).normal(0, 0.6, centres.shape)
+    first, second = (agree(centres, vectors, np.ones(48)) for _ in range(2))
+    npt.assert_array_equal(first.matrix, second.matrix)

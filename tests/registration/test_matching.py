@@ -1,0 +1,304 @@
+"""Gauss-Newton sums against closed forms: ramps, sinusoids, and sums written out in numpy."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.registration.matching import (
+    AA,
+    AB,
+    BB,
+    BX,
+    BY,
+    CROSS,
+    EE,
+    GXX,
+    GXY,
+    GYY,
+    SUMS,
+    WEIGHT,
+    cell_centres,
+    cell_sums,
+    correlation,
+    merge_cells,
+    move_sums,
+    solve_shift,
+    without_noise,
+)
+
+SHAPE = (48, 64)
+Y, X = np.indices(SHAPE, dtype=np.float64)
+ONES = np.ones(SHAPE, np.float32)
+INSIDE = (slice(2, -2), slice(2, -2))  # what a five-point derivative reaches
+
+
+def response(k):
+    """Gain of the five-point derivative for a wave of that number [rad/px]; k for small k."""
+    return (8 * np.sin(k) - np.sin(2 * k)) / 6
+
+
+def waves(dx=0.0, dy=0.0, seed=3):
+    """A smooth texture whose features lie (dx, dy) further right and down."""
+    rng = np.random.default_rng(seed)
+    total = np.zeros(SHAPE)
+    for _ in range(12):
+        kx, ky = rng.uniform(-0.5, 0.5, 2)
+        total += np.cos(kx * (X - dx) + ky * (Y - dy) + rng.uniform(0, 6))
+    return total.astype(np.float32)
+
+
+# the sums ---------------------------------------------------------------------------------------
+
+
+def test_a_ramp_gives_one_for_each_pixel_and_its_shift():
+    """Gradient 1 and difference 1/4: 64 pixels in a full cell, 6 x 6 in a corner."""
+    ramp = X.astype(np.float32)
+    sums = cell_sums(ramp, ONES, ramp - np.float32(0.25), 8)
+    assert sums.shape == (6, 8, SUMS)
+    for cell, pixels in (((2, 3), 64), ((0, 0), 36), ((0, 3), 48), ((5, 7), 36)):
+        npt.assert_allclose(sums[cell][[GXX, WEIGHT]], pixels, rtol=1e-5)
+        npt.assert_allclose(sums[cell][BX], 0.25 * pixels, rtol=1e-5)
+        npt.assert_allclose(sums[cell][EE], pixels / 16, rtol=1e-5)
+        npt.assert_allclose(sums[cell][CROSS], pixels, rtol=1e-5)
+        npt.assert_allclose(sums[cell][[GXY, GYY, BY]], 0, atol=1e-4)
+
+
+def test_the_axes_are_not_exchanged():
+    ramp = (2 * Y).astype(np.float32)
+    sums = cell_sums(ramp, ONES, ramp + np.float32(1), 8)[2, 3]
+    npt.assert_allclose(sums[[GXX, GXY, GYY]], [0, 0, 4 * 64], atol=1e-3)
+    npt.assert_allclose(sums[[BX, BY]], [0, -2 * 64], atol=1e-3)
+
+
+def test_the_mixed_product_has_the_sign_of_both_gradients():
+    for sign in (1, -1):
+        ramp = (X + sign * Y).astype(np.float32)
+        npt.assert_allclose(cell_sums(ramp, ONES, ramp, 8)[2, 3, GXY], sign * 64, rtol=1e-5)
+
+
+@pytest.mark.parametrize("k", [0.2, 0.6, 1.2])
+def test_the_derivative_of_a_wave_is_that_of_five_points(k):
+    """Over whole periods the mean of the squared derivative is half its squared amplitude."""
+    x = np.arange(4 + 64 * 5)
+    wave = np.tile(np.cos(k * x), (20, 1)).astype(np.float32)
+    derivative = -response(k) * np.sin(k * x[2:-2])
+    sums = cell_sums(wave, np.ones_like(wave), wave, 8)
+    npt.assert_allclose(sums[..., GXX].sum(), 16 * (derivative**2).sum(), rtol=1e-4)
+
+
+def test_products_of_the_textures_are_summed_over_the_inner_pixels():
+    a, b = waves(seed=1), waves(seed=2)
+    total = cell_sums(a, ONES, b, 8).sum((0, 1))
+    p, q = a[INSIDE].astype(float), b[INSIDE].astype(float)
+    npt.assert_allclose(total[AA], (p * p).sum(), rtol=1e-5)
+    npt.assert_allclose(total[BB], (q * q).sum(), rtol=1e-5)
+    npt.assert_allclose(total[AB], (p * q).sum(), rtol=1e-4)
+    npt.assert_allclose(total[EE], ((p - q) ** 2).sum(), rtol=1e-5)
+
+
+def test_gradients_are_those_of_the_mean_image_and_their_product_of_the_two():
+    a, b = waves(seed=1), waves(seed=2)
+
+    def gradient(f, axis):
+        f = np.asarray(f, float)
+        shifted = [np.roll(f, -n, axis) for n in (-2, -1, 1, 2)]
+        return ((shifted[0] - shifted[3]) + 8 * (shifted[2] - shifted[1]))[INSIDE] / 12
+
+    total = cell_sums(a, ONES, b, 8).sum((0, 1))
+    gx, gy = (0.5 * (gradient(a, axis) + gradient(b, axis)) for axis in (1, 0))
+    e = (a.astype(float) - b)[INSIDE]
+    npt.assert_allclose(total[GXX], (gx * gx).sum(), rtol=1e-4)
+    npt.assert_allclose(total[GXY], (gx * gy).sum(), rtol=1e-4, atol=0.05)
+    npt.assert_allclose(total[GYY], (gy * gy).sum(), rtol=1e-4)
+    npt.assert_allclose(total[BX], (gx * e).sum(), rtol=1e-4, atol=0.05)
+    npt.assert_allclose(total[BY], (gy * e).sum(), rtol=1e-4, atol=0.05)
+    cross = gradient(a, 1) * gradient(b, 1) + gradient(a, 0) * gradient(b, 0)
+    npt.assert_allclose(total[CROSS], cross.sum(), rtol=1e-4, atol=0.05)
+
+
+def test_a_missing_pixel_takes_out_the_nine_whose_derivative_needs_it():
+    a = waves()
+    b = a.copy()
+    b[20, 30] = np.nan
+    assert cell_sums(a, ONES, b, 8)[..., WEIGHT].sum() == 44 * 60 - 9
+    assert np.isfinite(cell_sums(a, ONES, b, 8)).all()
+
+
+def test_a_pixel_without_weight_takes_out_only_itself():
+    weight = ONES.copy()
+    weight[20, 30] = 0
+    spoilt = cell_sums(X.astype(np.float32), weight, X.astype(np.float32) - 1, 8)
+    npt.assert_allclose(spoilt[2, 3, [WEIGHT, GXX, BX, EE]], 63, rtol=1e-5)
+
+
+def test_left_over_pixels_belong_to_the_last_cells():
+    shape = (35, 50)
+    a = np.ones(shape, np.float32)
+    weight = cell_sums(a, a, a, 8)[..., WEIGHT]
+    assert weight.shape == (4, 6)
+    assert weight.sum() == 31 * 46
+    assert weight[-1, 2] == (35 - 24 - 2) * 8
+    assert weight[1, -1] == 8 * (50 - 40 - 2)
+
+
+def test_a_frame_smaller_than_a_cell_is_one_cell():
+    a = np.ones((12, 10), np.float32)
+    assert cell_sums(a, a, a, 16).shape == (1, 1, SUMS)
+
+
+def test_threads_do_not_change_the_sums():
+    tall = np.tile(waves(), (12, 1))
+    one = cell_sums(tall, np.ones_like(tall), tall * 0.9, 8)
+    npt.assert_array_equal(cell_sums(tall, np.ones_like(tall), tall * 0.9, 8, threads=3), one)
+
+
+# dust -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("difference", [2.0, 4.0, 8.0])
+def test_a_large_difference_loses_weight(difference):
+    """w = 1/(1 + t) with t = (e / 4 rms)^2; the slope of w e is (1 - t) w^2, never negative."""
+    ramp = X.astype(np.float32)
+    sums = cell_sums(ramp, ONES, ramp - np.float32(difference), 8, scale=np.ones((6, 8)))[2, 3]
+    t = (difference / 4) ** 2
+    w = 1 / (1 + t)
+    npt.assert_allclose(sums[WEIGHT], 64 * w, rtol=1e-5)
+    npt.assert_allclose(sums[BX], 64 * w * difference, rtol=1e-5)
+    npt.assert_allclose(sums[EE], 64 * w * difference**2, rtol=1e-5)
+    npt.assert_allclose(sums[GXX], 64 * max(1 - t, 0) * w**2, rtol=1e-5)
+    npt.assert_allclose(sums[CROSS], 64 * max(1 - t, 0) * w**2, rtol=1e-5)
+
+
+def test_each_cell_has_its_own_expected_difference():
+    ramp = X.astype(np.float32)
+    scale = np.ones((6, 8))
+    scale[2, 3] = 0.25
+    scale[:, -1] = 0.5
+    weight = cell_sums(ramp, ONES, ramp - 1, 8, scale=scale)[..., WEIGHT]
+    npt.assert_allclose(weight[2, 3], 64 / 2, rtol=1e-5)
+    npt.assert_allclose(weight[2, 4], 64 / (1 + 1 / 16), rtol=1e-5)
+    npt.assert_allclose(weight[2, 7], 48 / (1 + 1 / 4), rtol=1e-5)
+
+
+def test_left_over_pixels_are_judged_like_the_last_cells():
+    ramp = np.tile(np.arange(53, dtype=np.float32), (37, 1))
+    scale = np.ones((4, 6))
+    scale[-1], scale[:, -1] = 0.25, 0.25
+    sums = cell_sums(ramp, np.ones_like(ramp), ramp - 1, 8, scale=scale)
+    npt.assert_allclose(sums[-1, 2, WEIGHT], (37 - 24 - 2) * 8 / 2, rtol=1e-5)
+    npt.assert_allclose(sums[1, -1, WEIGHT], 8 * (53 - 40 - 2) / 2, rtol=1e-5)
+
+
+# what is made of them ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shift", [(0.1, 0.0), (0.0, 0.1), (-0.08, 0.06)])
+def test_one_step_finds_a_small_shift_with_its_sign(shift):
+    found = solve_shift(cell_sums(waves(), ONES, waves(*shift), 8))
+    npt.assert_allclose(found, shift, atol=2e-3)
+
+
+def test_a_shift_solves_the_two_equations():
+    sums = np.zeros((1, 2, SUMS))
+    sums[0, 0, [GXX, GXY, GYY]] = 4, 1, 3
+    sums[0, 1, [GXX, GXY, GYY]] = 2, -3, 5
+    d = np.array([0.5, -0.25])
+    sums[0, 1, [BX, BY]] = np.array([[6, -2], [-2, 8]]) @ d
+    npt.assert_allclose(solve_shift(sums), d)
+
+
+def test_texture_of_one_direction_determines_no_shift():
+    ramp = X.astype(np.float32)
+    assert solve_shift(cell_sums(ramp, ONES, ramp - 1, 8)) == (0.0, 0.0)
+    assert solve_shift(np.zeros((2, 2, SUMS))) == (0.0, 0.0)
+
+
+def test_moved_sums_are_those_of_the_moved_difference():
+    """To first order e becomes e - g d; sums of random gradients and differences, written out."""
+    rng = np.random.default_rng(4)
+    gx, gy, e = rng.normal(size=(3, 2, 3, 50))
+    dx, dy = rng.normal(size=(2, 2, 3))
+
+    def sums_of(e):
+        sums = np.zeros((2, 3, SUMS))
+        products = {GXX: gx * gx, GXY: gx * gy, GYY: gy * gy, BX: gx * e, BY: gy * e, EE: e * e}
+        for k, product in products.items():
+            sums[..., k] = product.sum(-1)
+        return sums
+
+    before = sums_of(e)
+    kept = before.copy()
+    expected = sums_of(e - gx * dx[..., None] - gy * dy[..., None])
+    npt.assert_allclose(move_sums(before, dx, dy), expected, atol=1e-12)
+    npt.assert_array_equal(before, kept)
+
+
+def test_moving_by_the_solution_leaves_nothing_to_ask():
+    sums = cell_sums(waves(), ONES, waves(0.2, -0.1), 8)
+    npt.assert_allclose(solve_shift(move_sums(sums, *solve_shift(sums))), 0, atol=1e-12)
+
+
+def test_centres_are_the_middle_of_the_cells():
+    npt.assert_array_equal(cell_centres(24, 8), [3.5, 11.5, 19.5])
+    npt.assert_array_equal(cell_centres(30, 8), [3.5, 11.5, 19.5])
+    npt.assert_array_equal(cell_centres(5, 8), [3.5])
+
+
+def test_merged_cells_hold_the_sums_of_their_parts():
+    sums = np.random.default_rng(5).normal(size=(5, 7, SUMS))
+    merged = merge_cells(sums, 2)
+    assert merged.shape == (3, 4, SUMS)
+    npt.assert_allclose(merged[1, 2], sums[2:4, 4:6].sum((0, 1)))
+    npt.assert_allclose(merged[2, 3], sums[4, 6])  # a cut block at the far corner
+    npt.assert_allclose(merged.sum((0, 1)), sums.sum((0, 1)))
+
+
+def test_correlation_is_that_of_the_textures():
+    a, b = waves(seed=1), waves(seed=2)
+    p, q = a[INSIDE].astype(float), b[INSIDE].astype(float)
+    expected = (p * q).sum() / np.sqrt((p * p).sum() * (q * q).sum())
+    npt.assert_allclose(correlation(cell_sums(a, ONES, b, 8)), expected, atol=1e-4)
+    npt.assert_allclose(correlation(cell_sums(a, ONES, 3 * a, 8)), 1, rtol=1e-5)
+    npt.assert_allclose(correlation(cell_sums(a, ONES, -a, 8)), -1, rtol=1e-5)
+    assert correlation(cell_sums(a, ONES, 0 * a, 8)) == 0
+
+
+# noise ------------------------------------------------------------------------------------------
+
+
+def test_noise_of_the_cameras_is_taken_out_of_the_gradient_products():
+    """Half the noise of each camera is in the mean image; only the texture is in their product."""
+    rng = np.random.default_rng(6)
+    texture = np.tile(waves(), (8, 8))
+    a, b = (texture + rng.normal(0, 0.5, texture.shape).astype(np.float32) for _ in range(2))
+    weight = np.ones_like(texture)
+    clean = cell_sums(texture, weight, texture, 8)[2:-2, 2:-2, GXX : GYY + 1].sum((0, 1))
+    noisy = cell_sums(a, weight, b, 8)
+    found = without_noise(noisy)[2:-2, 2:-2, GXX : GYY + 1].sum((0, 1))
+    npt.assert_allclose(found[[0, 2]], clean[[0, 2]], rtol=0.02)
+
+    # the squares of the five coefficients add up to 130/144
+    excess = noisy[2:-2, 2:-2, GXX].sum() - clean[0]
+    npt.assert_allclose(excess, 130 / 144 * 0.5**2 / 2 * 64 * 44 * 60, rtol=0.05)
+    assert excess > 0.1 * clean[0]
+
+
+def test_textures_that_agree_keep_their_gradients_but_for_the_slope():
+    sums = cell_sums(waves(), ONES, waves(), 8)
+    npt.assert_allclose(without_noise(sums), sums, rtol=1e-4, atol=1e-3)
+    steeper = without_noise(sums, 1.25)
+    npt.assert_allclose(steeper[..., GXX], 1.25 * sums[..., GXX], rtol=1e-4)
+    others = [BX, BY, EE, WEIGHT, AB, AA, BB, CROSS]
+    npt.assert_array_equal(steeper[..., others], sums[..., others])
+
+
+def test_gradients_that_contradict_each_other_keep_a_twentieth():
+    sums = np.ones((6, 6, SUMS))
+    sums[..., CROSS] = -1
+    npt.assert_allclose(without_noise(sums)[..., GXX : GYY + 1], 0.05)
+    sums[..., CROSS] = 9
+    npt.assert_allclose(without_noise(sums)[..., GXX : GYY + 1], 1.0)
+
+
+def test_frames_without_texture_stay_finite():
+    assert np.isfinite(without_noise(np.zeros((6, 6, SUMS)))).all()

@@ -1,0 +1,276 @@
+"""How fine a surface may be, on cell sums made by hand: known displacement, known noise."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, SUMS, WEIGHT
+from erlif.registration.selection import (
+    FINE_LADDER,
+    LADDER,
+    Model,
+    candidates,
+    choose_model,
+    disagreement,
+    elements_of,
+    left_over,
+    moved_to,
+    noise_of_scores,
+)
+from erlif.registration.surface import Cells, affine_surface
+
+PITCH = 8
+BOX = (0.0, 320.0, 0.0, 256.0)
+
+
+def grid(rows=32, cols=40):
+    x, y = (PITCH * np.arange(n) + 3.5 for n in (cols, rows))
+    return np.meshgrid(x, y)
+
+
+def cells_of(dx, dy, *, noise=1.0, seed=0):
+    """Cells that ask for the displacement (dx, dy), with scores that scatter by ``noise``.
+
+    The normal matrices are random; the scatter of the scores is theirs, as it is for white noise of
+    unit variance, so that all cells have weight 1.
+    """
+    rng = np.random.default_rng(seed)
+    rows, cols = np.shape(dx)
+    factor = 0.5 * rng.normal(size=(rows, cols, 2, 2)) + 3 * np.eye(2)
+    matrix = 10 * factor @ np.swapaxes(factor, -1, -2)
+    scatter = np.linalg.cholesky(matrix) @ rng.normal(size=(rows, cols, 2, 1))
+    asked = np.stack([dx, dy], axis=-1)[..., None]
+    score = (matrix @ asked + noise * scatter)[..., 0]
+
+    sums = np.zeros((rows, cols, SUMS))
+    sums[..., GXX], sums[..., GXY] = matrix[..., 0, 0], matrix[..., 0, 1]
+    sums[..., GYY] = matrix[..., 1, 1]
+    sums[..., BX], sums[..., BY] = score[..., 0], score[..., 1]
+    sums[..., EE], sums[..., WEIGHT] = 1e4, 64
+    x, y = grid(rows, cols)
+    zero = np.zeros((rows, cols))
+    return Cells(sums, x[0], y[:, 0], zero, zero, np.ones((rows, cols)))
+
+
+def noise_only(seed=0, **options):
+    x, _ = grid(**options)
+    return cells_of(0 * x, 0 * x, seed=seed)
+
+
+# models -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("model", "coefficients", "name"),
+    [
+        (Model((1, 1), 1), 3, "polynomial of degree 1"),
+        (Model((1, 1), 2), 6, "polynomial of degree 2"),
+        (Model((1, 1), 3), 10, "polynomial of degree 3"),
+        (Model((1, 1)), 16, "1 x 1 cubic spline elements"),
+        (Model((6, 5)), 72, "6 x 5 cubic spline elements"),
+    ],
+)
+def test_models_count_their_coefficients_and_name_themselves(model, coefficients, name):
+    assert model.coefficients == coefficients
+    assert str(model) == name
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_a_polynomial_is_a_restricted_spline(degree):
+    basis = Model((1, 1), degree).basis
+    assert basis.shape == (16, Model((1, 1), degree).coefficients)
+    assert Model((2, 2)).basis is None
+
+
+@pytest.mark.parametrize(
+    ("longer", "box", "elements"),
+    [
+        (4, BOX, (4, 3)),
+        (8, BOX, (8, 6)),
+        (8, (0.0, 256.0, 0.0, 320.0), (6, 8)),
+        (3, (0.0, 100.0, 0.0, 100.0), (3, 3)),
+        (2, (50.0, 1050.0, 20.0, 70.0), (2, 1)),
+        (2, (0.0, 50.0, 0.0, 1000.0), (1, 2)),
+    ],
+)
+def test_elements_are_nearly_square(longer, box, elements):
+    assert elements_of(longer, box) == elements
+
+
+def test_candidates_go_from_coarse_to_fine():
+    models = candidates((0.0, 1280.0, 0.0, 1024.0), LADDER)
+    assert [model.degree for model in models[:3]] == [1, 2, 3]
+    assert [max(model.elements) for model in models[3:]] == list(LADDER)
+    counts = [model.coefficients for model in models]
+    assert counts == sorted(counts)
+
+
+def test_a_fine_ladder_has_no_polynomials():
+    models = candidates((0.0, 1280.0, 0.0, 1024.0), FINE_LADDER)
+    assert [max(model.elements) for model in models] == list(FINE_LADDER)
+
+
+@pytest.mark.parametrize(("side", "finest"), [(288.0, 8), (287.0, 6), (20.0, 1)])
+def test_no_element_is_shorter_than_36_pixels(side, finest):
+    assert max(candidates((0.0, side, 0.0, side), LADDER)[-1].elements) == finest
+
+
+# what a surface leaves --------------------------------------------------------------------------
+
+
+def test_cells_moved_to_the_true_surface_ask_for_nothing():
+    x, y = grid()
+    matrix, offset = np.array([[0.01, -0.02], [0.03, 0.005]]), np.array([1.5, -2.0])
+    cells = cells_of(
+        matrix[0, 0] * x + matrix[0, 1] * y + offset[0],
+        matrix[1, 0] * x + matrix[1, 1] * y + offset[1],
+        noise=0,
+    )
+    moved = moved_to(cells, affine_surface(BOX, matrix, offset))
+    npt.assert_allclose(moved.sums[..., [BX, BY]], 0, atol=1e-8)
+    npt.assert_allclose(moved.here_x, matrix[0, 0] * x + matrix[0, 1] * y + offset[0])
+    again = moved_to(moved, affine_surface(BOX, 0 * matrix, 0 * offset))
+    npt.assert_allclose(again.sums[..., [BX, BY, EE]], cells.sums[..., [BX, BY, EE]], atol=1e-6)
+
+
+def test_disagreement_is_the_squared_displacement_in_its_own_matrix():
+    x, _ = grid()
+    cells = cells_of(0 * x + 0.3, 0 * x - 0.2, noise=0)
+    d = np.array([0.3, -0.2])
+    gxx, gxy, gyy = (cells.sums[..., k] for k in (GXX, GXY, GYY))
+    expected = gxx * d[0] ** 2 + 2 * gxy * d[0] * d[1] + gyy * d[1] ** 2
+    npt.assert_allclose(np.sort(disagreement(cells, 1)), np.sort(expected.ravel()), rtol=1e-9)
+
+
+def test_a_common_displacement_adds_up_in_larger_tiles():
+    x, _ = grid()
+    cells = cells_of(0 * x + 0.3, 0 * x, noise=0)
+    npt.assert_allclose(
+        disagreement(cells, 4).mean(), 16 * disagreement(cells, 1).mean(), rtol=1e-6
+    )
+
+
+def test_noise_adds_up_to_the_same_in_tiles_of_any_size():
+    cells = noise_only(rows=64, cols=64)
+    for factor, tolerance in ((1, 0.1), (2, 0.2), (4, 0.4)):
+        npt.assert_allclose(disagreement(cells, factor).mean(), 2, atol=tolerance)
+
+
+def test_weights_multiply_the_disagreement():
+    cells = noise_only()
+    heavier = Cells(
+        *(getattr(cells, n) for n in ("sums", "x", "y", "here_x", "here_y")), 3 + 0 * cells.weight
+    )
+    npt.assert_allclose(disagreement(heavier, 2), 3 * disagreement(cells, 2))
+
+
+def test_tiles_without_texture_or_with_one_direction_only_are_left_out():
+    cells = noise_only()
+    cells.sums[0, :5, [GXX, GXY, GYY]] *= 0.02
+    cells.sums[1, :3, GXY] = np.sqrt(cells.sums[1, :3, GXX] * cells.sums[1, :3, GYY])
+    assert len(disagreement(cells, 1)) == 32 * 40 - 8
+    cells.sums[..., GXX : GYY + 1] = 0
+    assert len(disagreement(cells, 1)) == 0
+
+
+def test_noise_leaves_nothing_to_follow():
+    assert max(left_over(noise_only(seed)) for seed in range(10)) < 1
+
+
+@pytest.mark.parametrize("wavelength", [64.0, 150.0])
+def test_a_missed_ripple_is_noticed(wavelength):
+    """0.15 px against a standard deviation of a cell of about 0.1 px."""
+    x, y = grid()
+    ripple = 0.15 * np.sin(2 * np.pi * x / wavelength)
+    assert left_over(cells_of(ripple, 0 * x)) > 1
+    assert left_over(cells_of(0 * x, 0.15 * np.sin(2 * np.pi * y / wavelength))) > 1
+
+
+def test_distortion_of_two_cells_shows_in_tiles_of_two():
+    """Neighbours that move together reach an excess of 3, five times the limit of 0.6."""
+    _, y = grid()
+    sign = np.where((y // 16) % 2, 1.0, -1.0)
+    x_sign = np.where((grid()[0] // 16) % 2, 1.0, -1.0)
+    cells = cells_of(0.5 * sign * x_sign, 0 * y, noise=0)
+    npt.assert_allclose(left_over(cells), 3 / 0.6, rtol=0.02)
+
+
+def test_small_frames_and_frames_without_texture_leave_nothing():
+    assert left_over(noise_only(rows=4, cols=4)) == 0
+    empty = noise_only()
+    empty.sums[:] = 0
+    assert left_over(empty) == 0
+
+
+@pytest.mark.parametrize("used_up", [0, 200])
+def test_the_noise_of_a_degree_of_freedom_is_that_of_the_scores(used_up):
+    """All n cells have 2 n degrees of freedom, less those of the surface."""
+    cells = noise_only(rows=64, cols=64)
+    single = disagreement(cells, 1).sum() / (2 * 64 * 64 - used_up)
+    double = disagreement(cells, 2).sum() / (2 * 32 * 32 - used_up)
+    npt.assert_allclose(noise_of_scores(cells, used_up), max(single, double))
+    npt.assert_allclose(noise_of_scores(cells, 0), 1, atol=0.06)
+
+
+def test_noise_that_reaches_over_cells_counts_as_it_adds_up():
+    x, _ = grid()
+    rough = cells_of(0 * x, 0 * x)
+    pairs = rough.sums[::2, ::2].repeat(2, 0).repeat(2, 1)
+    same = Cells(pairs, rough.x, rough.y, rough.here_x, rough.here_y, rough.weight)
+    npt.assert_allclose(noise_of_scores(same, 0), 4 * disagreement(rough, 1).mean() / 2, rtol=0.15)
+
+
+def test_noise_is_unknown_where_the_surface_takes_most_of_it():
+    assert noise_of_scores(noise_only(rows=4, cols=4), 31) == 0
+
+
+# the choice -------------------------------------------------------------------------------------
+
+
+def polynomial(degree):
+    x, y = grid()
+    u, v = (x - 160) / 160, (y - 128) / 160
+    return 3 * u**degree - 2 * u * v ** (degree - 1), 2 * v**degree + u
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_a_polynomial_gets_its_own_degree(degree):
+    assert choose_model(cells_of(*polynomial(degree))) == Model((1, 1), degree)
+
+
+def test_noise_alone_gets_the_coarsest_model():
+    assert {str(choose_model(noise_only(seed))) for seed in range(10)} == {"polynomial of degree 1"}
+
+
+def test_a_ripple_gets_elements_of_its_own_scale():
+    """All models are tried: up to two elements a wave of 128 px is missed altogether."""
+    x, y = grid()
+    k = 2 * np.pi / 128
+    ripple = np.sin(k * x) * np.cos(k * y)
+    chosen = choose_model(cells_of(ripple, -ripple))
+    assert chosen.degree is None
+    assert max(chosen.elements) >= 4
+
+
+def test_a_finer_model_needs_a_clear_gain():
+    """A cubic of 0.01 px is lost in the noise of 1280 cells of 0.1 px; one of 0.3 px is not."""
+    dx, dy = polynomial(3)
+    assert choose_model(cells_of(0.003 * dx, 0.003 * dy)).degree == 1
+    assert choose_model(cells_of(0.1 * dx, 0.1 * dy)).degree == 3
+
+
+def test_a_given_model_is_kept_unless_a_finer_one_gains():
+    start = Model((8, 6))
+    assert choose_model(noise_only(rows=64, cols=80), FINE_LADDER, start) == start
+    x, y = grid(64, 80)
+    k = 2 * np.pi / 100
+    ripple = 0.6 * np.sin(k * x) * np.cos(k * y)
+    found = choose_model(cells_of(ripple, ripple), FINE_LADDER, start)
+    assert max(found.elements) > 8
+
+
+def test_a_model_is_not_finer_than_the_cells_support():
+    """Each coefficient needs four cells: 8 x 8 of them hold a spline of one element at most."""
+    x, y = grid(8, 8)
+    wild = 5 * np.sin(x * y)
+    assert choose_model(cells_of(wild, wild)).coefficients <= 16
