@@ -2,6 +2,7 @@
 
 import gc
 import weakref
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
@@ -19,10 +20,23 @@ from erlif.registration import (
     register_frames,
     warp,
 )
+from erlif.registration.coarse import find_start
+from erlif.registration.estimate import (
+    align_small,
+    check_correlation,
+    choose_solution,
+    fit_surface,
+    measure_drift,
+    start_with_any,
+)
+from erlif.registration.matching import AA, AB, BB, SUMS, WEIGHT
+from erlif.registration.pairs import open_frames
+from erlif.registration.selection import Model
 from erlif.registration.settings import ORIENTATIONS
+from erlif.registration.surface import equations, solve_surface
+from erlif.registration.views import Views
 
 SHAPE = (256, 320)
-ONE_THREAD = RegistrationSettings(threads=1)
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +57,7 @@ def within_one_std(found, truth):
     return np.abs(errors) < np.tile(found.displacement_std[inside], 2)
 
 
-# the map ------------------------------------------------------------------------------------------------------------
+# the map ------------------------------------------------------------------------------------------
 
 
 def test_a_smooth_map_is_found_within_hundredths_of_a_pixel(views, camera_map):
@@ -128,9 +142,9 @@ def test_masked_pixels_do_not_count(views, camera_map):
         weights.append((~bad).astype(np.float32))
     found = register(*frames, weight_reference=weights[0], weight_moving=weights[1])
     assert vector_rms(found, views) < 0.05
-    blind = register(
-        *frames
-    )  # the drop is at one place on both sensors and pulls the map towards no displacement
+
+    # the drop is at one place on both sensors and pulls the map towards no displacement
+    blind = register(*frames)
     assert vector_rms(found, views) < vector_rms(blind, views)
 
 
@@ -166,9 +180,8 @@ def ripple(shape, amplitude, wavelength):
 def test_local_distortion_is_followed():
     shape = (384, 512)
     truth = Scene(shape, 5).photograph(ripple(shape, 0.3, 130.0))
-    assert (
-        vector_rms(register(truth.reference, truth.moving), truth) < 0.1
-    )  # the ripple alone has 0.2
+    found = register(truth.reference, truth.moving)
+    assert vector_rms(found, truth) < 0.1  # the ripple alone has 0.2
     windows = register(truth.reference, truth.moving, settings=RegistrationSettings(model="local"))
     assert windows.model == "local windows, 32 px"
     assert vector_rms(windows, truth) < 0.1
@@ -197,7 +210,7 @@ def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
     assert np.sqrt(np.mean((found.displacement_y - truth.dy)[broad] ** 2)) < 0.07
 
 
-# uncertainty --------------------------------------------------------------------------------------------------------
+# uncertainty --------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -211,7 +224,7 @@ def test_two_thirds_of_the_errors_lie_within_one_standard_deviation():
     assert 0.63 < np.mean(hits) < 0.73
 
 
-# many frames --------------------------------------------------------------------------------------------------------
+# many frames --------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +281,7 @@ def test_only_so_many_frames_make_the_map_but_all_get_a_drift(run):
     assert np.sqrt(np.mean((measured - drift) ** 2)) < 0.03
 
 
-# loud failure -------------------------------------------------------------------------------------------------------
+# loud failure -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("orientation", ORIENTATIONS[1:])
@@ -283,21 +296,15 @@ def test_a_turned_camera_is_recognised_and_the_advice_works(views, camera_map, o
     npt.assert_array_equal(found.displacement_x, camera_map.displacement_x)
 
 
-def test_frames_without_common_texture_are_refused(views):
-    stranger = Scene(SHAPE, 78).photograph(smooth_map(SHAPE))
+def test_frames_without_common_texture_are_refused():
+    shape = (96, 112)
+    one, other = (Scene(shape, seed).photograph(smooth_map(shape)) for seed in (1, 78))
     with pytest.raises(RegistrationError, match="No common texture"):
-        register(views.reference, stranger.moving)
+        register(one.reference, other.moving)
     rng = np.random.default_rng(13)
-    light = Scene(SHAPE, 79, contrast=0.0, private=0.0, scratches=0).photograph(smooth_map(SHAPE))
+    light = Scene(shape, 79, contrast=0.0, private=0.0, scratches=0).photograph(smooth_map(shape))
     with pytest.raises(RegistrationError, match="No common texture"):
         register(light.reference, expose(light.clean_moving, rng))
-
-
-def test_an_offset_beyond_the_search_range_is_named():
-    scene = Scene(SHAPE, 14)
-    truth = scene.photograph(smooth_map(SHAPE, offset=(120.0, 0.0), rotation=0.0, scale=1.0))
-    with pytest.raises(RegistrationError, match=r"offset of \(1[12]\d, -?\d\) px"):
-        register(truth.reference, truth.moving)
 
 
 def test_a_dark_camera_is_named(views):
@@ -307,20 +314,153 @@ def test_a_dark_camera_is_named(views):
         register(views.reference, views.moving, weight_reference=np.zeros(SHAPE, np.float32))
 
 
-def test_wrong_arrays_and_settings_are_refused(views):
+def test_wrong_arrays_are_refused(views):
     with pytest.raises(RegistrationError, match="grey images"):
         register(views.reference[:40, :40], views.moving)
     with pytest.raises(RegistrationError, match="weight of camera 2"):
         register(views.reference, views.moving, weight_moving=np.ones((3, 3)))
     with pytest.raises(RegistrationError, match="at least one pair"):
         register_frames([])
-    with pytest.raises(RegistrationError, match="orientation must be one of"):
-        RegistrationSettings(orientation="upside_down")  # type: ignore[arg-type]
-    with pytest.raises(RegistrationError, match="window must lie"):
-        RegistrationSettings(window=8)
 
 
-# property -----------------------------------------------------------------------------------------------------------
+# the steps ----------------------------------------------------------------------------------------
+
+
+def frames_of(*pairs, **chosen):
+    return open_frames([(*pair, None, None) for pair in pairs], RegistrationSettings(**chosen))
+
+
+def first_of(frames):
+    return next(iter(frames.pick([0])))
+
+
+def surface_error(surface, truth):
+    """Rms length of the error of a surface over the inner field. [px]"""
+    dx, dy = surface.on_pixels(truth.dx.shape)
+    return np.sqrt(np.mean(((dx - truth.dx) ** 2 + (dy - truth.dy) ** 2)[truth.inside()]))
+
+
+@pytest.mark.parametrize("shape", [(128, 160), SHAPE, (416, 512)])
+def test_small_frames_give_a_cubic_surface_to_a_tenth_of_a_pixel(shape):
+    """From the coarse affine map, which the distortion of half a pixel does not fit."""
+    truth = Scene(shape, 5).photograph(smooth_map(shape))
+    pair = first_of(frames_of((truth.reference, truth.moving)))
+    start = find_start(pair.reference, pair.moving, None, None, RegistrationSettings())
+    box = (0.0, float(shape[1]), 0.0, float(shape[0]))
+    found = align_small(pair, start, RegistrationSettings())
+    assert found.box == box
+    assert surface_error(found, truth) < 0.1
+    assert surface_error(found, truth) < 0.7 * surface_error(start.surface(box), truth)
+
+
+def test_a_blank_first_frame_leaves_the_start_to_the_next(views):
+    blank = np.full(SHAPE, 300, np.uint16)
+    frames = frames_of((blank, blank), (views.reference, views.moving))
+    pair, surface = start_with_any(frames)
+    npt.assert_array_equal(pair.reference, views.reference)
+    assert surface_error(surface, views) < 0.1
+
+
+def test_the_error_of_the_first_frame_is_raised_if_none_of_four_can_be_aligned(views):
+    """The dark camera 2 of the first frame, not the dark camera 1 of the others."""
+    dark = np.zeros(SHAPE, np.uint16)
+    frames = frames_of(
+        (views.reference, dark), *[(dark, views.moving)] * 3, (views.reference, views.moving)
+    )
+    with pytest.raises(RegistrationError, match="camera 2 is both lit"):
+        start_with_any(frames)
+
+
+def sums_of(product, cells=400, seed=1):
+    """Cell sums whose texture products scatter by 1 about a mean."""
+    sums = np.zeros((20, cells // 20, SUMS))
+    rng = np.random.default_rng(seed)
+    sums[..., AB] = product + rng.standard_normal(sums.shape[:2])
+    sums[..., WEIGHT], sums[..., AA], sums[..., BB] = 64, 4, 1
+    return sums
+
+
+def test_products_eight_standard_errors_above_zero_are_common_texture():
+    """400 cells: the standard error is 1/20, the limit 0.4."""
+    common = sums_of(0.5)
+    npt.assert_allclose(check_correlation(common), common[..., AB].mean() / np.sqrt(4 * 1))
+    for product in (0.3, 0.0, -2.0):
+        with pytest.raises(RegistrationError, match="no more than chance gives"):
+            check_correlation(sums_of(product))
+
+
+@pytest.mark.parametrize("cells", [0, 15])
+def test_a_few_cells_are_no_evidence(cells):
+    sums = sums_of(100.0)
+    sums.reshape(-1, SUMS)[cells:, WEIGHT] = 0
+    with pytest.raises(RegistrationError, match="No common texture"):
+        check_correlation(sums)
+
+
+def fit_of(truth, **chosen):
+    frames = frames_of((truth.reference, truth.moving), **chosen)
+    pair, surface = start_with_any(frames)
+    views = Views(frames, pair, frames.settings)
+    return views, fit_surface(views, surface)
+
+
+@pytest.mark.parametrize("whiten", [True, False])
+def test_the_fit_has_a_cubic_for_a_cubic_distortion(views, whiten):
+    _, fit = fit_of(views, whiten=whiten)
+    assert fit.model == Model((1, 1), 3)
+    assert not fit.unresolved
+    assert surface_error(fit.surface, views) < 0.03
+    assert fit.quality > 0.8
+    assert fit.slope > 1
+    here_x, _ = fit.surface.evaluate(fit.cells.x, fit.cells.y)
+    npt.assert_allclose(fit.cells.here_x, here_x)
+
+
+def test_whitening_lowers_the_error_where_camera_2_has_texture_of_its_own():
+    shape = (192, 224)
+    errors = []
+    for seed in range(4):
+        truth = Scene(shape, 60 + seed, private=0.08).photograph(smooth_map(shape))
+        errors.append(
+            [surface_error(fit_of(truth, whiten=on)[1].surface, truth) for on in (True, False)]
+        )
+    with_filter, without = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert with_filter < 0.8 * without
+
+
+@pytest.mark.parametrize(
+    ("model", "unresolved", "kind"),
+    [
+        ("auto", False, MapKind.SURFACE),
+        ("auto", True, MapKind.LOCAL),
+        ("surface", True, MapKind.SURFACE),
+        ("local", False, MapKind.LOCAL),
+    ],
+)
+def test_the_settings_choose_between_surface_and_windows(views, model, unresolved, kind):
+    """Left to choose, windows are taken where the surface leaves distortion."""
+    seen, fit = fit_of(views, model=model)
+    assert choose_solution(seen, replace(fit, unresolved=unresolved)).kind is kind
+
+
+def test_a_fine_surface_is_kept_if_windows_leave_no_less(views):
+    seen, fit = fit_of(views)
+    fine = replace(fit, model=Model((16, 12)))
+    cells, surface = fit.cells, solve_surface(equations(fit.cells, (16, 12)))
+    fine = replace(fine, surface=surface, cells=cells)
+    assert choose_solution(seen, fine).kind is MapKind.SURFACE
+
+
+def test_drift_is_measured_against_the_map(views, camera_map):
+    """Frames moved by whole pixels; a blank one has none."""
+    moved = [np.roll(views.moving, shift, (0, 1)) for shift in ((0, 0), (2, -1), (-3, 4))]
+    blank = np.random.default_rng(3).integers(290, 310, SHAPE).astype(np.uint16)
+    frames = frames_of(*[(views.reference, image) for image in moved], (blank, blank))
+    drift = measure_drift(frames, camera_map)
+    npt.assert_allclose(drift[:3], [(0, 0), (-1, 2), (4, -3)], atol=0.02)
+
+
+# property -----------------------------------------------------------------------------------------
 
 _SCENES = {
     name: Scene(SHAPE, 20 + number, scratches=0, **texture)

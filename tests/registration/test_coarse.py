@@ -1,0 +1,216 @@
+"""The coarse alignment on scenes of known offset, rotation and scale, and why it refuses others."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Scene, smooth_map
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import RegistrationSettings, orient
+from erlif.registration.coarse import Start, coarse_binning, combined_orientation, find_start
+from erlif.registration.settings import ORIENTATIONS
+
+SHAPE = (256, 320)
+SMALL = (96, 112)  # for refusals, which try every orientation first
+
+
+def views_of(shape=SHAPE, seed=1, **field):
+    """A scene whose displacement is affine."""
+    affine = {"cubic": 0.0, "quadratic": 0.0, **field}
+    return Scene(shape, seed).photograph(smooth_map(shape, **affine))
+
+
+def start_of(views, **settings):
+    return find_start(views.reference, views.moving, None, None, RegistrationSettings(**settings))
+
+
+def error_of(start, views):
+    """Largest distance between the start and the truth over the frame. [px]"""
+    h, w = views.dx.shape
+    y, x = np.mgrid[:h, :w]
+    place = np.stack([x, y], axis=-1)
+    found = place @ start.matrix.T + start.offset
+    return float(np.hypot(found[..., 0] - views.dx, found[..., 1] - views.dy).max())
+
+
+@pytest.fixture(scope="module")
+def views():
+    return views_of()
+
+
+# what is found ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        {"offset": (0.0, 0.0), "rotation": 0.0, "scale": 1.0},
+        {"offset": (60.0, -45.0), "rotation": 0.0, "scale": 1.0},
+        {"offset": (-30.0, 20.0), "rotation": 1.0, "scale": 0.99},
+        {"offset": (10.0, -5.0), "rotation": 4.4, "scale": 1.0},
+        {"offset": (10.0, -5.0), "rotation": -3.1, "scale": 1.04},
+        {"offset": (-20.0, 8.0), "rotation": 0.6, "scale": 0.955},
+    ],
+)
+def test_an_affine_map_is_found_within_a_binned_pixel(field):
+    """Frames of 320 px are binned by two."""
+    views = views_of(**field)
+    start = start_of(views)
+    assert error_of(start, views) < 1.0
+    assert start.agreement > 0.8
+    assert start.blocks > 20
+
+
+@pytest.mark.parametrize(("shape", "binning"), [((128, 160), 1), (SHAPE, 2), ((512, 640), 4)])
+def test_the_start_is_given_in_full_pixels(shape, binning):
+    assert coarse_binning(shape) == binning
+    views = views_of(shape, offset=(14.0, -10.0), rotation=1.5, scale=1.02)
+    assert error_of(start_of(views), views) < 0.3 * binning
+
+
+def test_the_surface_of_a_start_is_the_same_map():
+    start = Start(np.array([[0.01, -0.02], [0.03, 0.004]]), np.array([5.0, -7.0]), 1.0, 10)
+    dx, dy = start.surface((0.0, 320.0, 0.0, 256.0)).evaluate(np.array([0, 100]), np.array([0, 50]))
+    npt.assert_allclose(dx, [[5, 6], [4, 5]], atol=1e-9)
+    npt.assert_allclose(dy, [[-7, -4], [-6.8, -3.8]], atol=1e-9)
+
+
+def test_cameras_of_different_size_are_aligned(views):
+    """Camera 2 with 40 columns fewer on its left: the same point lies 40 px further left."""
+    start = find_start(
+        views.reference,
+        np.ascontiguousarray(views.moving[:, 40:]),
+        None,
+        None,
+        RegistrationSettings(),
+    )
+    start = Start(start.matrix, start.offset + [40, 0], start.agreement, start.blocks)
+    assert error_of(start, views) < 1.0
+
+
+def test_pixels_without_weight_do_not_decide():
+    """A pattern on both sensors fits without any displacement; masked, the scene decides."""
+    views = views_of(offset=(22.0, 12.0), rotation=0.0, scale=1.0)
+    rng = np.random.default_rng(2)
+    spots = rng.uniform(size=(SHAPE[0] // 4, SHAPE[1] // 4)).repeat(4, 0).repeat(4, 1) < 0.06
+    weight = np.where(spots, 0, 1).astype(np.float32)
+    frames = [np.where(spots, 4095, image) for image in (views.reference, views.moving)]
+    start = find_start(*frames, weight, weight, RegistrationSettings())
+    assert error_of(start, views) < 1.5
+
+
+def test_a_few_bright_specks_do_not_decide(views):
+    rng = np.random.default_rng(3)
+    frames = []
+    for image in (views.reference, views.moving):
+        specks = image.copy()
+        specks[rng.integers(0, 256, 40), rng.integers(0, 320, 40)] = 4095
+        frames.append(specks)
+    assert error_of(find_start(*frames, None, None, RegistrationSettings()), views) < 1.0
+
+
+# binning ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("shape", "binning"),
+    [
+        ((64, 64), 1),
+        ((200, 256), 1),
+        ((200, 257), 2),
+        ((257, 200), 2),
+        ((400, 512), 2),
+        ((400, 513), 4),
+        ((1024, 1280), 8),
+        ((2048, 2048), 8),
+        ((95, 1000), 1),  # half of 95 is less than 48
+        ((96, 1000), 2),
+        ((192, 4000), 4),
+    ],
+)
+def test_images_are_binned_to_256_px_but_not_below_48(shape, binning):
+    assert coarse_binning(shape) == binning
+
+
+# orientations -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("first", ORIENTATIONS)
+@pytest.mark.parametrize("second", ORIENTATIONS)
+def test_two_turns_are_one_orientation(first, second):
+    image = np.random.default_rng(4).uniform(size=(4, 7))
+    both = orient(orient(image, first), second)
+    npt.assert_array_equal(orient(image, combined_orientation(first, second)), both)
+
+
+@pytest.mark.parametrize(
+    ("mounted", "expected", "named"),
+    [
+        ("mirrored_x", "normal", "mirrored_x"),
+        ("transposed", "normal", "transposed"),
+        ("normal", "mirrored_y", "normal"),
+        ("rotated_90", "mirrored_x", "rotated_270"),
+    ],
+)
+def test_a_camera_in_another_orientation_is_named(views, mounted, expected, named):
+    """Frames come turned by the settings already; the message names what the settings should be."""
+    seen = orient(orient(views.moving, mounted), expected)
+    with pytest.raises(RegistrationError) as caught:
+        find_start(
+            views.reference,
+            np.ascontiguousarray(seen),
+            None,
+            np.ones(seen.shape, np.float32),
+            RegistrationSettings(orientation=expected),
+        )
+    assert f"expected in orientation {expected!r}" in str(caught.value)
+    assert f'Set orientation = "{named}"' in str(caught.value)
+
+
+# refusals ---------------------------------------------------------------------------------------
+
+
+def test_an_offset_within_the_search_range_is_found_and_beyond_it_named():
+    views = views_of(SMALL, offset=(28.0, 0.0), rotation=0.0, scale=1.0)
+    assert error_of(start_of(views, search=0.27), views) < 1.0
+    message = r"within 20% of the frame, .* offset of \((27|28|29), -?[01]\) px"
+    with pytest.raises(RegistrationError, match=message):
+        start_of(views, search=0.2)
+
+
+def test_the_sign_of_a_distant_offset_is_named():
+    views = views_of(SMALL, offset=(0.0, -34.0), rotation=0.0, scale=1.0)
+    with pytest.raises(RegistrationError, match=r"offset of \(-?[01], -3[345]\) px"):
+        start_of(views)
+
+
+@pytest.mark.parametrize("camera", [1, 2])
+def test_a_dark_camera_is_named(views, camera):
+    frames = [views.reference, views.moving]
+    frames[camera - 1] = np.zeros_like(views.reference)
+    with pytest.raises(RegistrationError, match=f"camera {camera} is both lit and sound"):
+        find_start(*frames, None, None, RegistrationSettings())
+
+
+@pytest.mark.parametrize(("part", "refused"), [(0.03, True), (0.5, False)])
+def test_a_camera_needs_a_twentieth_of_its_pixels(views, part, refused):
+    weight = np.zeros(SHAPE, np.float32)
+    weight[:, : int(part * 320)] = 1
+    arguments = (views.reference, views.moving, weight, None, RegistrationSettings())
+    if refused:
+        with pytest.raises(RegistrationError, match="camera 1 is both lit and sound"):
+            find_start(*arguments)
+    else:
+        assert error_of(find_start(*arguments), views) < 3.0
+
+
+def test_frames_with_nothing_in_common_are_refused_with_the_height_of_the_peak():
+    views, stranger = views_of(SMALL), views_of(SMALL, seed=9)
+    with pytest.raises(RegistrationError, match=r"stands \d\.\d times above chance, 7 are needed"):
+        find_start(views.reference, stranger.moving, None, None, RegistrationSettings())
+
+
+def test_frames_without_texture_are_refused():
+    even = np.full(SMALL, 1000, np.uint16)
+    with pytest.raises(RegistrationError, match=r"stands 0\.0 times above chance"):
+        find_start(even, even, None, None, RegistrationSettings())

@@ -1,0 +1,268 @@
+"""The dense displacement and the camera map made of it: overlap, poor pixels, windows or surface."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Blobs
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import MapKind, RegistrationSettings
+from erlif.registration.matching import BX, GXX
+from erlif.registration.pairs import open_frames
+from erlif.registration.selection import Model, moved_to
+from erlif.registration.solution import (
+    Solution,
+    describe_surface,
+    find_overlap,
+    finish_map,
+    fits_better,
+    solve_local,
+)
+from erlif.registration.surface import affine_surface, equations, solve_surface
+from erlif.registration.views import Views, expected_rms
+
+SHAPE = (128, 160)
+BOX = (0.0, 160.0, 0.0, 128.0)
+SETTINGS = RegistrationSettings(threads=1)
+
+
+def even(value, shape=SHAPE):
+    return np.full(shape, value, np.float32)
+
+
+def solution(dx=0.0, dy=0.0, std=0.01, kind=MapKind.LOCAL):
+    return Solution(even(dx), even(dy), even(std), kind, "32 px")
+
+
+def translation(dx=0.0, dy=0.0):
+    return affine_surface(BOX, np.zeros((2, 2)), np.array([dx, dy]))
+
+
+def ripple(amplitude, wavelength):
+    """A displacement along x that varies along y."""
+    return lambda x, y: (amplitude * np.sin(2 * np.pi * y / wavelength), 0 * x)
+
+
+def views_of(field, *, noise=5.0):
+    """One pair of an analytic texture; camera 2 is displaced by a small field."""
+    blobs = Blobs(SHAPE, 1.5, np.random.default_rng(2))
+    rng = np.random.default_rng(3)
+    y, x = np.indices(SHAPE, dtype=float)
+    px, py = x, y
+    for _ in range(50):
+        dx, dy = field(px, py)
+        px, py = x - dx, y - dy
+    frames = [
+        1000 * (1 + 0.15 * blobs(*place)) + rng.normal(0, noise, SHAPE)
+        for place in ((x, y), (px, py))
+    ]
+    frames = open_frames([(*frames, None, None)], SETTINGS)
+    return Views(frames, next(iter(frames.pick([0]))), SETTINGS)
+
+
+def fitted(views, surface, model):
+    """Cells on the surface that fits the frames, and that surface."""
+    for _ in range(2):
+        seen = views.look(surface)
+        cells = views.cells(seen.sums, seen.surface, 1.0)
+        surface = solve_surface(equations(cells, model.elements), basis=model.basis)
+    return moved_to(cells, surface), surface
+
+
+@pytest.fixture(scope="module")
+def still():
+    """Cameras that differ by a translation of (0.4, -0.3) px."""
+    return views_of(lambda x, y: (0 * x + 0.4, 0 * x - 0.3))
+
+
+# overlap ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("dx", "dy", "columns", "rows"),
+    [(3, 0, (0, 157), (0, 128)), (-3, 0, (3, 160), (0, 128)), (0, 2.5, (0, 160), (0, 125))],
+)
+def test_overlap_ends_where_the_point_leaves_camera_2(dx, dy, columns, rows):
+    overlap = np.zeros(SHAPE, bool)
+    find_overlap(even(dx), even(dy), even(0), *SHAPE, overlap)
+    expected = np.zeros(SHAPE, bool)
+    expected[slice(*rows), slice(*columns)] = True
+    npt.assert_array_equal(overlap, expected)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
+    """For frames that drift; by 12 px, four rows or columns of camera 1 lie further out."""
+    fields = [even(0), even(0)]
+    fields[1 - axis][:] = sign * 12
+    std, overlap = even(0.1), np.zeros(SHAPE, bool)
+    find_overlap(*fields, std, *SHAPE, overlap)
+    unknown = np.isnan(fields[0])
+    expected = np.zeros(SHAPE, bool)
+    np.moveaxis(expected, axis, 0)[slice(-4, None) if sign > 0 else slice(0, 4)] = True
+    npt.assert_array_equal(unknown, expected)
+    npt.assert_array_equal(np.isnan(fields[1]), expected)
+    npt.assert_array_equal(np.isnan(std), expected)
+    assert not overlap[unknown].any()
+
+
+def test_the_size_of_camera_2_bounds_the_overlap():
+    overlap = np.zeros(SHAPE, bool)
+    find_overlap(even(0), even(0), even(0), 100, 130, overlap)
+    assert overlap.sum() == 100 * 130
+    assert overlap[:100, :130].all()
+
+
+def test_an_unknown_displacement_is_no_overlap():
+    dx, overlap = even(0), np.ones(SHAPE, bool)
+    dx[10, 20] = np.nan
+    find_overlap(dx, even(0), even(0), *SHAPE, overlap)
+    npt.assert_array_equal(np.argwhere(~overlap), [[10, 20]])
+
+
+# the surface on every pixel ---------------------------------------------------------------------
+
+
+def test_a_moved_solution_is_translated_and_nothing_else():
+    moved = solution(1, 2, 0.3).moved(0.5, -0.25)
+    npt.assert_array_equal(moved.dx, 1.5)
+    npt.assert_array_equal(moved.dy, 1.75)
+    npt.assert_array_equal(moved.std, even(0.3))
+    assert moved.dx.dtype == np.float32
+
+
+def test_a_surface_is_described_on_every_pixel(still):
+    model = Model((1, 1), 1)
+    cells, surface = fitted(still, translation(), model)
+    found = describe_surface(cells, surface, model, SHAPE)
+    assert found.dx.shape == found.std.shape == SHAPE
+    assert (found.kind, found.resolution) == (MapKind.SURFACE, "polynomial of degree 1")
+    npt.assert_allclose(found.dx, 0.4, atol=0.02)
+    npt.assert_allclose(found.dy, -0.3, atol=0.02)
+
+
+def test_a_plane_is_known_best_in_the_middle(still):
+    """The variance of a plane grows as 1 + 12 (r/L)^2, by 7 to the corner; std by about 2.6."""
+    model = Model((1, 1), 1)
+    cells, surface = fitted(still, translation(), model)
+    std = describe_surface(cells, surface, model, SHAPE).std
+    row, column = np.unravel_index(np.argmin(std), SHAPE)
+    assert abs(row - 63.5) < 40
+    assert abs(column - 79.5) < 50
+    corners = std[[0, 0, -1, -1], [0, -1, 0, -1]]
+    assert 1.5 < corners.mean() / std.min() < 4
+    assert 1e-4 < std.min() < 0.02
+
+
+# windows ----------------------------------------------------------------------------------------
+
+
+def test_windows_find_a_translation_from_a_surface_that_missed_it(still):
+    scale = expected_rms(still.look(translation()).sums)
+    found = solve_local(still, translation(), 1.0, 10 * scale)
+    inner = (slice(16, -16), slice(16, -16))
+    npt.assert_allclose(np.median(found.dx[inner]), 0.4, atol=0.02)
+    npt.assert_allclose(np.median(found.dy[inner]), -0.3, atol=0.02)
+    assert (found.kind, found.resolution) == (MapKind.LOCAL, "32 px")
+
+
+def test_windows_add_to_the_surface_from_which_they_start(still):
+    start = translation(0.4, -0.3)
+    found = solve_local(still, start, 1.0, expected_rms(still.look(start).sums))
+    inner = (slice(16, -16), slice(16, -16))
+    error = np.concatenate([(found.dx - 0.4)[inner].ravel(), (found.dy + 0.3)[inner].ravel()])
+    assert np.abs(error).max() < 0.15
+    announced = np.sqrt(np.mean(found.std[inner] ** 2))
+    assert 0.5 < np.sqrt(np.mean(error**2)) / announced < 2
+
+
+def test_windows_follow_a_ripple_that_a_plane_misses():
+    views = views_of(ripple(0.5, 64.0))
+    surface = translation()
+    scale = expected_rms(views.look(surface).sums)
+    windows = solve_local(views, surface, 1.0, 10 * scale)
+    y, x = np.indices(SHAPE, dtype=float)
+    inner = (slice(16, -16), slice(16, -16))
+    error = (windows.dx - ripple(0.5, 64.0)(x, y)[0])[inner]
+    assert np.sqrt(np.mean(error**2)) < 0.12  # the ripple has 0.35
+    plane = replace(windows, dx=even(0), dy=even(0))
+    assert fits_better(views, windows, plane)
+    assert not fits_better(views, plane, windows)
+
+
+def test_windows_are_no_better_where_the_surface_fits(still):
+    """They take off some noise, but less than a tenth of the squared difference."""
+    start = translation(0.4, -0.3)
+    windows = solve_local(still, start, 1.0, expected_rms(still.look(start).sums))
+    plane = replace(windows, dx=even(0.4), dy=even(-0.3))
+    assert not fits_better(still, windows, plane)
+
+
+# the map ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def cells(still):
+    return fitted(still, translation(0.4, -0.3), Model((1, 1), 1))[0]
+
+
+def test_a_map_holds_the_solution_and_what_is_known_of_it(still, cells):
+    found = finish_map(solution(2, -3, 0.1), still, cells, 0.87)
+    npt.assert_array_equal(found.displacement_x[3:, :-2], 2)
+    npt.assert_array_equal(found.displacement_std[3:, :-2], even(0.1)[3:, :-2])
+    assert found.overlap.sum() == 125 * 158
+    assert (found.quality, found.kind, found.resolution) == (0.87, MapKind.LOCAL, "32 px")
+    assert found.settings == SETTINGS
+    assert not found.poor.any()
+
+
+def test_the_solution_itself_is_not_changed(still, cells):
+    given = solution(20)
+    assert np.isnan(finish_map(given, still, cells, 0.9).displacement_x[:, -10:]).all()
+    npt.assert_array_equal(given.dx, 20)
+
+
+def test_pixels_above_a_quarter_pixel_are_poor(still, cells):
+    given = solution()
+    given.std[20:30] = 0.26
+    given.std[40:50] = 0.24
+    npt.assert_array_equal(
+        np.unique(np.nonzero(finish_map(given, still, cells, 1).poor)[0]), range(20, 30)
+    )
+
+
+@pytest.mark.parametrize(("rows", "refused"), [(63, False), (66, True)])
+def test_a_map_that_is_mostly_poor_is_refused(still, cells, rows, refused):
+    given = solution()
+    given.std[:rows] = 1.0
+    if refused:
+        with pytest.raises(RegistrationError, match="52% of their common field is uncertain by"):
+            finish_map(given, still, cells, 1.0)
+    else:
+        assert finish_map(given, still, cells, 1.0).poor.sum() == rows * 160
+
+
+def test_cameras_without_common_field_are_refused(still, cells):
+    with pytest.raises(RegistrationError, match="100% of their common field"):
+        finish_map(solution(500), still, cells, 1.0)
+
+
+def test_a_surface_is_poor_where_its_cells_ask_for_another_displacement(still, cells):
+    """By 0.5 px in one corner; windows, which follow their cells, are not judged by them."""
+    asking = replace(cells, sums=cells.sums.copy())
+    asking.sums[:7, :7, BX] += 0.5 * asking.sums[:7, :7, GXX]
+    surface = finish_map(solution(kind=MapKind.SURFACE), still, asking, 1.0)
+    assert surface.poor[8:32, 8:32].all()
+    assert not surface.poor[90:, 90:].any()
+    assert not finish_map(solution(kind=MapKind.LOCAL), still, asking, 1.0).poor.any()
+    assert not finish_map(solution(kind=MapKind.SURFACE), still, cells, 1.0).poor.any()
+
+
+def test_a_small_displacement_is_let_pass(still, cells):
+    """Below 0.3 px, however clearly it is asked for."""
+    asking = replace(cells, sums=cells.sums.copy())
+    asking.sums[:7, :7, BX] += 0.15 * asking.sums[:7, :7, GXX]
+    assert not finish_map(solution(kind=MapKind.SURFACE), still, asking, 1.0).poor.any()

@@ -1,0 +1,244 @@
+"""Frames summed over each other: cells in full pixels, drift of each frame, expected differences."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.registration import Blobs, Scene, smooth_map
+
+from erlif.core.errors import RegistrationError
+from erlif.registration import RegistrationSettings
+from erlif.registration.matching import (
+    AA,
+    BX,
+    BY,
+    EE,
+    GXX,
+    GXY,
+    GYY,
+    SUMS,
+    WEIGHT,
+    correlation,
+    solve_shift,
+)
+from erlif.registration.pairs import open_frames
+from erlif.registration.surface import affine_surface
+from erlif.registration.views import Views, expected_rms, make_cells
+from erlif.registration.whitening import make_filter
+
+SHAPE = (128, 160)
+BOX = (0.0, 160.0, 0.0, 128.0)
+SETTINGS = RegistrationSettings(threads=1)
+
+
+def shifted(dx=0.0, dy=0.0):
+    """The surface of a translation."""
+    return affine_surface(BOX, np.zeros((2, 2)), np.array([dx, dy]))
+
+
+def sums_of(rows=8, cols=10):
+    sums = np.random.default_rng(1).uniform(1, 2, (rows, cols, SUMS))
+    sums[..., WEIGHT] = 64
+    return sums
+
+
+def translated(*offsets, seed=2):
+    """Pairs of one analytic texture in which camera 2 is translated by each of the offsets."""
+    field = Blobs(SHAPE, 1.5, np.random.default_rng(seed))
+    y, x = np.indices(SHAPE, dtype=float)
+    image = 1000 * (1 + 0.15 * field(x, y))
+    return [(image, 1000 * (1 + 0.15 * field(x - dx, y - dy)), None, None) for dx, dy in offsets]
+
+
+def views_of(pairs, settings=SETTINGS):
+    frames = open_frames(pairs, settings)
+    return Views(frames, next(iter(frames.pick([0]))), settings)
+
+
+# cells ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("binning", [1, 2, 4])
+def test_cells_lie_at_the_middle_of_their_full_pixels(binning):
+    """The first cell of 8 binned pixels covers the full pixels 0 to 8 binning - 1."""
+    cells = make_cells(sums_of(), 8, shifted(), binning=binning)
+    npt.assert_allclose(cells.x[0], (8 * binning - 1) / 2)
+    npt.assert_allclose(cells.y[0], (8 * binning - 1) / 2)
+    npt.assert_allclose(np.diff(cells.x), 8 * binning)
+    assert (len(cells.y), len(cells.x)) == (8, 10)
+
+
+@pytest.mark.parametrize("binning", [1, 2, 4])
+def test_gradients_become_those_per_full_pixel(binning):
+    """A displacement of one binned pixel is one of ``binning`` full ones."""
+    sums = sums_of()
+    cells = make_cells(sums, 8, shifted(), binning=binning)
+    npt.assert_allclose(cells.sums[..., [GXX, GXY, GYY]] * binning**2, sums[..., [GXX, GXY, GYY]])
+    npt.assert_allclose(cells.sums[..., [BX, BY]] * binning, sums[..., [BX, BY]])
+    npt.assert_array_equal(cells.sums[..., [EE, WEIGHT, AA]], sums[..., [EE, WEIGHT, AA]])
+    npt.assert_allclose(solve_shift(cells.sums), binning * np.array(solve_shift(sums)))
+
+
+def test_cells_remember_the_displacement_at_which_they_were_summed():
+    surface = affine_surface(BOX, np.array([[0.1, 0.0], [0.0, -0.2]]), np.array([3.0, 4.0]))
+    cells = make_cells(sums_of(), 8, surface)
+    npt.assert_allclose(cells.here_x[2], 3 + 0.1 * cells.x)
+    npt.assert_allclose(cells.here_y[:, 3], 4 - 0.2 * cells.y)
+
+
+@pytest.mark.parametrize(("left", "refused"), [(15, True), (16, False)])
+def test_a_surface_needs_sixteen_cells(left, refused):
+    sums = sums_of()
+    sums.reshape(-1, SUMS)[left:, WEIGHT] = 0
+    if refused:
+        with pytest.raises(RegistrationError, match="needs 16 cells of 8 px, got 15"):
+            make_cells(sums, 8, shifted())
+    else:
+        assert (make_cells(sums, 8, shifted()).weight > 0).sum() == 16
+
+
+# expected differences ---------------------------------------------------------------------------
+
+
+def test_the_expected_difference_is_the_rms_of_the_surroundings():
+    sums = np.zeros((8, 10, SUMS))
+    sums[..., WEIGHT] = 64
+    sums[..., EE] = 64 * 0.3**2
+    npt.assert_allclose(expected_rms(sums), 0.3)
+
+
+def test_dust_does_not_raise_what_is_expected_of_its_own_cell():
+    sums = np.zeros((8, 10, SUMS))
+    sums[..., WEIGHT] = 64
+    sums[..., EE] = 64 * 0.3**2
+    sums[3, 4, EE] = 1e5
+    sums[6, 9, WEIGHT] = 0
+    npt.assert_allclose(expected_rms(sums), 0.3, rtol=0.01)
+
+
+def test_the_expected_difference_follows_the_frame():
+    sums = np.zeros((9, 21, SUMS))
+    sums[..., WEIGHT] = 10
+    sums[:, :10, EE], sums[:, 10:, EE] = 10, 40
+    rms = expected_rms(sums)
+    assert rms.shape == (9, 21)
+    npt.assert_allclose(rms[:, :8], 1)
+    npt.assert_allclose(rms[:, 12:], 2)
+
+
+def test_cells_without_weight_expect_nothing():
+    npt.assert_array_equal(expected_rms(np.zeros((4, 4, SUMS))), 0)
+
+
+# one frame --------------------------------------------------------------------------------------
+
+
+def test_a_frame_laid_over_by_its_true_displacement_asks_for_nothing():
+    views = views_of(translated((3.0, -2.0)))
+    seen = views.look(shifted(3, -2))
+    npt.assert_allclose(solve_shift(seen.sums), 0, atol=2e-3)
+    assert correlation(seen.sums) > 0.999
+    assert seen.surface.evaluate(np.zeros(1), np.zeros(1))[0] == pytest.approx(3)
+
+
+def test_what_is_missing_is_asked_for_with_its_sign():
+    seen = views_of(translated((3.0, -2.0))).look(shifted(2.9, -1.95))
+    npt.assert_allclose(solve_shift(seen.sums), (0.1, -0.05), atol=4e-3)
+
+
+def test_spectra_are_measured_until_the_textures_are_filtered():
+    views = views_of(translated((0.0, 0.0)))
+    seen = views.look(shifted())
+    assert seen.spectra.blocks > 4
+    views.filter_through(make_filter(seen.spectra))
+    filtered = views.look(shifted())
+    assert filtered.spectra is None
+    # the derivative needs 2 px on each side, the filter 4, the interpolation 1 at the far side
+    assert seen.sums[..., WEIGHT].sum() == (128 - 4) * (160 - 4)
+    assert filtered.sums[..., WEIGHT].sum() == (128 - 13) * (160 - 13)
+
+
+@pytest.mark.parametrize(("shape", "merge"), [((128, 160), 1), ((399, 500), 1), ((400, 500), 2)])
+def test_cells_of_large_frames_are_merged_two_by_two(shape, merge):
+    image = np.random.default_rng(3).integers(900, 1100, shape).astype(np.uint16)
+    views = views_of([(image, image, None, None)])
+    assert views.merge == merge
+    sums = np.ones((shape[0] // 8, shape[1] // 8, SUMS))
+    cells = views.cells(sums, shifted(), 1.0)
+    npt.assert_allclose(np.diff(cells.x), 8 * merge)
+    assert cells.sums[0, 0, WEIGHT] == merge**2
+
+
+def test_expected_differences_take_weight_from_dust():
+    pairs = translated((0.0, 0.0))
+    pairs[0][1][60:64, 80:84] *= 3
+    views = views_of(pairs)
+    dx, dy = shifted().on_pixels(SHAPE)
+    plain = views.sums(dx, dy, None).sums
+    careful = views.sums(dx, dy, expected_rms(plain)).sums
+    assert careful[7, 10, EE] < 0.05 * plain[7, 10, EE]
+
+
+# many frames ------------------------------------------------------------------------------------
+
+
+def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
+    offsets = np.array([(1.0, 0.0), (-2.0, 1.5), (4.0, 0.5), (0.0, -1.0)])
+    views = views_of(translated(*offsets))
+    seen = views.look(shifted())
+    npt.assert_allclose(views.drift, offsets - offsets.mean(0), atol=0.02)
+    npt.assert_allclose(views.drift.mean(0), 0, atol=1e-12)
+    dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
+    npt.assert_allclose((dx[0, 0], dy[0, 0]), offsets.mean(0), atol=0.02)
+
+
+def test_a_second_look_finds_nothing_more_to_move():
+    views = views_of(translated((1.3, 0.2), (-0.4, 0.9)))
+    seen = views.look(shifted())
+    again = views.look(seen.surface)
+    before, after = (s.surface.coefficients for s in (seen, again))
+    npt.assert_allclose(after, before, atol=0.01)
+
+
+def test_sums_of_frames_add_up():
+    """Two frames alike hold twice the sums of one, and the same spectra twice."""
+    one, two = translated((0.0, 0.0)), translated((0.0, 0.0), (0.0, 0.0))
+    single, double = (views_of(pairs).look(shifted()) for pairs in (one, two))
+    inner = (slice(1, -1), slice(1, -1), [AA, GXX])  # a drift of 0.001 px passes the border
+    npt.assert_allclose(double.sums[inner], 2 * single.sums[inner], rtol=0.02)
+    assert double.spectra.blocks == 2 * single.spectra.blocks
+
+
+def test_sums_of_drifting_frames_are_those_of_frames_at_rest():
+    """What a frame still asks for after its drift is taken out of the sums, to first order."""
+    seen = views_of(translated((0.3, 0.0), (-0.3, 0.0))).look(shifted())
+    npt.assert_allclose(solve_shift(seen.sums), 0, atol=1e-9)
+
+
+def test_a_frame_without_common_texture_takes_no_part():
+    good = translated((0.5, 0.0), (-0.5, 0.0))
+    stranger = (good[0][0], translated((0.0, 0.0), seed=8)[0][1], None, None)
+    views = views_of([good[0], stranger, good[1]])
+    seen = views.look(shifted())
+    assert np.isnan(views.drift[1]).all()
+    alone = views_of(good).look(shifted())
+    npt.assert_allclose(seen.sums, alone.sums, rtol=1e-6, atol=1e-6)
+
+
+def test_a_run_without_any_common_texture_is_refused():
+    stranger = translated((0.0, 0.0), seed=8)[0][1]
+    pair = (translated((0.0, 0.0))[0][0], stranger, None, None)
+    with pytest.raises(RegistrationError, match="None of the 2 frames"):
+        views_of([pair, pair]).look(shifted())
+
+
+def test_cameras_of_different_size_are_filtered_on_their_own_grids():
+    truth = Scene((192, 224), 5).photograph(smooth_map((192, 224), offset=(0.0, 0.0)))
+    wide = np.ascontiguousarray(truth.moving[:, :200])
+    views = views_of([(truth.reference, wide, None, None)])
+    surface = affine_surface((0.0, 224.0, 0.0, 192.0), np.zeros((2, 2)), np.zeros(2))
+    views.filter_through(make_filter(views.look(surface).spectra))
+    assert views.shape == (192, 224)
+    assert views.shape_moving == (192, 200)
+    weight = views.look(surface).sums[..., WEIGHT]
+    assert weight[:, -3:].sum() == 0  # camera 2 sees nothing there
+    assert weight[5, 5] == 64
