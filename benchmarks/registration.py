@@ -4,9 +4,10 @@
     python benchmarks/registration.py --cases all --peers erlif,openpiv
     python benchmarks/registration.py --size 640x480
 
-Every method sees the same frames of an analytic scene (tests/scenes/registration.py), so its displacement is known at
-every pixel. Peers get textures without illumination, as they would from a careful user. The first call, which compiles
-or plans, is not timed; the best of the repetitions is. Peers that are not installed are left out:
+Every method sees the same frames of an analytic scene (tests/scenes/registration.py), so its
+displacement is known at every pixel. Peers get textures without illumination, as they would from a
+careful user. The first call, which compiles or plans, is not timed; the best of the repetitions
+is. Peers that are not installed are left out:
 ``pip install erlif[benchmark]`` brings them.
 """
 
@@ -45,13 +46,16 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-# the frames ---------------------------------------------------------------------------------------------------------
+# the frames ---------------------------------------------------------------------------------------
 
 
 def displacement(
     case: str, shape: tuple[int, int]
 ) -> Callable[[Array, Array], tuple[Array, Array]]:
-    """The smooth map of the rig; with a ripple of 160 px for ``wave``, a bump that is no polynomial for ``lens``."""
+    """The smooth map of the rig, with a ripple for ``wave`` and a bump for ``lens``.
+
+    The ripple is 160 px long; the bump is no polynomial.
+    """
     smooth = smooth_map(shape, offset=(9.4, -6.7), rotation=0.3, scale=1.009)
     h, w = shape
     half = max(h, w) / 2
@@ -102,7 +106,7 @@ def make_views(case: str, shape: tuple[int, int], seed: int) -> Views:
     )
 
 
-# the methods --------------------------------------------------------------------------------------------------------
+# the methods --------------------------------------------------------------------------------------
 
 
 def flattened(image: Array) -> Array:
@@ -115,14 +119,14 @@ def flattened(image: Array) -> Array:
 
 
 def as_bytes(image: Array) -> Array:
-    """The same within three rms, 8 bit."""
+    """The same texture within three rms, in 8 bit."""
     return np.clip((flattened(image) + 3) * (255 / 6), 0, 255).astype(np.uint8)
 
 
 def on_pixels(
     x: Array, y: Array, dx: Array, dy: Array, shape: tuple[int, int]
 ) -> tuple[Array, Array]:
-    """Vectors on a grid to every pixel by a bicubic spline."""
+    """Interpolate vectors on a grid to every pixel by a bicubic spline."""
     from scipy.interpolate import RectBivariateSpline
 
     rows, cols = (
@@ -145,7 +149,7 @@ def erlif_local(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def openpiv_vectors(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
-    """OpenPIV: windows 128-64-32-32 px, 75 % overlap, second image deformed, normalised median test."""
+    """OpenPIV: windows 128-64-32-32 px, 75 % overlap, second image deformed, median test."""
     from openpiv import windef
     from openpiv.settings import PIVSettings
 
@@ -168,6 +172,7 @@ def openpiv_vectors(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def openpiv(a: Array, b: Array) -> tuple[Array, Array]:
+    """The vectors of OpenPIV, interpolated."""
     x, y, u, v = openpiv_vectors(a, b)
     return on_pixels(x, y, u, v, (a.shape[0], a.shape[1]))
 
@@ -194,6 +199,7 @@ def openpiv_quintic(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def skimage_ilk(a: Array, b: Array) -> tuple[Array, Array]:
+    """Iterative Lucas-Kanade of scikit-image, 25 px windows."""
     from skimage.registration import optical_flow_ilk
 
     v = optical_flow_ilk(
@@ -203,6 +209,7 @@ def skimage_ilk(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def opencv_dis(a: Array, b: Array) -> tuple[Array, Array]:
+    """Dense inverse search of OpenCV, medium preset."""
     import cv2
 
     v = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM).calc(
@@ -212,6 +219,7 @@ def opencv_dis(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def opencv_pyrlk(a: Array, b: Array) -> tuple[Array, Array]:
+    """Pyramidal Lucas-Kanade of OpenCV on a grid of 8 px, 31 px windows, 3 by 3 median."""
     import cv2
     from scipy.ndimage import median_filter
 
@@ -237,7 +245,7 @@ METHODS: dict[str, tuple[Method, str]] = {
 }
 
 
-# the table ----------------------------------------------------------------------------------------------------------
+# the table ----------------------------------------------------------------------------------------
 
 
 def memory(key: str) -> float:
@@ -250,9 +258,11 @@ def memory(key: str) -> float:
 
 
 def measure(name: str, views: Views, repeats: int) -> tuple[float, float, float, float, float]:
-    """Rms and 95th percentile of the error [px], wall time and processor time [s], peak memory above the start [MB].
+    """Run one method several times.
 
-    Runs in a process of its own, so that one method's memory is not the next one's gift.
+    Returns the rms and the 95th percentile of the error [px], wall time and processor time [s], and
+    the peak memory above the start [MB]. Runs in a process of its own, so that no method inherits
+    the memory of the one before.
     """
     method, _ = METHODS[name]
     small = Scene((192, 256), 1).photograph(smooth_map((192, 256)))
@@ -279,6 +289,7 @@ def measure(name: str, views: Views, repeats: int) -> tuple[float, float, float,
 
 
 def main() -> None:
+    """Print a line for each case and method."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -292,12 +303,15 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+
     w, h = (int(n) for n in options.size.split("x"))
     cases = list(CASES) if options.cases == "all" else options.cases.split(",")
     names = list(METHODS) if options.peers == "all" else options.peers.split(",")
     print(
-        f"{'case':7} {'method':16} {'rms px':>8} {'p95 px':>8} {'time s':>8} {'cpu s':>7} {'MB':>6}  error, time / erlif"
+        f"{'case':7} {'method':16} {'rms px':>8} {'p95 px':>8} {'time s':>8} {'cpu s':>7} {'MB':>6}"
+        "  error, time / erlif"
     )
+
     for case in cases:
         views = make_views(case, (h, w), options.seed)
         ours: tuple[float, float] | None = None
@@ -312,7 +326,8 @@ def main() -> None:
                 ours = rms, wall
             ratio = f"{rms / ours[0]:8.1f} {wall / ours[1]:8.1f}" if ours else ""
             print(
-                f"{case:7} {name:16} {rms:8.4f} {p95:8.4f} {wall:8.3f} {processor:7.3f} {peak:6.0f}  {ratio}",
+                f"{case:7} {name:16} {rms:8.4f} {p95:8.4f} {wall:8.3f} {processor:7.3f} "
+                f"{peak:6.0f}  {ratio}",
                 flush=True,
             )
 

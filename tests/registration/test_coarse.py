@@ -84,7 +84,7 @@ def test_cameras_of_different_size_are_aligned(views):
         None,
         RegistrationSettings(),
     )
-    start = Start(start.matrix, start.offset + [40, 0], start.agreement, start.blocks)
+    start = Start(start.matrix, start.offset + np.array([40, 0]), start.agreement, start.blocks)
     assert error_of(start, views) < 1.0
 
 

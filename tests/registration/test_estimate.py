@@ -197,7 +197,7 @@ def test_distortion_that_no_surface_resolves_falls_back_to_windows():
 
 
 def test_waves_that_grow_finer_across_the_field_are_followed_by_windows():
-    """A star: no surface has elements for all of it, and over 64 px its finest waves average out."""
+    """A star: no surface has elements for all of it; over 64 px its finest waves average out."""
     shape = (384, 512)
 
     def star(x, y):

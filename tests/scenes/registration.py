@@ -1,8 +1,9 @@
-"""Two cameras on one analytic scene: frames whose displacement is known exactly, for the tests and the benchmark.
+"""Two cameras on one analytic scene: frames whose displacement is known exactly.
 
-The scene is a function of continuous coordinates, those of camera 1: Gaussian blobs of random height on a jittered
-lattice, and scratches of Gaussian profile. Camera 1 samples it at its pixels. Camera 2 samples it at the inverse of
-x -> x + d(x), found by fixed-point iteration, so that no interpolator takes part in the truth.
+The scene is a function of continuous coordinates, those of camera 1: Gaussian blobs of random
+height on a jittered lattice, and scratches of Gaussian profile. Camera 1 samples it at its pixels.
+Camera 2 samples it at the inverse of x -> x + d(x), found by fixed-point iteration, so that no
+interpolator takes part in the truth. The tests and the benchmark use the same scenes.
 """
 
 from collections.abc import Callable
@@ -106,8 +107,11 @@ def smooth_map(
     cubic: float = 0.45,
     quadratic: float = 0.25,
 ) -> Field:
-    """Displacement of a camera that is shifted [px], turned [degree] about the frame's centre, scaled and slightly
-    distorted: ``quadratic`` and ``cubic`` are the distortions at half the longer side. [px]"""
+    """Displacement of a camera that is shifted, turned, scaled and slightly distorted.
+
+    ``offset`` is in px; ``rotation``, in degrees, is about the centre of the frame. ``quadratic``
+    and ``cubic`` are the distortions at half the longer side. [px]
+    """
     h, w = shape
     half = max(h, w) / 2
     angle = np.radians(rotation)
@@ -125,7 +129,7 @@ def smooth_map(
 
 
 def inverse(field: Field, x: Array, y: Array) -> tuple[Array, Array]:
-    """The points of camera 1 that camera 2 has at x, y."""
+    """Points of camera 1 that camera 2 sees at x, y."""
     px, py = x.astype(float), y.astype(float)
     for _ in range(200):
         dx, dy = field(px, py)
@@ -134,19 +138,30 @@ def inverse(field: Field, x: Array, y: Array) -> tuple[Array, Array]:
         px, py = nx, ny
         if step < 1e-10:
             return px, py
-    raise ValueError("this displacement has no inverse here")
+    raise ValueError("The displacement has no inverse here; its gradient must stay below 1.")
 
 
 @dataclass(frozen=True)
 class Views:
-    """Frames of the two cameras and the truth."""
+    """Frames of the two cameras and the truth, all (y, x)."""
 
     reference: Array
+    """Camera 1. [counts]"""
+
     moving: Array
+    """Camera 2. [counts]"""
+
     dx: Array
+    """True displacement along x: camera-2 pixel minus camera-1 pixel. [px]"""
+
     dy: Array
+    """True displacement along y. [px]"""
+
     clean_reference: Array
+    """Camera 1 without noise. [counts]"""
+
     clean_moving: Array
+    """Camera 2 without noise. [counts]"""
 
     def inside(self, margin: int = 16) -> Array:
         """Pixels of camera 1 that both cameras see, at least so far from the edges."""
@@ -166,13 +181,19 @@ class Views:
 def expose(
     clean: Array, rng: np.random.Generator, *, gain: float = 4.0, read: float = 8.0
 ) -> Array:
-    """Counts of a 12-bit camera: shot noise at ``gain`` electrons per count, read noise in electrons, rounding."""
+    """Counts of a 12-bit camera: shot noise, read noise [electrons], rounding and clipping.
+
+    ``gain`` is in electrons per count.
+    """
     electrons = rng.poisson(np.maximum(clean, 0) * gain) + rng.normal(0, read, clean.shape)
     return np.clip(np.rint(electrons / gain), 0, 4095).astype(np.uint16)
 
 
 class Scene:
-    """Wall texture seen by both cameras, texture that only camera 2 sees, uneven light and an uneven ratio."""
+    """A wall under two cameras.
+
+    Both see its texture; camera 2 sees some texture of its own. Light and ratio are uneven.
+    """
 
     def __init__(
         self,
@@ -209,7 +230,10 @@ class Scene:
         return self.brightness(x, y) * ratio * np.exp(self.private * self.alone(x, y))
 
     def photograph(self, field: Field, *, peak: float = 2500.0) -> Views:
-        """One exposure by both cameras, camera 2 displaced by ``field``; the brightest thousandth at ``peak`` counts."""
+        """One exposure by both cameras, camera 2 displaced by ``field``.
+
+        The brightest thousandth of the pixels reaches ``peak`` counts.
+        """
         h, w = self.shape
         y, x = np.mgrid[:h, :w].astype(float)
         first = self.brightness(x, y)
