@@ -1,4 +1,4 @@
-"""What erlif writes and reads back: films, unfinished work, outputs that replace the previous one in one step."""
+"""What erlif writes and reads back: films, unfinished work, outputs replaced in one step."""
 
 from erlif.files.compression import MapVariable, compress, decompress, round_bits
 from erlif.files.contents import (

@@ -12,16 +12,62 @@ from erlif.settings import RegionOfInterest, RunSettings
 
 
 def settings_of(film: xr.Dataset) -> RunSettings:
-    """The settings that a film was made with; raises OutputError where the film does not hold them."""
+    """Read the settings that a film was made with.
+
+    Parameters
+    ----------
+    film : Dataset
+        Result of `erlif.process`.
+
+    Returns
+    -------
+    RunSettings
+
+    Raises
+    ------
+    OutputError
+        If the film does not hold them.
+
+    Examples
+    --------
+    >>> settings_of(xr.Dataset())  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.OutputError: Expected the settings among the attributes of the film, ...
+    """
     if "settings" not in film.attrs:
         raise OutputError(
-            "Expected the settings among the attributes of the film, as erlif process writes them; there are none."
+            "Expected the settings among the attributes of the film, as erlif process writes them; "
+            "there are none. Make the film again with: erlif process RUN_DIR"
         )
     return RunSettings.model_validate(tomllib.loads(str(film.attrs["settings"])))
 
 
 def region_of(film: xr.Dataset) -> RegionOfInterest:
-    """Region of interest of a film in mm; the whole image where none was set."""
+    """Read the region of interest of a film.
+
+    Parameters
+    ----------
+    film : Dataset
+        Result of `erlif.process`.
+
+    Returns
+    -------
+    RegionOfInterest
+        Intervals of x and y; the whole image where the settings have no region. [mm]
+
+    Raises
+    ------
+    OutputError
+        If the film does not hold its settings.
+
+    Examples
+    --------
+    >>> region_of(xr.Dataset())  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.OutputError: Expected the settings among the attributes of the film, ...
+    """
     chosen = settings_of(film).thickness.roi
     if chosen is not None:
         return chosen
@@ -30,7 +76,29 @@ def region_of(film: xr.Dataset) -> RegionOfInterest:
 
 
 def check_trigger(film: xr.Dataset, trigger: int) -> None:
-    """Raise ErlifError if the film has no such trigger."""
+    """Refuse a trigger that a film does not have.
+
+    Parameters
+    ----------
+    film : Dataset
+        With dim trigger.
+    trigger : int
+        Number of the trigger, from 0.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> film = xr.Dataset({"load": ("trigger", [220.0, 230.0])})
+    >>> check_trigger(film, 1)
+    >>> check_trigger(film, 2)
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ErlifError: Expected a trigger from 0 to 1, as many as the film has; got 2.
+    """
     count = film.sizes["trigger"]
     if not 0 <= trigger < count:
         raise ErlifError(
@@ -39,14 +107,58 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
 
 
 def fastest_trigger(film: xr.Dataset) -> int:
-    """The outward trigger of highest speed, the example where one is shown for all."""
+    """Find the trigger that stands as an example for all: the fastest of the outward stroke.
+
+    Parameters
+    ----------
+    film : Dataset
+        With rocker_speed and stroke (trigger).
+
+    Returns
+    -------
+    int
+        Number of the trigger; the fastest of all where there is no outward stroke.
+
+    Examples
+    --------
+    >>> film = xr.Dataset(
+    ...     {"rocker_speed": ("trigger", [1.0, 2.0, -3.0]), "stroke": ("trigger", [1, 1, -1])}
+    ... )
+    >>> fastest_trigger(film)
+    1
+    """
     speed = np.abs(film.rocker_speed.values)
     outward = np.where(film.stroke.values > 0, speed, -1.0)
     return int(np.argmax(outward if (outward >= 0).any() else speed))
 
 
 def describe_trigger(film: xr.Dataset, trigger: int) -> str:
-    """One line that says which trigger is seen."""
+    """Describe a trigger in one line: angle, stroke and speed.
+
+    Parameters
+    ----------
+    film : Dataset
+        With encoder_angle, rocker_speed and stroke (trigger).
+    trigger : int
+        Number of the trigger, from 0.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> film = xr.Dataset(
+    ...     {
+    ...         "encoder_angle": ("trigger", [12.5]),
+    ...         "rocker_speed": ("trigger", [-2.5]),
+    ...         "stroke": ("trigger", [-1]),
+    ...     }
+    ... )
+    >>> describe_trigger(film, 0)
+    'trigger 0, 12.50°, return, 2.50 rad/s'
+    """
     one = film.isel(trigger=trigger)
     stroke = "outward" if float(one.stroke) > 0 else "return"
-    return f"trigger {trigger}, {float(one.encoder_angle):.2f}°, {stroke}, {abs(float(one.rocker_speed)):.2f} rad/s"
+    angle, speed = float(one.encoder_angle), abs(float(one.rocker_speed))
+    return f"trigger {trigger}, {angle:.2f}°, {stroke}, {speed:.2f} rad/s"

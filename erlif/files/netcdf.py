@@ -8,27 +8,68 @@ import xarray as xr
 
 
 def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
-    """Open a netCDF-4 file or one of its groups with xarray."""
+    """Open a netCDF-4 file or one of its groups with xarray.
+
+    Parameters
+    ----------
+    path : Path
+        File to open.
+    group : str, optional
+        Name of the group; default: the root.
+
+    Returns
+    -------
+    Dataset
+        Values are read when they are used.
+
+    Raises
+    ------
+    OSError
+        If the file is missing, damaged or of another format.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "load.nc")
+    ...     xr.Dataset({"load": ("trigger", [220.0])}).to_netcdf(path, engine="h5netcdf")
+    ...     with open_netcdf(path) as dataset:
+    ...         float(dataset["load"][0])
+    220.0
+    """
     import h5py
 
-    with h5py.File(
-        path, "r"
-    ) as file:  # where this fails, h5netcdf would leave a complaint of its own on the terminal
+    # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
+    with h5py.File(path, "r") as file:
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
     return xr.open_dataset(path, engine="h5netcdf", group=group)
 
 
 def has_group(path: Path, group: str) -> bool:
-    """Whether a netCDF-4 file has a group of this name."""
+    """Check whether a netCDF-4 file has a group of this name.
+
+    Parameters
+    ----------
+    path : Path
+        File to look into.
+    group : str
+        Name of the group.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "film.nc")
+    ...     xr.Dataset().to_netcdf(path, engine="h5netcdf", group="frames")
+    ...     has_group(path, "frames"), has_group(path, "registration")
+    (True, False)
+    """
     import h5py
 
     with h5py.File(path, "r") as file:
         return isinstance(file.get(group), h5py.Group)
-
-
-def _free_text(dataset: xr.Dataset) -> xr.Dataset:
-    """Text as strings of any length: zarr's format 3 does not know text of a fixed length."""
-    return dataset.assign(
-        {name: dataset[name].astype(object) for name in dataset if dataset[name].dtype.kind == "U"}
-    )

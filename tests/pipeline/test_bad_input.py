@@ -651,7 +651,7 @@ def test_a_second_process_on_the_same_output_is_told_so(lab, refused):
 
     with PartialFilm(lab.film, "key of the first"):
         message = refused("process", lab.run)
-    assert "another erlif process is making it" in message
+    assert "another erlif process is writing it" in message
 
 
 @pytest.mark.parametrize(
