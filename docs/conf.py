@@ -41,6 +41,7 @@ exclude_patterns = ["gallery", "auto_gallery/*.ipynb", "auto_gallery/*.py*", "_b
 root_doc = "index"
 default_role = "py:obj"
 toc_object_entries_show_parents = "hide"
+smartquotes_action = "qe"  # an option --overwrite keeps its two dashes
 suppress_warnings = ["config.cache"]  # the gallery's configuration holds a class
 
 # MyST and the tutorial
@@ -184,6 +185,15 @@ def escape_bars(
             lines[n] = re.sub(r"(?<!\\)\|", r"\|", line)
 
 
+def list_settings(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Append the keys of a table of the settings, which pydantic keeps as descriptions."""
+    fields = getattr(thing, "model_fields", None) if what == "class" else None
+    if fields:
+        lines += ["", *(f":{key}: {field.description or ''}" for key, field in fields.items()), ""]
+
+
 def inline_math(self, node: nodes.math) -> None:
     """Write a formula in a line as MathML, which browsers draw without a script."""
     self.body.append(tex2mathml(node.astext()))
@@ -201,3 +211,4 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     app.connect("builder-inited", write_api_pages, priority=100)
     app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("autodoc-process-docstring", list_settings, priority=900)
