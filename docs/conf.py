@@ -191,7 +191,9 @@ def list_settings(
     """Append the keys of a table of the settings, which pydantic keeps as descriptions."""
     fields = getattr(thing, "model_fields", None) if what == "class" else None
     if fields:
-        lines += ["", *(f":{key}: {field.description or ''}" for key, field in fields.items()), ""]
+        lines.append("")
+        for key, field in fields.items():
+            lines += [f"``{key}``", f"    {field.description or 'See the table of this name.'}", ""]
 
 
 def inline_math(self, node: nodes.math) -> None:
