@@ -75,17 +75,17 @@ def broadcasting(formula: Callable[_Parameters, _Result]) -> Callable[_Parameter
 
 
 def require_finite(**arguments: Values) -> None:
-    """Refuse infinite values.
+    """Refuse infinite values, and what is not a number.
 
     Parameters
     ----------
     **arguments : float or array
-        Values by the names that the caller knows.
+        Values under the caller's names.
 
     Raises
     ------
     ModelError
-        Names the first argument that holds an infinite value.
+        Names the first argument that holds an infinite value or no number at all.
 
     Examples
     --------
@@ -95,7 +95,10 @@ def require_finite(**arguments: Values) -> None:
     erlif.core.errors.ModelError: load must be finite, got inf.
     """
     for name, value in arguments.items():
-        infinite = np.isinf(value)
+        try:
+            infinite = np.isinf(value)
+        except TypeError as error:
+            raise ModelError(_not_a_number(name, value)) from error
         if np.any(infinite):
             first = np.asarray(value)[np.asarray(infinite)].flat[0]
             raise ModelError(f"{name} must be finite, got {first:g}.")
@@ -107,7 +110,7 @@ def require_positive(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float or array
-        Values by the names that the caller knows.
+        Values under the caller's names.
 
     Raises
     ------
@@ -132,7 +135,7 @@ def require_not_negative(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float or array
-        Values by the names that the caller knows.
+        Values under the caller's names.
 
     Raises
     ------
@@ -160,7 +163,7 @@ def require_between(lowest: float, highest: float, **arguments: Values) -> None:
     lowest, highest : float
         Ends of the range; both are accepted.
     **arguments : float or array
-        Values by the names that the caller knows.
+        Values under the caller's names.
 
     Raises
     ------
@@ -188,7 +191,7 @@ def require_poisson(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float or array
-        Poisson's ratios by the names that the caller knows. [1]
+        Poisson's ratios under the caller's names. [1]
 
     Raises
     ------
@@ -214,7 +217,7 @@ def require_increasing(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float or array
-        Values by the names that the caller knows, from the smallest to the largest.
+        Values under the caller's names, from the smallest to the largest.
 
     Raises
     ------
@@ -243,7 +246,7 @@ def require_single(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float
-        Values by the names that the caller knows.
+        Values under the caller's names.
 
     Raises
     ------
@@ -331,12 +334,12 @@ def check_modulus(**arguments: Values) -> None:
     Parameters
     ----------
     **arguments : float or array
-        Moduli by the names that the caller knows. [Pa]
+        Moduli under the caller's names. [Pa]
 
     Warns
     -----
     UnitWarning
-        Names each argument that holds such a value. Zero, NaN and infinity are ignored.
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -353,7 +356,15 @@ def check_modulus(**arguments: Values) -> None:
 def check_strength(**arguments: Values) -> None:
     """Warn of a yield stress, tensile strength or hardness outside 1e5 to 1e12 Pa.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [Pa]
+    Parameters
+    ----------
+    **arguments : float or array
+        Stresses or hardnesses under the caller's names. [Pa]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -365,7 +376,15 @@ def check_strength(**arguments: Values) -> None:
 def check_viscosity(**arguments: Values) -> None:
     """Warn of a dynamic viscosity outside 1e-6 to 50 Pa s.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [Pa s]
+    Parameters
+    ----------
+    **arguments : float or array
+        Dynamic viscosities under the caller's names. [Pa s]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -377,7 +396,15 @@ def check_viscosity(**arguments: Values) -> None:
 def check_kinematic_viscosity(**arguments: Values) -> None:
     """Warn of a kinematic viscosity outside 1e-8 to 0.05 m2/s.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [m2/s]
+    Parameters
+    ----------
+    **arguments : float or array
+        Kinematic viscosities under the caller's names. [m2/s]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -389,7 +416,15 @@ def check_kinematic_viscosity(**arguments: Values) -> None:
 def check_pressure_viscosity(**arguments: Values) -> None:
     """Warn of a pressure-viscosity coefficient outside 1e-11 to 1e-6 1/Pa.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [1/Pa]
+    Parameters
+    ----------
+    **arguments : float or array
+        Coefficients under the caller's names. [1/Pa]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -401,7 +436,15 @@ def check_pressure_viscosity(**arguments: Values) -> None:
 def check_length(**arguments: Values) -> None:
     """Warn of a length of a machine part outside 1e-7 to 10 m.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [m]
+    Parameters
+    ----------
+    **arguments : float or array
+        Lengths under the caller's names. [m]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -413,7 +456,15 @@ def check_length(**arguments: Values) -> None:
 def check_reduced_radius(**arguments: Values) -> None:
     """Warn of a reduced radius outside 1e-6 to 1e5 m.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [m]
+    Parameters
+    ----------
+    **arguments : float or array
+        Reduced radii under the caller's names. [m]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -425,7 +476,15 @@ def check_reduced_radius(**arguments: Values) -> None:
 def check_film(**arguments: Values) -> None:
     """Warn of a film thickness or a roughness above 0.01 m.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [m]
+    Parameters
+    ----------
+    **arguments : float or array
+        Film thicknesses or roughnesses under the caller's names. [m]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -437,7 +496,15 @@ def check_film(**arguments: Values) -> None:
 def check_load(**arguments: Values) -> None:
     """Warn of a force above 1e9 N.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [N]
+    Parameters
+    ----------
+    **arguments : float or array
+        Forces under the caller's names. [N]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -449,7 +516,15 @@ def check_load(**arguments: Values) -> None:
 def check_line_load(**arguments: Values) -> None:
     """Warn of a load per length above 1e10 N/m.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [N/m]
+    Parameters
+    ----------
+    **arguments : float or array
+        Loads per length under the caller's names. [N/m]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -461,7 +536,15 @@ def check_line_load(**arguments: Values) -> None:
 def check_speed(**arguments: Values) -> None:
     """Warn of a surface speed above 1e3 m/s, in either direction.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [m/s]
+    Parameters
+    ----------
+    **arguments : float or array
+        Speeds under the caller's names. [m/s]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -473,7 +556,15 @@ def check_speed(**arguments: Values) -> None:
 def check_temperature(**arguments: Values) -> None:
     """Warn of a temperature outside 120 to 3000 K.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [K]
+    Parameters
+    ----------
+    **arguments : float or array
+        Temperatures under the caller's names. [K]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -485,7 +576,15 @@ def check_temperature(**arguments: Values) -> None:
 def check_density(**arguments: Values) -> None:
     """Warn of a density outside 50 to 3e4 kg/m3.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [kg/m3]
+    Parameters
+    ----------
+    **arguments : float or array
+        Densities under the caller's names. [kg/m3]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -497,7 +596,15 @@ def check_density(**arguments: Values) -> None:
 def check_expansion(**arguments: Values) -> None:
     """Warn of a coefficient of thermal expansion outside 1e-8 to 0.01 1/K, of either sign.
 
-    Parameters, warnings and ignored values as in `check_modulus`. [1/K]
+    Parameters
+    ----------
+    **arguments : float or array
+        Coefficients under the caller's names. [1/K]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -509,7 +616,15 @@ def check_expansion(**arguments: Values) -> None:
 def check_conductivity(**arguments: Values) -> None:
     """Warn of a thermal conductivity outside 1e-3 to 1e4 W/(m K).
 
-    Parameters, warnings and ignored values as in `check_modulus`. [W/(m K)]
+    Parameters
+    ----------
+    **arguments : float or array
+        Conductivities under the caller's names. [W/(m K)]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -533,7 +648,15 @@ def check_swing(**arguments: Values) -> None:
 def check_specific_wear(**arguments: Values) -> None:
     """Warn of a specific wear rate above 1e-9 1/Pa, which is 1 mm3/(N m).
 
-    Parameters, warnings and ignored values as in `check_modulus`. [1/Pa]
+    Parameters
+    ----------
+    **arguments : float or array
+        Specific wear rates under the caller's names. [1/Pa]
+
+    Warns
+    -----
+    UnitWarning
+        Names the arguments that hold such a value. Zero, NaN and infinity are ignored.
 
     Examples
     --------
@@ -583,7 +706,7 @@ def _depth_of_caller() -> int:
 def _as_number(name: str, value: Values) -> Values:
     """A float for a scalar, a float array for a list; arrays, flags and other objects unchanged."""
     if isinstance(value, str):
-        raise ModelError(f"{name} must be a number in SI units, got {value!r}.")
+        raise ModelError(_not_a_number(name, value))
 
     # flags are not numbers, and a DataArray keeps its coordinates
     if isinstance(value, bool | np.bool_) or hasattr(value, "dims"):
@@ -600,6 +723,10 @@ def _as_number(name: str, value: Values) -> Values:
             return value.item()
         return value.astype(float) if value.dtype.kind in "iu" else value
     return value
+
+
+def _not_a_number(name: str, value: Values) -> str:
+    return f"{name} must be a number in SI units, got {value!r}."
 
 
 def _as_result(result: Values) -> Values:

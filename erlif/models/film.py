@@ -380,7 +380,10 @@ def thesis_film(
 
 @dataclass(frozen=True)
 class LineContactFilm:
-    """Film of a line contact, the four asymptotes it was chosen from, and its limits."""
+    """Film of a line contact, the four asymptotes it was chosen from, and its limits.
+
+    All film thicknesses are in m; gV and gE are dimensionless.
+    """
 
     film: Values
     """Film thickness, the largest of the four asymptotes. [m]"""
@@ -508,7 +511,7 @@ def line_contact_film(
 
 
 class EllipticalFilm(NamedTuple):
-    """Film thicknesses of an elliptical contact."""
+    """Minimum and central film thickness of an elliptical contact, in m."""
 
     minimum: Values
     """Minimum film thickness. [m]"""

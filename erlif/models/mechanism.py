@@ -38,7 +38,8 @@ class CrankRocker:
     the coupler. The crank angle t is 0 where the crank points at the rocker pivot and grows towards
     the side on which the rocker stands; the rocker angle psi is the interior angle at the rocker
     pivot from the ground link; the coupler angle phi is the direction from crank pin to rocker pin
-    against the ground link, in the sense of t.
+    against the ground link, in the sense of t. All lengths are distances of joint centres in m,
+    all angles in rad.
 
     Raises
     ------
@@ -424,7 +425,7 @@ class SliderCrank:
 
     With a clearance the crank-pin joint is in continuous contact with the rod in tension: pin
     centre, bushing centre and contact point stay on one line, and the rod acts as if it were longer
-    by the clearance.
+    by the clearance. All lengths are in m, all angles in rad.
 
     Raises
     ------

@@ -40,7 +40,10 @@ ROELANDS_CONSTANT = 9.67
 
 @dataclass(frozen=True)
 class Oil:
-    """Viscosities of an oil as a source gives them, at a single temperature."""
+    """Viscosities of an oil as a source gives them, at a single temperature.
+
+    The dynamic viscosity is in Pa s, the kinematic one in m2/s, the density in kg/m3.
+    """
 
     name: str
     """Name or grade."""
@@ -112,7 +115,7 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
 
 
 class VogelConstants(NamedTuple):
-    """Constants of Vogel's law, in the order and under the names of `vogel_viscosity`."""
+    """Constants of Vogel's law under the names of `vogel_viscosity`: a in Pa s, b and c in K."""
 
     a: float
     """Viscosity that the oil approaches when hot. [Pa s]"""

@@ -1,4 +1,4 @@
-"""Properties are judged by what they show, not by how long a busy machine takes for them."""
+"""Hypothesis without a deadline: the duration of an example depends on the load of the machine."""
 
 from hypothesis import settings
 

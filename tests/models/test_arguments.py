@@ -111,6 +111,8 @@ def test_text_in_the_place_of_a_number_is_named():
     ("check", "message"),
     [
         (lambda: require_finite(speed=[1.0, -np.inf]), "speed must be finite, got -inf"),
+        (lambda: require_finite(speed=None), "speed must be a number in SI units, got None"),
+        (lambda: require_positive(load={}), "load must be a number in SI units, got {}"),
         (lambda: require_positive(load=np.inf), "load must be finite, got inf"),
         (lambda: require_positive(load=[1.0, 0.0]), "load must be positive, got 0"),
         (lambda: require_positive(load=LOADS - 3), "load must be positive, got -2"),

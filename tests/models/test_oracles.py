@@ -29,7 +29,7 @@ def test_rocker_angle_against_pylinkage():
 
 
 def four_bar_of(mechanism, crank_angle):
-    """The rig as vectors a + b = d + c from the crank pivot, solved for the angles of coupler b and rocker c."""
+    """The rig as vectors a + b = d + c from the crank pivot, solved for coupler b and rocker c."""
     o, a, b, c = (mechanism.Joint(name) for name in "OABC")
     crank = mechanism.Vector((o, a), r=RIG.crank)
     coupler = mechanism.Vector((a, b), r=RIG.coupler)
