@@ -1,5 +1,8 @@
 """Counts to light with variance: dark, flat, photon transfer, saturation."""
 
+from erlif.correction.camera import CameraMeasurement, measure_camera
+from erlif.correction.darks import Darks, declare_darks, reduce_darks
+from erlif.correction.flats import FlatField, make_flat_field
 from erlif.correction.frames import correct_frames
 from erlif.correction.pages import PageStack
 from erlif.correction.photon_transfer import (
@@ -9,18 +12,28 @@ from erlif.correction.photon_transfer import (
     measure_response_spread,
     reduce_level,
 )
-from erlif.correction.references import CameraNoise, measure_references
-from erlif.correction.saturation import find_pile_up
+from erlif.correction.references import CameraNoise, Cameras, DeclaredNoise, make_references
+from erlif.correction.saturation import count_pixels, find_pile_up
 
 __all__ = [
+    "CameraMeasurement",
     "CameraNoise",
+    "Cameras",
+    "Darks",
+    "DeclaredNoise",
+    "FlatField",
     "LightLevel",
     "PageStack",
     "PhotonTransfer",
     "correct_frames",
+    "count_pixels",
+    "declare_darks",
     "find_pile_up",
     "fit_photon_transfer",
-    "measure_references",
+    "make_flat_field",
+    "make_references",
+    "measure_camera",
     "measure_response_spread",
+    "reduce_darks",
     "reduce_level",
 ]

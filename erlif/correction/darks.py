@@ -2,87 +2,153 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from scipy.stats import chi2
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import Array, Counts, Mask
 from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.errors import FrameError
 from erlif.core.statistics import robust_std
 from erlif.correction.pages import PageStack
-from erlif.ingest import Recording, find_reference_pages, read_reference
-from erlif.settings import CameraSettings
+
+_HOT = 8.0
+"""Excess over the surroundings from which a pixel is hot: robust standard deviations, and DN."""
+
+_FALSE_NOISY = 1e-7
+"""Share of good pixels whose temporal variance exceeds the limit for noisy ones by chance."""
+
+_NOISY_FLOOR = 1.0
+"""Added to that limit, so that rounding of a quiet camera makes no pixel noisy. [DN2]"""
 
 
 @dataclass(frozen=True)
-class _Darks:
+class Darks:
     """Darks of one camera, reduced."""
 
     mean: Array
-    """Mean of each pixel. [DN]"""
+    """Mean of each pixel, (y, x). [DN]"""
     mean_var: float
-    """Its variance. [DN2]"""
+    """Variance of that mean. [DN2]"""
     bad: Mask
-    """Hot or noisy pixels."""
+    """Hot or noisy pixels, (y, x)."""
     pages: int
-    """0 where the dark is a declared level."""
+    """Number of pages; 0 where the dark is a declared level."""
     temporal_var: float | None = None
-    """Temporal variance of a pixel. [DN2]"""
+    """Temporal variance of a pixel; None for fewer than two pages. [DN2]"""
     temporal_var_std: float = 0.0
-    mean_std: float = float("nan")
+    """Its standard deviation. [DN2]"""
+    level_std: float = float("nan")
     """Standard deviation of the mean level, from page to page. [DN]"""
     spread: float = float("nan")
-    """Standard deviation over the pixels. [DN]"""
+    """Standard deviation over the pixels (DSNU). [DN]"""
+
+    @property
+    def level(self) -> float:
+        """Mean dark level of the good pixels. [DN]"""
+        return float(self.mean[~self.bad].mean())
 
 
-def _reduce_darks(recording: Recording, settings: CameraSettings, camera: int) -> _Darks:
-    shape = recording.shape
-    if settings.dark is None:
-        assert settings.offset is not None  # the settings hold one or the other
-        return _Darks(np.full(shape, settings.offset), 0.0, np.zeros(shape, bool), 0)
-    found = find_reference_pages(recording.directory, settings.dark, what=f"camera{camera} dark")
-    read = (
-        read_reference(page, settings, directory=recording.directory, shape=shape).astype(float)
-        for page in found
-    )
-    pages: PageStack | None = None
+def declare_darks(offset: float, shape: tuple[int, int]) -> Darks:
+    """Darks of a camera whose dark level is given and not recorded.
+
+    Parameters
+    ----------
+    offset : float
+        Dark level. [DN]
+    shape : (rows, columns)
+        [px]
+
+    Returns
+    -------
+    Darks
+
+    Examples
+    --------
+    >>> declare_darks(64.0, (2, 2)).level
+    64.0
+    """
+    return Darks(np.full(shape, offset), 0.0, np.zeros(shape, bool), 0)
+
+
+def reduce_darks(pages: Iterable[Counts]) -> Darks:
+    """Reduce dark pages to their level, their noise and the bad pixels.
+
+    Parameters
+    ----------
+    pages : iterable of array, (y, x)
+        Counts of dark pages. [DN]
+
+    Returns
+    -------
+    Darks
+
+    Raises
+    ------
+    FrameError
+        If there is no page.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> darks = reduce_darks(np.rint(rng.normal(64.0, 2.0, (8, 32, 32))))
+    >>> round(darks.level), round(darks.temporal_var - 1 / 12)
+    (64, 4)
+    """
+    stack: PageStack | None = None
     levels = []
-    for image in read:
-        pages = pages or PageStack(image)
-        pages.add(image)
-        levels.append(float(np.median(image - pages.first)))
-    assert pages is not None  # find_reference_pages refuses an empty file
-    mean, variance, n = pages.mean, pages.variance, pages.count
-    excess = mean - _median_of_surroundings(mean)
-    hot = np.abs(excess) > np.maximum(8 * robust_std(excess), 8.0)
+    for page in pages:
+        image = page.astype(float)
+        stack = stack or PageStack(image)
+        stack.add(image)
+        levels.append(float(np.median(image - stack.first)))
+    if stack is None:
+        raise FrameError("Expected at least one dark page; there is none.")
+
+    mean, variance, n = stack.mean, stack.variance, stack.count
+    excess = mean - median_of_surroundings(mean)
+    hot = np.abs(excess) > np.maximum(_HOT * robust_std(excess), _HOT)
     if n < 2:
-        return _Darks(mean, 0.0, hot, 1)
-    # the variance of n pages is a chi-square of n - 1: a noisy pixel stands above what one in ten million does
-    typical = max(
-        float(np.median(variance)) * (n - 1) / chi2.ppf(0.5, n - 1),
-        # of few pages of a quiet camera most counts are alike, and the median is 0; noisy pixels must not lift this mean
-        float(np.minimum(variance, np.quantile(variance, 0.99)).mean()),
-        QUANTISATION_VAR,
-    )
-    noisy = variance > typical * chi2.isf(1e-7, n - 1) / (n - 1) + 1.0
-    bad = hot | noisy
+        return Darks(mean, 0.0, hot, 1)
+
+    bad = hot | _find_noisy(variance, n)
     temporal_var = float(variance[~bad].mean())
-    drift = float(np.std(levels, ddof=1)) / np.sqrt(n)
     pixels = int((~bad).sum())
-    return _Darks(
+
+    drift = float(np.std(levels, ddof=1)) / np.sqrt(n)
+    noise_of_mean = temporal_var / (n * pixels)
+    return Darks(
         mean,
         temporal_var / n,
         bad,
         n,
         temporal_var,
         temporal_var * float(np.sqrt(2 / ((n - 1) * pixels))),
-        float(np.hypot(drift, np.sqrt(temporal_var / (n * pixels)))),
+        float(np.hypot(drift, np.sqrt(noise_of_mean))),
         float(np.sqrt(max(float(mean[~bad].var()) - temporal_var / n, 0.0))),
     )
 
 
-def _median_of_surroundings(image: Array) -> Array:
-    """Median over 5 x 5 pixels."""
+def median_of_surroundings(image: Array) -> Array:
+    """Median over the 5 x 5 pixels about each pixel."""
     return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), float)
+
+
+def _find_noisy(variance: Array, pages: int) -> Mask:
+    """Pixels whose temporal variance is larger than chance allows.
+
+    The variance of n pages follows a chi-square of n - 1 degrees of freedom.
+    """
+    freedom = pages - 1
+    typical = max(
+        float(np.median(variance)) * freedom / chi2.ppf(0.5, freedom),
+        # few pages of a quiet camera hold mostly equal counts, and the median is 0; the mean of
+        # the variance is then the better estimate, without the noisy pixels themselves
+        float(np.minimum(variance, np.quantile(variance, 0.99)).mean()),
+        QUANTISATION_VAR,
+    )
+    limit = typical * chi2.isf(_FALSE_NOISY, freedom) / freedom + _NOISY_FLOOR
+    return np.asarray(variance > limit)

@@ -1,103 +1,167 @@
-"""Flat pages: light levels, pixel response, dead pixels."""
+"""Flat pages: light levels, saturation, pixel response, dead pixels."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from erlif.core.arrays import Array, Mask
-from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.arrays import Array, Counts, Mask
 from erlif.core.errors import FrameError
-from erlif.correction.darks import _Darks, _median_of_surroundings
+from erlif.correction.darks import median_of_surroundings
 from erlif.correction.pages import PageStack
-from erlif.correction.photon_transfer import (
-    LightLevel,
-    PhotonTransfer,
-    fit_photon_transfer,
-    reduce_level,
-)
-from erlif.correction.saturation import find_pile_up
-from erlif.ingest import Recording, find_reference_pages, read_reference
-from erlif.settings import CameraSettings
+from erlif.correction.saturation import Histogram, count_pixels, find_pile_up
 
-_SAME_LEVEL = 0.05  # flat pages whose means differ by less were taken at one light level
+_SAME_LEVEL = 0.05
+"""Relative difference of mean brightness below which consecutive pages belong to one light level."""
+
+_SATURATED_SHARE = 1e-3
+"""Share of saturated pixels above which a flat page is left out."""
+
+_BRIGHT_ENOUGH = 1 / 50
+"""Share of full scale that the brightest level must reach."""
+
+_DEAD, _OVERBRIGHT = 0.5, 1.5
+"""Light over that of the surroundings beyond which a pixel is dead or too bright."""
+
+_DARKEST = 0.02
+"""Light over the mean below which a pixel is dead."""
 
 
-def _read_flats(
-    recording: Recording,
-    settings: CameraSettings,
+@dataclass(frozen=True)
+class FlatLevels:
+    """Flats of one camera above dark, level by level."""
+
+    stacks: list[PageStack]
+    """One for each light level; empty where no flat was recorded."""
+    saturation: int
+    """Count at which the camera saturates. [DN]"""
+
+
+class FlatField(NamedTuple):
+    """Response of the pixels of one camera."""
+
+    response: Array
+    """Relative to the mean, (y, x). [1]"""
+    response_var: Array
+    """Its variance, (y, x). [1]"""
+    dead: Mask
+    """Pixels that hardly respond, or far too much, (y, x)."""
+
+
+def reduce_flats(
+    pages: Iterable[Counts],
+    *,
     dark: Array,
-    camera: int,
-    seen: npt.NDArray[np.int64],
-) -> tuple[list[PageStack], int]:
-    """Flats above dark, level by level, and the count at which the camera saturates.
+    full_scale: int,
+    histogram: Histogram,
+    camera: str,
+) -> FlatLevels:
+    """Sort flat pages into light levels, and find the count at which the camera saturates.
 
-    A level is consecutive pages of one brightness, freed of the lamp's flicker. Saturated pages are left out, those too that pile up
-    below full scale; `seen`, pixels by count in some frames, is searched for such a pile-up as well.
+    Consecutive pages of one brightness form a level; they are scaled to one another, which removes
+    the flicker of the lamp. Pages with saturated pixels are left out, those that saturate below
+    full scale included.
+
+    Parameters
+    ----------
+    pages : iterable of array, (y, x)
+        Counts of flat pages. [DN]
+    dark : array, (y, x)
+        Mean dark. [DN]
+    full_scale : int
+        Largest possible count. [DN]
+    histogram : array of int, (full scale + 1,)
+        Pixels by count in some frames, which are searched for a pile-up as well.
+    camera : str
+        Name in messages.
+
+    Returns
+    -------
+    FlatLevels
+
+    Raises
+    ------
+    FrameError
+        If there are pages and none is both well above dark and below saturation.
     """
     levels: list[PageStack] = []
-    saturation = find_pile_up(seen) or settings.full_scale
-    if settings.flat is None:
-        return levels, saturation
-    pages = find_reference_pages(recording.directory, settings.flat, what=f"camera{camera} flat")
-    total = seen.copy()
-    for page in pages:
-        image = read_reference(page, settings, directory=recording.directory, shape=recording.shape)
-        histogram = np.bincount(image.ravel(), minlength=settings.full_scale + 1)
-        total += histogram
-        top = find_pile_up(histogram) or settings.full_scale
-        if histogram[top:].sum() > 1e-3 * image.size:
+    total = histogram.copy()
+    recorded = False
+    for image in pages:
+        recorded = True
+        counted = count_pixels(image, full_scale)
+        total += counted
+        top = find_pile_up(counted) or full_scale
+        if counted[top:].sum() > _SATURATED_SHARE * image.size:
             continue
+
         light = image - dark
         if not levels or abs(light.mean() / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
             levels.append(PageStack(light))
         levels[-1].add(light, scale=levels[-1].first.mean() / light.mean())
-    saturation = find_pile_up(total) or settings.full_scale
-    if not levels or max(level.first.mean() for level in levels) < settings.full_scale / 50:
+
+    saturation = find_pile_up(total) or full_scale
+    brightest = max((level.first.mean() for level in levels), default=0.0)
+    if recorded and (not levels or brightest < full_scale * _BRIGHT_ENOUGH):
         raise FrameError(
-            f"Expected flats of camera{camera} well above dark and below saturation ({saturation}); none is. Record flats with the light "
-            "at a quarter to three quarters of full scale."
+            f"Expected flats of {camera} well above dark and below saturation ({saturation}); none "
+            "is. Record flats with the light at a quarter to three quarters of full scale."
         )
-    return levels, saturation
+    return FlatLevels(levels, saturation)
 
 
-def _photon_transfer(
-    levels: Sequence[PageStack], settings: CameraSettings, darks: _Darks, saturation: int
-) -> PhotonTransfer | None:
-    """Photon transfer over the pixels that are sound and clear of saturation."""
-    points: list[LightLevel] = []
-    for level in levels:
-        point = reduce_level(level, ~darks.bad & (level.mean + darks.mean < 0.95 * saturation))
-        if point is not None:
-            points.append(point)
-    if darks.temporal_var is not None or settings.read_noise is None:
-        return fit_photon_transfer(
-            points, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
-        )
-    # a read noise declared in electrons is a variance of counts once the gain is known: two rounds settle it
-    found = fit_photon_transfer(points, dark_variance=QUANTISATION_VAR)
-    for _ in range(3):
-        if found is not None:
-            dark_variance = (settings.read_noise / found.gain) ** 2 + QUANTISATION_VAR
-            found = fit_photon_transfer(points, dark_variance=dark_variance)
-    return found
+def sum_light(levels: Iterable[PageStack]) -> Array:
+    """Light of all pages together, (y, x). [DN]"""
+    return np.asarray(np.sum([level.count * level.mean for level in levels], axis=0))
 
 
-def _reduce_flats(
-    levels: Sequence[PageStack],
-    dark_var: Array,
-    bad: Mask,
-    gain: float,
-    page_var: float,
-) -> tuple[Array, Array, Mask]:
-    """Response of each pixel relative to the mean, its variance, and the dead pixels."""
-    count = sum(level.count for level in levels)
-    total = np.sum([level.count * level.mean for level in levels], axis=0)
+def make_flat_field(
+    total: Array, pages: int, *, dark_var: Array, bad: Mask, gain: float, page_var: float
+) -> FlatField:
+    """Response of each pixel relative to the mean, its variance, and the dead pixels.
+
+    Parameters
+    ----------
+    total : array, (y, x)
+        Light of all pages together. [DN]
+    pages : int
+        Their number.
+    dark_var : array, (y, x)
+        Variance of the mean dark. [DN2]
+    bad : array of bool, (y, x)
+        Hot and noisy pixels, which take the response of their surroundings.
+    gain : float
+        [electron/DN]
+    page_var : float
+        Variance of reading and rounding in one page. [DN2]
+
+    Returns
+    -------
+    FlatField
+
+    Examples
+    --------
+    >>> light = np.full((16, 16), 1000.0)
+    >>> light[:, 8:] = 3000.0
+    >>> none = np.zeros((16, 16), bool)
+    >>> field = make_flat_field(
+    ...     light, 1, dark_var=np.zeros((16, 16)), bad=none, gain=4.0, page_var=0.0
+    ... )
+    >>> float(field.response[0, 0]), float(field.response[0, 15])
+    (0.5, 1.5)
+    """
     scale = float(total[~bad].mean())
-    surroundings = _median_of_surroundings(total)
-    dead = (total < 0.5 * surroundings) | (total > 1.5 * surroundings) | (total < 0.02 * scale)
-    flat = np.where(dead | bad, np.maximum(surroundings, 0.02 * scale), total) / scale
-    variance = np.maximum(total, 0.0) / gain + count * page_var + count**2 * dark_var
-    return flat, variance / scale**2, dead
+    surroundings = median_of_surroundings(total)
+    dead = (
+        (total < _DEAD * surroundings)
+        | (total > _OVERBRIGHT * surroundings)
+        | (total < _DARKEST * scale)
+    )
+    response = np.where(dead | bad, np.maximum(surroundings, _DARKEST * scale), total) / scale
+
+    # shot noise of all pages, their reading noise, and the dark subtracted from each of them
+    variance = np.maximum(total, 0.0) / gain + pages * page_var + pages**2 * dark_var
+    return FlatField(response, variance / scale**2, np.asarray(dead))

@@ -12,28 +12,51 @@ from erlif.core.products import CorrectedFrames, Frames, References, require
 
 _SATURATED, _DIM, _BAD_PIXEL = int(Flag.SATURATED), int(Flag.DIM), int(Flag.BAD_PIXEL)
 
+_FARTHEST = 5
+"""Rings of neighbours searched for good pixels: larger defects stay as they were read. [px]"""
+
 
 def correct_frames(
     frames: Frames, references: References, *, least_signal: float = 100.0
 ) -> CorrectedFrames:
     """Subtract the dark, divide by the flat, and give every pixel its variance and flags.
 
-    The variance holds shot noise, read noise and rounding of the pixel; the noise of its dark and flat, which does not average
-    out over frames, stands beside it. Bad pixels are
-    filled from their neighbours, so that an interpolation does not ring about them, and stay flagged.
+    Bad pixels are filled from their neighbours, because interpolation would ring about them; they
+    stay flagged.
 
     Parameters
     ----------
     frames : Frames
         counts (camera, frame, y, x). [DN]
     references : References
+        As `make_references` returns them.
     least_signal : float
         Pixels with less light than this are flagged dim. [electron]
 
     Returns
     -------
     CorrectedFrames
-        signal [DN], signal_var and signal_var_fixed [DN2] and flags, each (camera, frame, y, x).
+        signal [DN]; signal_var, shot noise, read noise and rounding [DN2]; signal_var_fixed, noise
+        of dark and flat, the same in every frame [DN2]; flags; each (camera, frame, y, x).
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+
+    Examples
+    --------
+    >>> images = {name: (("camera", "y", "x"), np.full((2, 2, 2), value, np.float32))
+    ...           for name, value in {"dark": 64, "dark_var": 0, "flat": 1, "flat_var": 0}.items()}
+    >>> scalars = {name: ("camera", np.full(2, value))
+    ...            for name, value in {"gain": 4.0, "read_noise": 0.0, "full_scale": 4095}.items()}
+    >>> bad = (("camera", "y", "x"), np.zeros((2, 2, 2), bool))
+    >>> references = References(xr.Dataset({**images, **scalars, "bad": bad}))
+    >>> counts = np.full((2, 1, 2, 2), 1064, np.uint16)
+    >>> frames = Frames(xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts)}))
+    >>> light = correct_frames(frames, references)
+    >>> float(light.signal[0, 0, 0, 0]), round(float(light.signal_var[0, 0, 0, 0]), 2)
+    (1000.0, 250.08)
     """
     require(frames, "counts")
     require(references, "dark", "flat", "bad", "gain", "read_noise", "full_scale")
@@ -42,6 +65,7 @@ def correct_frames(
     variance = np.empty(counts.shape, np.float32)
     fixed = np.empty(counts.shape, np.float32)
     flags = np.empty(counts.shape, np.uint8)
+
     for camera in range(counts.shape[0]):
         reference = references.isel(camera=camera)
         bad = reference.bad.values
@@ -64,15 +88,13 @@ def correct_frames(
                 flags[camera, n],
             )
             _fill_from_neighbours(signal[camera, n], bad, rows, columns)
+
     dims = ("camera", "frame", "y", "x")
+    light = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
     return CorrectedFrames(
         xr.Dataset(
             {
-                "signal": (
-                    dims,
-                    signal,
-                    {"units": "DN", "ancillary_variables": "signal_var flags"},
-                ),
+                "signal": (dims, signal, light),
                 "signal_var": (dims, variance, {"units": "DN2"}),
                 "signal_var_fixed": (dims, fixed, {"units": "DN2"}),
                 "flags": (dims, flags, FLAG_ATTRS),
@@ -107,9 +129,11 @@ def _correct(  # type: ignore[no-untyped-def]
             per_flat = 1.0 / flat[i, j]
             value = light * per_flat
             square = per_flat * per_flat
+
             signal[i, j] = value
             variance[i, j] = (max(light, 0.0) / gain + read_var) * square
             fixed[i, j] = (dark_var[i, j] + value * value * flat_var[i, j]) * square
+
             flag = 0
             if counts[i, j] >= full_scale:
                 flag |= _SATURATED
@@ -122,11 +146,11 @@ def _correct(  # type: ignore[no-untyped-def]
 
 @numba.njit(nogil=True, cache=True)
 def _fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
-    """Put the mean of the good pixels of the smallest ring that has some in place of each bad one."""
+    """Replace each bad pixel by the mean of the good pixels of the smallest ring that has some."""
     height, width = signal.shape
     for n in range(rows.size):
         i, j = rows[n], columns[n]
-        for reach in range(1, 6):
+        for reach in range(1, _FARTHEST + 1):
             total = 0.0
             count = 0
             for k in range(max(i - reach, 0), min(i + reach + 1, height)):
@@ -134,6 +158,7 @@ def _fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untype
                     if not bad[k, m]:
                         total += signal[k, m]
                         count += 1
+
             if count > 0:
                 signal[i, j] = total / count
                 break

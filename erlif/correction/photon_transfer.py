@@ -1,13 +1,15 @@
-"""What flats tell of a camera: gain, straightness of its photon transfer, where it saturates, how alike its pixels are.
+"""Gain of a camera by photon transfer, linearity of its response, and spread of its pixels.
 
-Photon transfer (EMVA 1288, release 4.0 Linear, sec. 6): of a camera whose counts are proportional to its electrons, the temporal
-variance of a pixel rises with its light along a straight line of slope 1/gain.
+Photon transfer (EMVA 1288, release 4.0 Linear, sec. 6): where counts are proportional to
+electrons, the temporal variance of a pixel rises with its light along a straight line of slope
+1/gain.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -16,10 +18,11 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.statistics import robust_std
 from erlif.correction.pages import PageStack
 
-_RELEVANT_BEND, _SIGNIFICANT = (
-    0.02,
-    4.0,
-)  # a bend worth a word: in itself, and in standard deviations
+_RELEVANT_BEND = 0.02
+"""Relative bend below which a camera counts as linear: its error bars change by 1 %."""
+
+_SIGNIFICANT = 4.0
+"""Standard deviations above which a bend is significant; 1 camera in 16000 by chance."""
 
 
 @dataclass(frozen=True)
@@ -33,38 +36,70 @@ class LightLevel:
     variance_std: float
     """Its standard deviation. [DN2]"""
     dark_scale: float = 1.0
-    """What the scaling of the pages has done to the dark's share of the variance. [1]"""
+    """Factor by which scaling the pages to one brightness changed the variance of the dark. [1]"""
 
 
 @dataclass(frozen=True)
 class PhotonTransfer:
-    """Gain by photon transfer, and how straight the curve is."""
+    """Gain by photon transfer, and the bend of the curve."""
 
     gain: float
     """[electron/DN]"""
     gain_std: float
     """[electron/DN]"""
     bend: float = float("nan")
-    """Change of variance per light from dark to the brightest level, relative; NaN where the levels are too few. [1]"""
+    """Relative change of variance per light from dark to the brightest level; NaN where the
+    levels are too few. [1]"""
     bend_std: float = float("nan")
     """[1]"""
 
     @property
     def is_bent(self) -> bool:
-        """Whether the curve departs from a straight line both significantly and by more than 2 %."""
+        """Whether the curve departs from a straight line, significantly and by more than 2 %."""
         return abs(self.bend) > max(_RELEVANT_BEND, _SIGNIFICANT * self.bend_std)
 
 
-def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
-    """Point of the photon transfer curve that the usable pixels of two or more pages of one light level give.
+class _Solution(NamedTuple):
+    """Parameters of a linear model, with their covariance."""
 
-    A page scaled by s has s times the shot variance of the level it is scaled to, and s^2 times the variance of the dark. The
-    squared variance of n pages overestimates the square of the variance by (n + 1)/(n - 1), which its standard deviation, that of
-    a chi-square of n - 1 degrees of freedom, must not.
+    parameters: Array
+    covariance: Array
+
+
+def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
+    """Point of the photon transfer curve from the pages of one light level.
+
+    A page scaled by s has s times the shot variance of the level it is scaled to, and s^2 times
+    the variance of the dark. The variance of n pages follows a chi-square of n - 1 degrees of
+    freedom: the mean of its square exceeds the square of its mean by (n + 1)/(n - 1), which its
+    standard deviation takes into account.
+
+    Parameters
+    ----------
+    pages : PageStack
+        Pages above dark. [DN]
+    usable : array of bool, (y, x)
+        Pixels that are sound and clear of saturation.
+
+    Returns
+    -------
+    LightLevel or None
+        None for a single page, or for fewer than two usable pixels.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> stack = PageStack(np.full((64, 64), 1000.0))
+    >>> for _ in range(4):
+    ...     stack.add(rng.normal(1000.0, 15.0, (64, 64)))
+    >>> level = reduce_level(stack, np.ones((64, 64), bool))
+    >>> abs(level.variance - 225.0) < 4 * level.variance_std
+    True
     """
     n, pixels = pages.count, int(usable.sum())
     if n < 2 or pixels < 2:
         return None
+
     mean, variance = pages.mean[usable], pages.variance[usable]
     std = np.sqrt(2 * float((variance**2).mean()) / ((n + 1) * pixels))
     scales = np.array(pages.scales)
@@ -79,19 +114,20 @@ def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
 def fit_photon_transfer(
     levels: Sequence[LightLevel], *, dark_variance: float | None, dark_variance_std: float = 0.0
 ) -> PhotonTransfer | None:
-    """Fit a straight line to variance against light, and look for a bend.
+    """Fit a straight line to variance against light, and test it for a bend.
 
-    A bend shows where the response is not proportional to light: if it is f, variance per light is f'^2/f of the electrons, and a
-    response that falls short by a share e of itself at the top bends the curve by about 3 e. Charge that spreads to
-    neighbours bends it too. Flats whose exposures are not known cannot show more: a camera that multiplies light *and* noise
-    alike, or a lamp that is not what it seems, leaves the curve straight. Absolute linearity needs known exposures.
+    A bend shows where the response f is not proportional to light: variance per light is then
+    f'^2/f of the electrons, and a response that falls short by a share e at the top bends the
+    curve by about 3 e. Charge that spreads to neighbouring pixels bends it too. Flats of unknown
+    exposure show no more: a camera that multiplies light and noise alike leaves the curve
+    straight. Absolute linearity needs known exposures.
 
     Parameters
     ----------
     levels : sequence of LightLevel
     dark_variance : float, optional
-        Temporal variance of a pixel without light. If None it is fitted too, which takes one more level; of one level alone, none
-        is assumed. [DN2]
+        Temporal variance of a pixel without light. If None it is fitted too, which takes one more
+        level; for a single level it is then taken as zero. [DN2]
     dark_variance_std : float
         Its standard deviation. [DN2]
 
@@ -99,6 +135,13 @@ def fit_photon_transfer(
     -------
     PhotonTransfer or None
         None where the variance does not rise with light.
+
+    Examples
+    --------
+    >>> levels = [LightLevel(light, 4.0 + light / 4.4, 1.0) for light in (500.0, 1500.0, 3000.0)]
+    >>> transfer = fit_photon_transfer(levels, dark_variance=4.0)
+    >>> round(transfer.gain, 6), transfer.is_bent
+    (4.4, False)
     """
     points = [level for level in levels if level.variance_std > 0]
     if not points:
@@ -107,38 +150,57 @@ def fit_photon_transfer(
     scale = np.array([level.dark_scale for level in points])
     variance = np.array([level.variance for level in points])
     covariance = np.diag([level.variance_std**2 for level in points])
+
+    # the variance of the dark is either subtracted, with its covariance, or fitted
     known = dark_variance is not None or len(points) == 1
     if known:
         variance = variance - scale * (dark_variance or 0.0)
         covariance = covariance + dark_variance_std**2 * np.outer(scale, scale)
     columns = [light] if known else [light, scale]
-    (slope, *_), errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
+
+    line = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    slope = float(line.parameters[0])
     if slope <= 0:
         return None
-    gain, gain_std = 1 / slope, float(np.sqrt(errors[0, 0])) / slope**2
+    gain, gain_std = 1 / slope, float(np.sqrt(line.covariance[0, 0])) / slope**2
+
+    # a term in light squared takes one more level
     columns.append(light**2)
     if len(points) < len(columns):
         return PhotonTransfer(gain, gain_std)
-    parameters, errors = _least_squares(np.stack(columns, axis=1), variance, covariance)
-    start, curve, top = parameters[0], parameters[-1], light.max()
+    curve = _least_squares(np.stack(columns, axis=1), variance, covariance)
+    start, square, top = curve.parameters[0], curve.parameters[-1], light.max()
     gradient = np.zeros(len(columns))
-    gradient[0], gradient[-1] = -curve * top / start**2, top / start
-    return PhotonTransfer(
-        gain, gain_std, curve * top / start, float(np.sqrt(gradient @ errors @ gradient))
-    )
-
-
-def _least_squares(design: Array, values: Array, covariance: Array) -> tuple[Array, Array]:
-    """Generalised least squares: parameters and their covariance."""
-    weighted = np.linalg.solve(covariance, design)
-    errors = np.linalg.inv(design.T @ weighted)
-    return errors @ (weighted.T @ values), errors
+    gradient[0], gradient[-1] = -square * top / start**2, top / start
+    bend_std = float(np.sqrt(gradient @ curve.covariance @ gradient))
+    return PhotonTransfer(gain, gain_std, float(square * top / start), bend_std)
 
 
 def measure_response_spread(flat: Array, flat_var: Array, bad: Mask) -> float:
-    """Relative standard deviation of the response from pixel to pixel (EMVA 1288: PRNU), noise of the flat taken off.
+    """Relative standard deviation of the response over the pixels (EMVA 1288: PRNU).
 
-    Each pixel is set against the mean of its eight neighbours, so that vignetting and dust do not count.
+    Each pixel is compared with the mean of its eight neighbours, so that vignetting and dust do
+    not count. The noise of the flat is subtracted.
+
+    Parameters
+    ----------
+    flat, flat_var : array, (y, x)
+        Response relative to the mean, and its variance. [1]
+    bad : array of bool, (y, x)
+        Pixels to be left out, with their neighbours.
+
+    Returns
+    -------
+    float
+        NaN where no pixel is left. [1]
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> flat = rng.normal(1.0, 0.01, (64, 64))
+    >>> spread = measure_response_spread(flat, np.zeros((64, 64)), np.zeros((64, 64), bool))
+    >>> abs(spread - 0.01) < 0.001
+    True
     """
     ring = np.full((3, 3), 1 / 8)
     ring[1, 1] = 0
@@ -146,6 +208,15 @@ def measure_response_spread(flat: Array, flat_var: Array, bad: Mask) -> float:
     sound = cv2.dilate(bad.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
     if sound.sum() < 2:
         return float("nan")
+
+    # a pixel less the mean of eight others has 1 + 1/8 times the variance of a pixel
     departure = (flat / around - 1)[sound]
     noise = float(np.median((flat_var / flat**2)[sound]))
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
+
+
+def _least_squares(design: Array, values: Array, covariance: Array) -> _Solution:
+    """Generalised least squares."""
+    weighted = np.linalg.solve(covariance, design)
+    errors = np.linalg.inv(design.T @ weighted)
+    return _Solution(errors @ (weighted.T @ values), errors)

@@ -1,4 +1,8 @@
-"""Dark, flat, gain and read noise of both cameras (EMVA 1288)."""
+"""Dark, flat, gain and read noise of both cameras, with what was measured of each (EMVA 1288).
+
+Gain and read noise come from the settings where they are declared, else from darks and flats
+(photon transfer), else from an estimate by the noise of the frames (`erlif.ratio.camera_noise`).
+"""
 
 from __future__ import annotations
 
@@ -6,310 +10,406 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.detector import QUANTISATION_VAR
+from erlif.core.notes import Level, Note
 from erlif.core.products import References
-from erlif.correction.darks import _Darks, _reduce_darks
-from erlif.correction.flats import _photon_transfer, _read_flats, _reduce_flats
-from erlif.correction.pages import PageStack
-from erlif.correction.photon_transfer import measure_response_spread
-from erlif.correction.saturation import _find_saturation_in_frames
-from erlif.ingest import Recording
-from erlif.settings import CameraSettings
-
-_TOLERATED = (
-    0.10  # a declared gain or read noise further than this from the measured one is worth a word
+from erlif.correction.camera import CameraMeasurement
+from erlif.correction.flats import make_flat_field
+from erlif.correction.photon_transfer import (
+    PhotonTransfer,
+    fit_photon_transfer,
+    measure_response_spread,
 )
 
+_TOLERATED = 0.10
+"""Relative deviation of a declared gain or read noise from the measured one that is reported."""
 
-_SUPPOSED_CAPACITY, _SUPPOSED_READ_NOISE = (
-    16000.0,
-    10.0,
-)  # of a camera of which nothing is known yet [electron]
+_ASSUMED_CAPACITY = 16000.0
+"""Electrons at full scale of a camera whose gain is not known yet. [electron]"""
+
+_ASSUMED_READ_NOISE = 10.0
+"""Read noise of a camera until it is estimated. [electron]"""
+
+_NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class DeclaredNoise:
+    """Gain and read noise of one camera as the settings give them; None where they do not."""
+
+    gain: float | None = None
+    """[electron/DN]"""
+    read_noise: float | None = None
+    """[electron]"""
 
 
 @dataclass(frozen=True)
 class CameraNoise:
-    """Gain [electron/DN] and read noise [electron] of one camera with their standard deviations, and its response spread [1].
-
-    The response spread is NaN where nothing tells it.
-    """
+    """Gain and read noise of one camera as estimated from the frames."""
 
     gain: float
+    """[electron/DN]"""
     gain_std: float
+    """[electron/DN]"""
     read_noise: float
+    """[electron]"""
     read_noise_std: float
-    response_spread: float = float("nan")
+    """[electron]"""
+    response_spread: float = _NAN
+    """Relative standard deviation of the response over the pixels; NaN where the frames do not
+    determine it. [1]"""
 
 
-def measure_references(
-    recording: Recording, *, estimated: Sequence[CameraNoise | None] = (None, None)
-) -> References:
-    """Reduce darks and flats of both cameras, and measure what the settings leave open.
+@dataclass(frozen=True)
+class Cameras:
+    """Both cameras, characterised."""
+
+    references: References
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """A characteristic of a camera, in use and as measured."""
+
+    value: float
+    measured: float
+    std: float
+    """Standard deviation of the measured value."""
+    known: bool
+    """Whether the value in use is more than an assumption."""
+
+
+def make_references(
+    measured: Sequence[CameraMeasurement],
+    *,
+    declared: Sequence[DeclaredNoise],
+    estimated: Sequence[CameraNoise | None] = (None, None),
+) -> Cameras:
+    """Combine what was measured, declared and estimated of both cameras.
 
     Parameters
     ----------
-    recording : Recording
-        A run or a fixture; its darks and flats are read page by page, and a few of its frames for where the cameras saturate.
+    measured : sequence of two CameraMeasurement
+    declared : sequence of two DeclaredNoise
+        Takes precedence over what was measured.
     estimated : sequence of two CameraNoise or None
-        Used where a camera's gain or read noise is neither given nor measurable from darks and flats; the response spread where
-        there is no flat.
+        Gain and read noise where they are neither declared nor measurable from darks and flats;
+        response spread where there is no flat.
 
     Returns
     -------
-    References
-        dark and flat (camera, y, x) with their variances, bad pixels, gain, read noise and full scale, and the characteristics
-        of each camera after EMVA 1288, NaN where they were not measured. The attribute ``notes`` says what was measured,
-        ``warnings`` which of these lines deserve attention. Where gain_known or read_noise_known is False, the value is a guess to
-        begin with.
+    Cameras
+        References: dark and flat (camera, y, x) with their variances, bad pixels, gain, read noise
+        and full scale, and the characteristics of each camera after EMVA 1288, NaN where they were
+        not measured. Where gain_known or read_noise_known is False, the value is an assumption to
+        start from. The notes report what was measured; warnings among them need attention.
 
-    Raises
-    ------
-    FrameError
-        If darks or flats do not fit the frames.
+    Examples
+    --------
+    >>> from erlif.correction import measure_camera
+    >>> camera = measure_camera(
+    ...     darks=64.0, flats=[], histogram=np.zeros(4096, np.int64), shape=(4, 4), camera="camera1"
+    ... )
+    >>> cameras = make_references([camera, camera], declared=[DeclaredNoise(4.4, 9.0)] * 2)
+    >>> cameras.references.gain.values
+    array([4.4, 4.4])
     """
-    levels = _find_saturation_in_frames(recording)
-    cameras = [
-        _measure_camera(recording, settings, camera=number, seen=seen, estimated=noise)
-        for number, (settings, seen, noise) in enumerate(
-            zip(recording.cameras, levels, estimated, strict=True), 1
-        )
-    ]
-    merged = xr.concat(cameras, xr.Variable("camera", [1, 2]), combine_attrs="drop")
-    for kind in ("notes", "warnings"):
-        merged.attrs[kind] = "\n".join(line for camera in cameras for line in camera.attrs[kind])
-    return References(merged)
+    datasets, notes = [], []
+    for number, (one, given, estimate) in enumerate(
+        zip(measured, declared, estimated, strict=True), 1
+    ):
+        dataset, found = _characterise(one, given, estimate, camera=f"camera{number}")
+        datasets.append(dataset)
+        notes += found
+    merged = xr.concat(datasets, xr.Variable("camera", [1, 2]), combine_attrs="drop")
+    return Cameras(References(merged), tuple(notes))
 
 
-@dataclass
-class _CameraRecord:
-    """What is known of one camera, with its unit and meaning, and what is to be said of it."""
-
-    camera: int
-    values: dict[str, tuple[float, str, str]]
-    notes: list[str]
-    warnings: list[str]
-
-    def put(self, name: str, value: float, units: str, meaning: str) -> None:
-        self.values[name] = (value, units, meaning)
-
-    def say(self, text: str, *, warning: bool = False) -> None:
-        line = f"camera{self.camera}: {text}"
-        self.notes.append(line)
-        if warning:
-            self.warnings.append(line)
-
-
-def _measure_camera(
-    recording: Recording,
-    settings: CameraSettings,
-    *,
-    camera: int,
-    seen: npt.NDArray[np.int64],
+def _characterise(
+    measured: CameraMeasurement,
+    declared: DeclaredNoise,
     estimated: CameraNoise | None,
-) -> xr.Dataset:
-    record = _CameraRecord(camera, {}, [], [])
-    darks = _reduce_darks(recording, settings, camera)
-    levels, saturation = _read_flats(recording, settings, darks.mean, camera, seen)
-    gain, gain_std, gain_known = _find_gain(levels, settings, darks, saturation, estimated, record)
-    read_noise, read_noise_known = _find_read_noise(
-        settings, darks, gain, gain_std if gain_known else None, estimated, record
-    )
-    page_var = (read_noise / gain) ** 2 + QUANTISATION_VAR
-    # one dark page does not tell its variance, but it has the noise of a page
-    dark_var = np.full(recording.shape, page_var if darks.pages == 1 else darks.mean_var)
-    flat, flat_var, bad = np.ones(recording.shape), np.zeros(recording.shape), darks.bad
-    spread = float("nan")
-    if levels:
-        flat, flat_var, dead = _reduce_flats(levels, dark_var, bad, gain, page_var)
+    *,
+    camera: str,
+) -> tuple[xr.Dataset, list[Note]]:
+    darks = measured.darks
+    transfer = _fit_transfer(measured, declared)
+    gain = _find_gain(transfer, measured, declared, estimated)
+    read_noise = _find_read_noise(measured, declared, estimated, gain)
+    page_var = (read_noise.value / gain.value) ** 2 + QUANTISATION_VAR
+
+    # a single dark page does not determine its variance; it has the noise of a page
+    shape = darks.mean.shape
+    dark_var = np.full(shape, page_var if darks.pages == 1 else darks.mean_var)
+
+    bad = darks.bad
+    flat, flat_var = np.ones(shape), np.zeros(shape)
+    spread = _NAN
+    if measured.flat_light is not None:
+        flat, flat_var, dead = make_flat_field(
+            measured.flat_light,
+            measured.flat_pages,
+            dark_var=dark_var,
+            bad=bad,
+            gain=gain.value,
+            page_var=page_var,
+        )
         bad = bad | dead
         spread = measure_response_spread(flat, flat_var, bad)
     elif estimated is not None:
+        # response that is not corrected is noise, the same in every frame
         spread = estimated.response_spread
-        flat_var += (
-            np.nan_to_num(spread) ** 2
-        )  # what is not corrected is noise, the same in every frame
-    dark = float(darks.mean[~darks.bad].mean())
-    record.put("full_scale", saturation, "DN", "count at which the camera saturates")
-    record.put("dark_signal", dark, "DN", "mean dark level")
-    record.put(
-        "dark_signal_std",
-        darks.mean_std,
-        "DN",
-        "standard deviation of dark_signal, from page to page",
-    )
-    record.put(
-        "dark_spread",
-        darks.spread,
-        "DN",
-        "standard deviation of the dark level over the pixels (DSNU)",
-    )
-    record.put(
-        "response_spread",
-        spread,
-        "1",
-        "standard deviation of the response from pixel to pixel (PRNU)",
-    )
-    record.put(
-        "saturation_capacity", (saturation - dark) * gain, "electron", "electrons at saturation"
-    )
-    record.notes.insert(0, _summarise(record, settings, gain_known=gain_known))
-    if saturation < settings.full_scale:
-        record.say(
-            f"counts pile up at {saturation}, below full scale ({settings.full_scale}): pixels that read {saturation} or more count as "
-            "saturated",
-            warning=True,
-        )
-    if not levels:
-        record.say("no flat; vignetting and pixel response are not corrected", warning=True)
-    scalars = {
-        name: ((), value, {"units": units, "long_name": meaning})
-        for name, (value, units, meaning) in record.values.items()
+        flat_var += np.nan_to_num(spread) ** 2
+
+    capacity = (measured.saturation - darks.level) * gain.value
+    images = {
+        "dark": (darks.mean, "DN"),
+        "dark_var": (dark_var, "DN2"),
+        "flat": (flat, "1"),
+        "flat_var": (flat_var, "1"),
     }
-    return xr.Dataset(
+    scalars = {
+        "gain": (gain.value, "electron/DN", "gain in use"),
+        "gain_measured": (gain.measured, "electron/DN", "gain as measured"),
+        "gain_std": (gain.std, "electron/DN", "standard deviation of gain_measured"),
+        "bend": (transfer.bend if transfer else _NAN, "1", "bend of the photon transfer curve"),
+        "bend_std": (transfer.bend_std if transfer else _NAN, "1", "standard deviation of bend"),
+        "read_noise": (read_noise.value, "electron", "read noise in use"),
+        "read_noise_measured": (read_noise.measured, "electron", "read noise as measured"),
+        "read_noise_std": (
+            read_noise.std,
+            "electron",
+            "standard deviation of read_noise_measured",
+        ),
+        "full_scale": (measured.saturation, "DN", "count at which the camera saturates"),
+        "dark_signal": (darks.level, "DN", "mean dark level"),
+        "dark_signal_std": (
+            darks.level_std,
+            "DN",
+            "standard deviation of dark_signal, from page to page",
+        ),
+        "dark_spread": (
+            darks.spread,
+            "DN",
+            "standard deviation of the dark level over the pixels (DSNU)",
+        ),
+        "response_spread": (
+            spread,
+            "1",
+            "standard deviation of the response from pixel to pixel (PRNU)",
+        ),
+        "saturation_capacity": (capacity, "electron", "electrons at saturation"),
+    }
+    dataset = xr.Dataset(
         {
-            "dark": (("y", "x"), darks.mean.astype(np.float32), {"units": "DN"}),
-            "dark_var": (("y", "x"), dark_var.astype(np.float32), {"units": "DN2"}),
-            "flat": (("y", "x"), flat.astype(np.float32), {"units": "1"}),
-            "flat_var": (("y", "x"), flat_var.astype(np.float32), {"units": "1"}),
-            "bad": (("y", "x"), bad),
-            "gain_known": ((), gain_known),
-            "read_noise_known": ((), read_noise_known),
-            "has_flat": ((), bool(levels)),
+            name: (("y", "x"), image.astype(np.float32), {"units": unit})
+            for name, (image, unit) in images.items()
         }
-        | scalars,
-        attrs={"notes": record.notes, "warnings": record.warnings},
+        | {
+            "bad": (("y", "x"), bad),
+            "gain_known": ((), gain.known),
+            "read_noise_known": ((), read_noise.known),
+            "has_flat": ((), measured.has_flat),
+        }
+        | {
+            name: ((), value, {"units": unit, "long_name": meaning})
+            for name, (value, unit, meaning) in scalars.items()
+        }
     )
+    notes = [
+        Note(Level.NOTE, camera, _summarise(measured, declared, gain, read_noise, spread)),
+        *_gain_notes(camera, gain, declared, transfer),
+        *_read_noise_notes(camera, read_noise, declared, gain),
+        *_recording_notes(camera, measured),
+    ]
+    return dataset, notes
+
+
+def _fit_transfer(measured: CameraMeasurement, declared: DeclaredNoise) -> PhotonTransfer | None:
+    """Photon transfer curve, with the dark variance that is known best."""
+    darks, levels = measured.darks, measured.levels
+    if darks.temporal_var is not None or declared.read_noise is None:
+        return fit_photon_transfer(
+            levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
+        )
+
+    # a read noise in electrons is a variance of counts once the gain is known: three rounds settle
+    # both to far below their standard deviations
+    found = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
+    for _ in range(3):
+        if found is not None:
+            dark_variance = (declared.read_noise / found.gain) ** 2 + QUANTISATION_VAR
+            found = fit_photon_transfer(levels, dark_variance=dark_variance)
+    return found
 
 
 def _find_gain(
-    levels: Sequence[PageStack],
-    settings: CameraSettings,
-    darks: _Darks,
-    saturation: int,
+    transfer: PhotonTransfer | None,
+    measured: CameraMeasurement,
+    declared: DeclaredNoise,
     estimated: CameraNoise | None,
-    record: _CameraRecord,
-) -> tuple[float, float, bool]:
-    """Gain in use, its standard deviation (0 of a declared one), and whether it is more than a guess."""
-    measured = _photon_transfer(levels, settings, darks, saturation)
-    own, std = (measured.gain, measured.gain_std) if measured else (float("nan"), float("nan"))
-    if measured is None and settings.gain is None and estimated is not None:
+) -> _Quantity:
+    """Gain in use. [electron/DN]"""
+    own, std = (transfer.gain, transfer.gain_std) if transfer else (_NAN, _NAN)
+    if transfer is None and declared.gain is None and estimated is not None:
         own, std = estimated.gain, estimated.gain_std
-    known = settings.gain is not None or not np.isnan(own)
-    gain = settings.gain or (own if known else _SUPPOSED_CAPACITY / settings.full_scale)
-    record.put("gain", gain, "electron/DN", "gain in use")
-    record.put("gain_measured", own, "electron/DN", "gain as measured")
-    record.put("gain_std", std, "electron/DN", "standard deviation of gain_measured")
-    record.put(
-        "bend",
-        measured.bend if measured else float("nan"),
-        "1",
-        "bend of the photon transfer curve",
-    )
-    record.put(
-        "bend_std",
-        measured.bend_std if measured else float("nan"),
-        "1",
-        "standard deviation of bend",
-    )
-    if settings.gain is not None and abs(settings.gain / own - 1) > _TOLERATED:
-        record.say(
-            f"the declared gain, {settings.gain:g} electron/DN, is {100 * (settings.gain / own - 1):+.0f} % off the measured one; the "
-            "declared value is used. Check it: every error bar scales with it.",
-            warning=True,
-        )
-    if not known:
-        record.say(
-            "neither gain nor flats with two pages of one light level: its gain will be estimated from the noise of the frames",
-            warning=True,
-        )
-    if measured is not None and measured.is_bent:
-        record.say(
-            f"the photon transfer curve is not straight: variance per light changes by {100 * measured.bend:+.1f} ± "
-            f"{100 * measured.bend_std:.1f} % from dark to the brightest flat, as of a response that is not linear by about a third of "
-            "that, or of charge that spreads to neighbours",
-            warning=True,
-        )
-    return gain, std if settings.gain is None and known else 0.0, known
+
+    known = declared.gain is not None or not np.isnan(own)
+    assumed = _ASSUMED_CAPACITY / measured.full_scale
+    return _Quantity(declared.gain or (own if known else assumed), own, std, known)
 
 
 def _find_read_noise(
-    settings: CameraSettings,
-    darks: _Darks,
-    gain: float,
-    gain_std: float | None,
+    measured: CameraMeasurement,
+    declared: DeclaredNoise,
     estimated: CameraNoise | None,
-    record: _CameraRecord,
-) -> tuple[float, bool]:
-    """Read noise in use, and whether it is more than a guess; a gain without standard deviation is one."""
-    own = std = float("nan")
+    gain: _Quantity,
+) -> _Quantity:
+    """Read noise in use. [electron]"""
+    darks = measured.darks
+    own = std = _NAN
     if darks.temporal_var is not None:
         variance = max(darks.temporal_var - QUANTISATION_VAR, 0.0)
-        own = float(np.sqrt(variance)) * gain
-        # of the root of a variance near zero, the root of its standard deviation is what can be said
-        of_root = darks.temporal_var_std / (
-            2 * np.sqrt(max(variance, darks.temporal_var_std / 4, 1e-12))
-        )
-        std = float(np.hypot(gain * of_root, own * (gain_std or 0.0) / gain))
-    elif settings.read_noise is None and estimated is not None:
+        own = float(np.sqrt(variance)) * gain.value
+
+        # the root of a variance near zero is uncertain by the root of that variance's own
+        # standard deviation; further up linear propagation holds
+        std_of_variance = darks.temporal_var_std
+        of_root = std_of_variance / (2 * np.sqrt(max(variance, std_of_variance / 4, 1e-12)))
+        gain_std = gain.std if declared.gain is None and gain.known else 0.0
+        std = float(np.hypot(gain.value * of_root, own * gain_std / gain.value))
+    elif declared.read_noise is None and estimated is not None:
         own, std = estimated.read_noise, estimated.read_noise_std
-    known = settings.read_noise is not None or not np.isnan(own)
-    read_noise = (
-        settings.read_noise
-        if settings.read_noise is not None
-        else own
-        if known
-        else _SUPPOSED_READ_NOISE
-    )
-    record.put("read_noise", read_noise, "electron", "read noise in use")
-    record.put("read_noise_measured", own, "electron", "read noise as measured")
-    record.put("read_noise_std", std, "electron", "standard deviation of read_noise_measured")
-    declared = settings.read_noise if gain_std is not None else None
-    if declared is not None and abs(declared - own) > _TOLERATED * own + 3 * std:
-        record.say(
-            f"the declared read noise, {declared:g} electron, is not the measured one, {_with_std(own, std)} electron; the declared "
-            "value is used.",
-            warning=True,
-        )
-    if not known:
-        record.say(
-            "neither read noise nor two dark pages: its read noise will be estimated from the noise of the frames",
-            warning=True,
-        )
-    return read_noise, known
+
+    known = declared.read_noise is not None or not np.isnan(own)
+    if declared.read_noise is not None:
+        value = declared.read_noise
+    else:
+        value = own if known else _ASSUMED_READ_NOISE
+    return _Quantity(value, own, std, known)
 
 
-def _summarise(record: _CameraRecord, settings: CameraSettings, *, gain_known: bool) -> str:
-    """One line about a camera: what was measured of it, and what was declared."""
-
-    def noise(name: str, what: str, unit: str, declared: float | None) -> str:
-        used, own, std = (
-            record.values[key][0] for key in (name, f"{name}_measured", f"{name}_std")
+def _gain_notes(
+    camera: str, gain: _Quantity, declared: DeclaredNoise, transfer: PhotonTransfer | None
+) -> list[Note]:
+    notes = []
+    if declared.gain is not None and abs(declared.gain / gain.measured - 1) > _TOLERATED:
+        off = 100 * (declared.gain / gain.measured - 1)
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                f"the declared gain, {declared.gain:g} electron/DN, deviates by {off:+.0f} % from "
+                "the measured one; the declared value is used. Check it: every error bar scales "
+                "with it.",
+            )
         )
-        if np.isnan(own):
-            return f"{what} {used:g} {unit} ({'declared' if declared is not None else 'supposed'})"
-        return f"{what} {_with_std(own, std)} {unit}" + (
-            f" (declared {declared:g})" if declared is not None else ""
+    if not gain.known:
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                "neither gain nor flats with two pages of one light level; the gain will be "
+                "estimated from the noise of the frames",
+            )
         )
+    if transfer is not None and transfer.is_bent:
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                "the photon transfer curve is not straight: variance per light changes by "
+                f"{100 * transfer.bend:+.1f} ± {100 * transfer.bend_std:.1f} % from dark to the "
+                "brightest flat, as for a response that departs from linear by about a third of "
+                "that, or for charge that spreads to neighbouring pixels",
+            )
+        )
+    return notes
 
-    saturation, capacity = (record.values[key][0] for key in ("full_scale", "saturation_capacity"))
-    spread = record.values["response_spread"][0]
+
+def _read_noise_notes(
+    camera: str, read_noise: _Quantity, declared: DeclaredNoise, gain: _Quantity
+) -> list[Note]:
+    notes = []
+    own, std = read_noise.measured, read_noise.std
+
+    # the measured read noise in electrons scales with the gain: without one there is no comparison
+    given = declared.read_noise if gain.known else None
+    if given is not None and abs(given - own) > _TOLERATED * own + 3 * std:
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                f"the declared read noise, {given:g} electron, differs from the measured one, "
+                f"{_with_std(own, std)} electron; the declared value is used.",
+            )
+        )
+    if not read_noise.known:
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                "neither read noise nor two dark pages; the read noise will be estimated from the "
+                "noise of the frames",
+            )
+        )
+    return notes
+
+
+def _recording_notes(camera: str, measured: CameraMeasurement) -> list[Note]:
+    notes = []
+    top = measured.saturation
+    if top < measured.full_scale:
+        notes.append(
+            Note(
+                Level.WARNING,
+                camera,
+                f"counts pile up at {top}, below full scale ({measured.full_scale}): pixels of "
+                f"{top} and more count as saturated",
+            )
+        )
+    if not measured.has_flat:
+        notes.append(
+            Note(Level.WARNING, camera, "no flat; vignetting and pixel response are not corrected")
+        )
+    return notes
+
+
+def _summarise(
+    measured: CameraMeasurement,
+    declared: DeclaredNoise,
+    gain: _Quantity,
+    read_noise: _Quantity,
+    spread: float,
+) -> str:
+    """One line about a camera: what was measured, and what was declared."""
     electronic = [
-        noise("gain", "gain", "electron/DN", settings.gain),
-        noise("read_noise", "read noise", "electron", settings.read_noise),
+        _describe("gain", gain, "electron/DN", declared.gain),
+        _describe("read noise", read_noise, "electron", declared.read_noise),
     ]
+    capacity = (measured.saturation - measured.darks.level) * gain.value
     parts = [
-        *(electronic if gain_known else ["gain not known yet"]),
-        f"dark {record.values['dark_signal'][0]:.1f} DN",
+        *(electronic if gain.known else ["gain not known yet"]),
+        f"dark {measured.darks.level:.1f} DN",
         *([] if np.isnan(spread) else [f"response spread {100 * spread:.1f} %"]),
-        f"saturation {saturation:.0f} DN" + (f" = {capacity / 1e3:.1f} ke" if gain_known else ""),
+        f"saturation {measured.saturation:.0f} DN"
+        + (f" = {capacity / 1e3:.1f} ke" if gain.known else ""),
     ]
-    return f"camera{record.camera}: {', '.join(parts)}"
+    return ", ".join(parts)
+
+
+def _describe(what: str, quantity: _Quantity, unit: str, declared: float | None) -> str:
+    if np.isnan(quantity.measured):
+        origin = "declared" if declared is not None else "assumed"
+        return f"{what} {quantity.value:g} {unit} ({origin})"
+    given = f" (declared {declared:g})" if declared is not None else ""
+    return f"{what} {_with_std(quantity.measured, quantity.std)} {unit}{given}"
 
 
 def _with_std(value: float, std: float) -> str:
-    """Value and standard deviation, to the first digit of the latter, or to the second where that is a 1."""
+    """Value and standard deviation, to the first digit of the latter, the second where that is 1."""
     digits = int(np.clip(np.ceil(-np.log10(std / 1.95)), 0, 4)) if std > 0 else 2
     return f"{value:.{digits}f} ± {std:.{digits}f}"

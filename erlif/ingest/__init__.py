@@ -1,22 +1,24 @@
 """A directory to counts: recordings, image formats, pairing of the cameras, the encoder log."""
 
 from erlif.ingest.encoder_log import read_encoder_log
+from erlif.ingest.frames import FramePairs, read_frames, skipped_notes
 from erlif.ingest.hashes import hash_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
-from erlif.ingest.recording import Recording, open_fixture, open_run, read_frames, skipped_notes
-from erlif.ingest.references import find_reference_pages, read_reference
+from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
+from erlif.ingest.reference_pages import read_reference_pages
 
 __all__ = [
+    "Fixture",
+    "FramePairs",
     "Page",
-    "Recording",
+    "Run",
     "depth_warning",
-    "find_reference_pages",
     "hash_inputs",
     "natural_key",
     "open_fixture",
     "open_run",
     "read_encoder_log",
     "read_frames",
-    "read_reference",
+    "read_reference_pages",
     "skipped_notes",
 ]

@@ -7,25 +7,43 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from erlif.ingest.images import _match_files, natural_key
-from erlif.ingest.recording import Recording
-from erlif.settings import RunSettings
+from erlif.ingest.images import match_files, natural_key
+from erlif.ingest.recording import Fixture, Run
 
 
-def hash_inputs(recording: Recording) -> dict[str, str]:
-    """SHA-256 of every input by its name in the directory; the files of one pattern share one hash."""
-    settings = recording.settings
-    names: list[str] = []
-    if isinstance(settings, RunSettings):
-        names += ["run.toml", settings.encoder.file]
+def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
+    """SHA-256 of every input of a run or a fixture.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    dict of str to str
+        Hexadecimal hash by the name of the file in the directory; the files of one pattern share
+        one hash.
+
+    Examples
+    --------
+    >>> from erlif.ingest import open_fixture
+    >>> hashes = hash_inputs(open_fixture(Path("calibration/wedge")))
+    >>> "profile.csv" in hashes, len(hashes["profile.csv"])
+    (True, 64)
+    """
+    if isinstance(recording, Run):
+        names = ["run.toml", recording.settings.encoder.file]
     else:
-        names += ["fixture.toml", settings.fixture.profile]
+        names = ["fixture.toml", recording.settings.fixture.profile]
     hashes = {name: _hash_files([recording.directory / name]) for name in names}
-    for camera, pages in zip(recording.cameras, recording.pages, strict=True):
+
+    for camera, pages in zip(recording.cameras, recording.pairs.pages, strict=True):
         hashes[camera.files] = _hash_files(sorted({page.path for page in pages}, key=natural_key))
         for reference in (camera.dark, camera.flat):
             if reference is not None:
-                hashes[reference] = _hash_files(_match_files(recording.directory, reference))
+                hashes[reference] = _hash_files(match_files(recording.directory, reference))
+
+    # names as they stand in the settings may climb out and back in: results keep the shortest
     return {
         os.path.relpath(recording.directory / name, recording.directory): value
         for name, value in hashes.items()
@@ -38,6 +56,6 @@ def _hash_files(paths: Iterable[Path]) -> str:
         try:
             with path.open("rb") as file:
                 total.update(hashlib.file_digest(file, "sha256").digest())
-        except OSError:  # a frame that is left out; what must be readable was read before
+        except OSError:  # a frame that is left out; files that matter were read before
             total.update(b"unreadable")
     return total.hexdigest()

@@ -1,4 +1,4 @@
-"""Image files: their pages, shape and type from the header, their counts."""
+"""Image files: their pages, the shape and type in each header, their counts."""
 
 from __future__ import annotations
 
@@ -6,20 +6,24 @@ import glob
 import math
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import tifffile
 
 from erlif.core.arrays import AnyArray, Counts
 from erlif.core.errors import FrameError
-from erlif.settings import CameraSettings
+from erlif.core.notes import Level, Note
 
 _TIFF = {".tif", ".tiff"}
 
+_DENSEST = 1100
+"""Pixels per byte of a file: deflate cannot compress further, so a header that claims more is damaged."""
 
-_DENSEST = 1100  # pixels per byte of a file: deflate packs no tighter
+_FEW_LEVELS = 16
+"""Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
 
 
 @dataclass(frozen=True)
@@ -28,79 +32,254 @@ class Page:
 
     path: Path
     index: int
+    """Position in a multi-page file, counted from 0."""
 
     @property
     def name(self) -> str:
-        """File name, with the page from the second on; bytes that are no UTF-8 are replaced, for the files that name it."""
+        """File name, with the index from the second page on; bytes that are not UTF-8 are replaced."""
         name = os.fsencode(self.path.name).decode(errors="replace")
         return name if self.index == 0 else f"{name}[{self.index}]"
 
 
+class PageKind(NamedTuple):
+    """Shape and type of an image, from its header."""
+
+    shape: tuple[int, ...]
+    dtype: str
+
+    def __str__(self) -> str:
+        return f"{describe_shape(self.shape)} {self.dtype}"
+
+
+UNREADABLE = PageKind((0, 0), "unreadable")
+"""Stands for a page whose header or data is damaged."""
+
+
+@dataclass
+class CameraFiles:
+    """The pages of one camera in natural order."""
+
+    pages: list[Page] = field(default_factory=list)
+    kinds: list[PageKind] = field(default_factory=list)
+    faults: dict[int, str] = field(default_factory=dict)
+    """Reasons why pages are unreadable, by position."""
+
+
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
-    """Sort key that puts frame_2 before frame_10."""
+    """Sort key that puts frame_2 before frame_10.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of tuple
+        Numbers in the path compare as numbers, the rest as text.
+
+    Examples
+    --------
+    >>> names = [Path("frame_10.tif"), Path("frame_2.tif")]
+    >>> [path.name for path in sorted(names, key=natural_key)]
+    ['frame_2.tif', 'frame_10.tif']
+    """
     parts = re.split(r"(\d+)", str(path))
     return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
 
 
-_Kind = tuple[tuple[int, ...], str]
-
-
-_UNREADABLE: _Kind = ((0, 0), "unreadable")
-
-
-def _match_files(directory: Path, pattern: str) -> list[Path]:
-    """Files that a pattern of the settings matches, in natural order; hidden ones are not meant."""
+def match_files(directory: Path, pattern: str) -> list[Path]:
+    """Files that a pattern of the settings matches, in natural order; hidden files are left out."""
     names = glob.glob(pattern, root_dir=directory, recursive=True)
-    return sorted(
-        (path for path in (directory / name for name in names) if not path.is_dir()),
-        key=natural_key,
+    paths = (directory / name for name in names)
+    return sorted((path for path in paths if not path.is_dir()), key=natural_key)
+
+
+def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
+    """Find the pages that match a pattern and read their headers.
+
+    Parameters
+    ----------
+    directory : Path
+    pattern : str
+        File name or glob, relative to `directory`.
+    what : str
+        Name of the pages in messages, such as "camera1 dark".
+
+    Returns
+    -------
+    CameraFiles
+        Unreadable pages are listed in its faults and do not raise.
+
+    Raises
+    ------
+    FrameError
+        If no file matches.
+    """
+    paths = match_files(directory, pattern)
+    if not paths:
+        raise FrameError(
+            f"Expected files {pattern} of {what} in {directory}; there is none. "
+            "Put them there, or correct the name in the settings."
+        )
+
+    found = CameraFiles()
+    for path in paths:
+        try:
+            kinds = _read_headers(path)
+        except FrameError as error:
+            found.faults[len(found.pages)] = str(error)
+            kinds = [UNREADABLE]
+
+        for index, kind in enumerate(kinds):
+            if kind == UNREADABLE:
+                found.faults.setdefault(len(found.pages), "the file is truncated")
+            found.pages.append(Page(path, index))
+            found.kinds.append(kind)
+    return found
+
+
+def read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
+    """Decode the counts of one page.
+
+    Parameters
+    ----------
+    page : Page
+    directory : Path
+        The run or fixture directory, for messages.
+    shape : (rows, columns)
+        Shape of all frames of the recording.
+
+    Returns
+    -------
+    array of uint8 or uint16, (y, x)
+        [DN]
+
+    Raises
+    ------
+    FrameError
+        If the file cannot be decoded, or holds another shape or type.
+    """
+    name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
+    try:
+        if page.path.suffix.lower() in _TIFF:
+            image = np.asarray(tifffile.imread(page.path, key=page.index))
+        else:
+            image = _read_foreign(page.path)[page.index]
+    except Exception as error:  # decoders of damaged bytes raise exceptions of many types
+        todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
+        if "imagecodecs" in str(error):
+            todo = "Install the decoders with: pip install 'erlif[formats]'"
+        raise FrameError(
+            f"Expected an image in {name}; it cannot be decoded ({error}). {todo}"
+        ) from error
+
+    if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
+        raise FrameError(
+            f"Expected grey counts of {describe_shape(shape)} pixels, 8 or 16-bit unsigned, in "
+            f"{name}; it is {image.dtype} of {describe_shape(image.shape)}. Record frames, darks "
+            "and flats with the same region of interest."
+        )
+    return image
+
+
+def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
+    """Refuse counts that do not fit the bit depth of the camera.
+
+    Parameters
+    ----------
+    counts : array, (y, x)
+        [DN]
+    bit_depth : int
+        Bits per pixel in the settings.
+    name : str
+        Name of the page in messages.
+
+    Raises
+    ------
+    FrameError
+        If counts exceed full scale, or are left-aligned: saturation would then go unnoticed.
+    """
+    full_scale = (1 << bit_depth) - 1
+    top = int(counts.max())
+    set_bits = int(np.bitwise_or.reduce(counts, axis=None))
+    unused = (set_bits & -set_bits).bit_length() - 1  # low bits that are 0 in all counts
+
+    if unused >= 2 and np.unique(counts).size > _FEW_LEVELS:
+        depth = (16 if top > full_scale else bit_depth) - unused
+        raise FrameError(
+            f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
+            f"{top}: {depth}-bit counts, left-aligned. Divide the counts by {1 << unused}, save "
+            f"them again and set bit_depth = {depth}."
+        )
+    if top > full_scale:
+        raise FrameError(
+            f"Expected counts up to {full_scale} (bit_depth = {bit_depth}); {name} reaches {top}: "
+            f"bit_depth = {top.bit_length()} fits. Set the bit depth of the camera."
+        )
+
+
+def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
+    """Warn where no count of a run comes near full scale.
+
+    Parameters
+    ----------
+    highest : int
+        Highest count of the run. [DN]
+    bit_depth : int
+        Bits per pixel in the settings.
+    camera : int
+        1 or 2.
+
+    Returns
+    -------
+    Note or None
+        A warning where the highest count is at most a sixteenth of full scale.
+
+    Examples
+    --------
+    >>> depth_warning(4000, bit_depth=12, camera=1) is None
+    True
+    >>> print(depth_warning(200, bit_depth=12, camera=1).text[:29])
+    no count is above 200 of 4095
+    """
+    full_scale = (1 << bit_depth) - 1
+    if highest > full_scale // 16:
+        return None
+    return Note(
+        Level.WARNING,
+        f"camera{camera}",
+        f"no count is above {highest} of {full_scale} (bit_depth = {bit_depth}); "
+        f"bit_depth = {max(8, highest.bit_length())} would fit, or the light is very low.",
     )
 
 
-def _find_pages(
-    directory: Path, pattern: str, what: str
-) -> tuple[list[tuple[Page, _Kind]], dict[int, str]]:
-    """Pages that match a pattern, with size and type; and the faulty ones by their place."""
-    paths = _match_files(directory, pattern)
-    if not paths:
-        raise FrameError(
-            f"Expected files {pattern} of {what} in {directory}; there is none. Put them there, or correct the name in the settings."
-        )
-    pages: list[tuple[Page, _Kind]] = []
-    faults: dict[int, str] = {}
-    for path in paths:
-        try:
-            kinds = _headers(path)
-        except FrameError as error:
-            faults[len(pages)] = str(error)
-            kinds = [_UNREADABLE]
-        for n, kind in enumerate(kinds):
-            if kind == _UNREADABLE:
-                faults.setdefault(len(pages), "the file is truncated")
-            pages.append((Page(path, n), kind))
-    return pages, faults
+def describe_shape(shape: tuple[int, ...]) -> str:
+    """Width x height, in the order of a camera's data sheet."""
+    return " x ".join(str(n) for n in reversed(shape))
 
 
-def _headers(path: Path) -> list[_Kind]:
-    """Size and type of each image in a file; FrameError with the bare reason."""
+def _read_headers(path: Path) -> list[PageKind]:
+    """Kind of each image in a file; FrameError with the bare reason."""
     try:
         size = path.stat().st_size
         if size == 0:
             raise FrameError("the file is empty")
-        kinds = (
-            _tiff_headers(path, size) if path.suffix.lower() in _TIFF else _foreign_headers(path)
-        )
+        is_tiff = path.suffix.lower() in _TIFF
+        kinds = _tiff_headers(path, size) if is_tiff else _foreign_headers(path)
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
+
     if not kinds:
         raise FrameError("the file holds no image")
     for shape, _ in kinds:
         if math.prod(shape) > _DENSEST * size:
-            raise FrameError(f"the file is damaged: {size} bytes cannot hold {_size(shape)} pixels")
+            raise FrameError(
+                f"the file is damaged: {size} bytes cannot hold {describe_shape(shape)} pixels"
+            )
     return kinds
 
 
-def _tiff_headers(path: Path, size: int) -> list[_Kind]:
+def _tiff_headers(path: Path, size: int) -> list[PageKind]:
     kinds = []
     try:
         with tifffile.TiffFile(path) as file:
@@ -109,81 +288,26 @@ def _tiff_headers(path: Path, size: int) -> list[_Kind]:
                 ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
                 whole = ends and max(ends) <= size
                 shape = tuple(int(n) for n in page.shape)
-                kinds.append((shape, np.dtype(page.dtype).name) if whole else _UNREADABLE)
+                kinds.append(PageKind(shape, np.dtype(page.dtype).name) if whole else UNREADABLE)
     except OSError:
         raise
-    except Exception as error:  # tifffile raises whatever the damaged bytes lead it to
+    except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
         raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
     return kinds
 
 
-def _foreign_headers(path: Path) -> list[_Kind]:
-    return [(image.shape, image.dtype.name) for image in _read_foreign(path)]
-
-
-def _read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
-    name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
-    try:
-        if page.path.suffix.lower() in _TIFF:
-            image = np.asarray(tifffile.imread(page.path, key=page.index))
-        else:
-            image = _read_foreign(page.path)[page.index]
-    except Exception as error:  # a decoder raises whatever the damaged bytes lead it to
-        todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
-        if "imagecodecs" in str(error):
-            todo = "Install the decoders with: pip install 'erlif[formats]'"
-        raise FrameError(
-            f"Expected an image in {name}; it cannot be decoded ({error}). {todo}"
-        ) from error
-    if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
-        raise FrameError(
-            f"Expected grey counts of {_size(shape)} pixels, 8 or 16-bit unsigned, in {name}; it is {image.dtype} of {_size(image.shape)}. "
-            "Record frames, darks and flats with the same region of interest."
-        )
-    return image
+def _foreign_headers(path: Path) -> list[PageKind]:
+    return [PageKind(image.shape, image.dtype.name) for image in _read_foreign(path)]
 
 
 def _read_foreign(path: Path) -> list[AnyArray]:
-    """Images of a file that is no TIFF, by whichever reader is installed."""
+    """Images of a file that is not a TIFF, by any installed reader."""
     import imageio.v3 as iio
 
     try:
         return [np.asarray(image) for image in iio.imiter(path)]
-    except Exception as error:  # each reader in its own way
+    except Exception as error:  # each reader raises its own type
         reason = str(error).strip().split("\n")[0]
         raise FrameError(
             f"no installed reader knows this file ({reason}); try: pip install 'erlif[formats]'"
         ) from error
-
-
-def _check_depth(counts: Counts, settings: CameraSettings, page: Page) -> None:
-    """Refuse counts above full scale, and such that stand in the upper bits: their saturation would go unseen."""
-    top = int(counts.max())
-    steps = int(np.bitwise_or.reduce(counts, axis=None))
-    unused = (steps & -steps).bit_length() - 1  # low bits that no count sets
-    if unused >= 2 and np.unique(counts).size > 16:
-        depth = (16 if top > settings.full_scale else settings.bit_depth) - unused
-        raise FrameError(
-            f"Expected counts of {settings.bit_depth} bits; {page.name} holds multiples of {1 << unused} up to {top}: {depth}-bit counts, "
-            f"left-aligned. Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
-        )
-    if top > settings.full_scale:
-        raise FrameError(
-            f"Expected counts up to {settings.full_scale} (bit_depth = {settings.bit_depth}); {page.name} reaches {top}: bit_depth = "
-            f"{top.bit_length()} fits. Set the bit depth of the camera."
-        )
-
-
-def depth_warning(settings: CameraSettings, highest: int, *, camera: int) -> str | None:
-    """Say so where no count of a run comes near full scale: too little light, or another bit depth."""
-    if highest > settings.full_scale // 16:
-        return None
-    return (
-        f"camera{camera}: no count is above {highest} of {settings.full_scale} (bit_depth = {settings.bit_depth}); "
-        f"bit_depth = {max(8, highest.bit_length())} would fit, or the light is very low."
-    )
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    """Width x height, as cameras are described."""
-    return " x ".join(str(n) for n in reversed(shape))

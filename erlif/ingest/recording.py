@@ -1,18 +1,15 @@
-"""A run or fixture directory, opened: frame pairs, settings and encoder log."""
+"""A run or fixture directory, opened: settings, frame pairs and encoder log."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import xarray as xr
-
-from erlif.core.products import EncoderLog, Frames
-from erlif.ingest.encoder_log import _check_rows, read_encoder_log
-from erlif.ingest.images import Page, _check_depth, _read_page
-from erlif.ingest.pairing import _pair_cameras
+from erlif.core.errors import FrameError
+from erlif.core.products import EncoderLog
+from erlif.ingest.encoder_log import check_rows, read_encoder_log
+from erlif.ingest.frames import FramePairs
+from erlif.ingest.pairing import pair_cameras
 from erlif.settings import (
     CameraSettings,
     FixtureSettings,
@@ -23,42 +20,37 @@ from erlif.settings import (
 
 
 @dataclass(frozen=True)
-class Recording:
-    """Two cameras' frames, paired, with the settings they were taken under.
-
-    Attributes
-    ----------
-    directory : Path
-    settings : RunSettings or FixtureSettings
-    pages : tuple of two tuples of Page
-        Frame k of camera 1 and frame k of camera 2 saw the same laser pulse.
-    shape : (rows, columns)
-    log : EncoderLog or None
-        Row k belongs to frame k; None for a fixture.
-    skipped : dict of int to str
-        Frame pairs left out, with the reason.
-    """
+class Run:
+    """A run: frame pairs of the joint, one for each row of the encoder log."""
 
     directory: Path
-    settings: RunSettings | FixtureSettings
-    pages: tuple[tuple[Page, ...], tuple[Page, ...]]
-    shape: tuple[int, int]
-    log: EncoderLog | None = None
-    skipped: dict[int, str] = field(default_factory=dict)
+    settings: RunSettings
+    pairs: FramePairs
+    log: EncoderLog
+    """Row k belongs to frame pair k."""
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:
         """Settings of camera 1 and camera 2."""
         return self.settings.camera1, self.settings.camera2
 
+
+@dataclass(frozen=True)
+class Fixture:
+    """A calibration fixture: frame pairs of a film of known thickness."""
+
+    directory: Path
+    settings: FixtureSettings
+    pairs: FramePairs
+
     @property
-    def frames(self) -> list[int]:
-        """Numbers of the frame pairs that can be used."""
-        return [k for k in range(len(self.pages[0])) if k not in self.skipped]
+    def cameras(self) -> tuple[CameraSettings, CameraSettings]:
+        """Settings of camera 1 and camera 2."""
+        return self.settings.camera1, self.settings.camera2
 
 
-def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Recording:
-    """Open a run directory: settings, both cameras' files and the encoder log, checked against one another.
+def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Run:
+    """Open a run directory: settings, files of both cameras and encoder log, checked together.
 
     Parameters
     ----------
@@ -67,65 +59,72 @@ def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Recording:
     skip_bad_frames : bool
         Leave out frame pairs with an unreadable file instead of refusing the run.
 
+    Returns
+    -------
+    Run
+
     Raises
     ------
     ConfigError, FrameError, EncoderError
         If settings, frames or log cannot be used or do not belong together.
+
+    Examples
+    --------
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> len(run.pairs.usable), run.log.sizes["frame"]
+    (50, 50)
     """
     settings = read_run_settings(run_dir)
-    pages, shape, skipped = _pair_cameras(run_dir, settings, skip_bad_frames=skip_bad_frames)
+    pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
+
     log = read_encoder_log(run_dir / settings.encoder.file)
-    _check_rows(log, pages[0], settings.encoder.file)
-    return Recording(run_dir, settings, pages, shape, log, skipped)
+    check_rows(log, pairs.pages[0], settings.encoder.file)
+    return Run(run_dir, settings, pairs, log)
 
 
-def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Recording:
-    """Open a fixture directory; parameters and errors as for `open_run`, without a log."""
-    settings = read_fixture_settings(fixture_dir)
-    pages, shape, skipped = _pair_cameras(fixture_dir, settings, skip_bad_frames=skip_bad_frames)
-    return Recording(fixture_dir, settings, pages, shape, None, skipped)
-
-
-def read_frames(recording: Recording, frames: Sequence[int]) -> Frames:
-    """Read frame pairs.
+def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture:
+    """Open a fixture directory: settings and files of both cameras, checked together.
 
     Parameters
     ----------
-    recording : Recording
-    frames : sequence of int
-        Frame numbers, counted from 0.
+    fixture_dir : Path
+        Directory with ``fixture.toml``.
+    skip_bad_frames : bool
+        Leave out frame pairs with an unreadable file instead of refusing the fixture.
 
     Returns
     -------
-    Frames
-        counts (camera, frame, y, x) [DN].
+    Fixture
 
     Raises
     ------
-    FrameError
-        If a file cannot be decoded, or counts do not fit the camera's bit depth.
+    ConfigError, FrameError
+        If settings or frames cannot be used or do not belong together.
+
+    Examples
+    --------
+    >>> fixture = open_fixture(Path("calibration/wedge"))
+    >>> fixture.pairs.bit_depths
+    (12, 12)
     """
-    counts = np.empty((2, len(frames), *recording.shape), np.uint16)
-    for camera, (pages, settings) in enumerate(
-        zip(recording.pages, recording.cameras, strict=True)
-    ):
-        for n, k in enumerate(frames):
-            counts[camera, n] = _read_page(pages[k], recording.directory, recording.shape)
-            _check_depth(counts[camera, n], settings, pages[k])
-    return Frames(
-        xr.Dataset(
-            {
-                "counts": (
-                    ("camera", "frame", "y", "x"),
-                    counts,
-                    {"units": "DN", "long_name": "raw counts"},
-                )
-            },
-            {"camera": [1, 2], "frame": np.asarray(frames, np.int64)},
+    settings = read_fixture_settings(fixture_dir)
+    pairs = _open_pairs(fixture_dir, settings, skip_bad_frames=skip_bad_frames)
+    return Fixture(fixture_dir, settings, pairs)
+
+
+def _open_pairs(
+    directory: Path, settings: RunSettings | FixtureSettings, *, skip_bad_frames: bool
+) -> FramePairs:
+    one, two = settings.camera1, settings.camera2
+    if one.band >= two.band:
+        raise FrameError(
+            "Expected the band that dye 2 reabsorbs, the shorter wavelength, on camera 1; got "
+            f"{one.band:g} nm on camera 1 and {two.band:g} nm on camera 2. The cameras look "
+            "swapped: exchange the two tables."
         )
+    return pair_cameras(
+        directory,
+        (one.files, two.files),
+        bit_depths=(one.bit_depth, two.bit_depth),
+        skip_bad_frames=skip_bad_frames,
     )
-
-
-def skipped_notes(recording: Recording) -> list[str]:
-    """Which frame pairs were left out, and why."""
-    return [f"frame pair {k} left out: {reason}" for k, reason in sorted(recording.skipped.items())]

@@ -1,7 +1,10 @@
-"""The uncertainty of one map, term by term: what a pixel, the mean film and the least film owe to each source of error."""
+"""The uncertainty of one map, term by term: what each source of error leaves in a pixel, in the mean
+film thickness and in the minimum film thickness."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,24 +14,21 @@ from erlif.calibration import Calibration, check_bands
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
-from erlif.core.products import CorrectedFrames
+from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
 from erlif.core.progress import Progress, silent
-from erlif.correction import correct_frames, measure_references
-from erlif.ingest import open_run, read_frames
-from erlif.kinematics import locate_frames
-from erlif.pipeline.chain import Chain, one_thread_per_frame
-from erlif.pipeline.film import group_frames, pixel_positions
+from erlif.ingest import open_run
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.film import choose_region, group_frames, pixel_positions
 from erlif.pipeline.fixture import find_calibration
-from erlif.pipeline.run import open_chain
+from erlif.pipeline.joint import locate_run
+from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.register import stored_map
 from erlif.ratio import RatioSum
-from erlif.registration import align_frames
-from erlif.settings import RunSettings
 from erlif.thickness import measure_thickness
-from erlif.trend import FilmStatistics, region_mask, summarise_film
+from erlif.trend import FilmStatistics, summarise_film
 
 RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
-"""What an average over pixels and frames lessens, over pixels only, and not at all."""
-
+"""Errors that average out over pixels and frames, over pixels only, and not at all."""
 
 _SOURCES = {
     "photons, camera 1": RANDOM,
@@ -41,8 +41,35 @@ _SOURCES = {
     "flat frames, camera 2": FIXED,
 }
 
+_SHARED_TERMS = ("registration", "calibration", "marks of the surfaces")
+_ALL_NOISE = "noise of all kinds"
 
-_NEAR = 0.05  # pixels whose film is this close, relatively, stand for a film
+_NEAR = 0.05
+"""Relative distance within which pixels represent a film thickness."""
+
+_LEAST_PIXELS = 50
+"""Pixels that represent a film thickness, at least."""
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One quantity of the budget."""
+
+    title: str
+    value: float
+    """The film thickness itself. [um]"""
+    terms: Mapping[str, float]
+    """Standard deviation by source. [um]"""
+
+
+@dataclass(frozen=True)
+class _Sources:
+    """Variance of the log ratio of one trigger by source, (y, x)."""
+
+    variances: dict[str, Array]
+    ratio: RatioImages
+    averaging: float
+    """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
 
 
 def budget(
@@ -64,117 +91,114 @@ def budget(
     calibration : Calibration or path, optional
         As for `erlif.process`.
     films : tuple of float, optional
-        Films for whose pixels the budget is made; default: the 10th, 50th and 90th percentile of the map. [um]
+        Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
+        percentile of the map. [um]
     progress : callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
     xarray.Dataset
-        std (term, quantity): standard deviation, NaN where a term does not enter [um]; kind (term); value (quantity), the film itself
-        [um]. The quantities are single pixels of the given films, the mean film and the least film of the region of interest. The
-        sums among the terms are in quadrature.
+        std (term, quantity): standard deviation, NaN where a term does not enter [um]; kind (term);
+        value (quantity), the film thickness itself [um]. The quantities are single pixels of the
+        given films, the mean and the minimum film thickness of the region of interest. The sums
+        among the terms are in quadrature.
 
     Raises
     ------
     ErlifError
-        As `erlif.process`, and where the trigger does not exist or has no valid pixel of a given film.
+        As `erlif.process`, and where the trigger does not exist or has no valid pixel of a given
+        film.
+
+    Examples
+    --------
+    >>> table = budget("data_samples/straight_bushing", trigger=12)  # doctest: +SKIP
+    >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
-    recording = open_run(Path(run_dir))
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
-    assert recording.log is not None
-    located = locate_frames(recording.log, settings)
-    frames_of = group_frames(located, recording)
-    if trigger is None:
-        trigger = int(located.trigger[int(np.argmax(np.abs(located.rocker_speed.values)))])
-    if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
-        raise ConfigError(
-            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}."
-        )
-    calibration = find_calibration(recording, calibration, progress=progress)
+    run = open_run(Path(run_dir))
+    settings = run.settings
+    cycle = locate_run(run)
+    trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))
+
+    calibration = find_calibration(run, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
-    chain = open_chain(recording, measure_references(recording), calibration, progress)
-    total = RatioSum(recording.shape)
-    variances = {source: np.zeros(recording.shape) for source in _SOURCES}
-    averaging = []
-    with one_thread_per_frame():
-        for frame in frames_of[trigger]:
-            ratios = chain.ratio(frame)
-            averaging.append(
-                _add_sources(variances, chain, frame, total.weigh(ratios, 0).astype(float))
-            )
-            total.add(ratios)
-    frames = len(averaging)
-    weight = np.where(total.weight > 0, total.weight, np.inf)
-    for source, variance in variances.items():
-        variance /= weight**2 if _SOURCES[source] == RANDOM else weight
-    ratio = total.mean()
-    maps = measure_thickness(ratio, calibration)
-    x, y = pixel_positions(recording)
-    rows, columns = region_mask(settings, x, y)
-    sliding_along_x = settings.optics.x_axis == "sliding"
+    stored = stored_map(calibration.camera_map, settings.registration)
+    chain = prepare_chain(run, progress, stored=stored).chain
+
+    sources = _split_variance(chain, frames)
+    maps = measure_thickness(sources.ratio, calibration)
+    valid = maps.flags.values == 0
+    if not valid.any():
+        raise ConfigError(
+            f"Expected a trigger with valid pixels; trigger {trigger} has none, every pixel is "
+            "flagged. Name another trigger."
+        )
+
+    x, y = pixel_positions(settings, run.pairs.shape)
+    region = choose_region(settings, run.pairs.shape)
     statistics = summarise_film(
-        ratio,
+        sources.ratio,
         maps,
         calibration,
         x=x,
         y=y,
-        rows=rows,
-        columns=columns,
-        sliding_along_x=sliding_along_x,
+        region=region,
+        sliding_along_x=settings.optics.x_axis == "sliding",
     )
-    valid = maps.flags.values == 0
-    if not valid.any():
-        raise ConfigError(
-            f"Expected a trigger with valid pixels; trigger {trigger} has none, every pixel is flagged. Name another trigger."
-        )
-    table = calibration.inverse
-    places = table.start + table.step * np.arange(table.thickness.size)
-    film = np.interp(np.where(valid, maps.log_ratio_near.values, 0.0), places, table.thickness)
+    film = _smooth_film(maps, calibration)
+    columns = _pixel_columns(sources, film, valid, calibration, films, trigger)
+    inside = np.zeros_like(valid)
+    inside[region.rows, region.columns] = valid[region.rows, region.columns]
     rate = 1 / calibration.slope(film)
-    displaced = np.sqrt(ratio.log_ratio_var_shared.values)
-    columns_of: list[tuple[str, float, dict[str, float]]] = []
-    for wanted in films or _typical_films(film[valid]):
-        near = valid & (np.abs(film / wanted - 1) < _NEAR)
-        if near.sum() < 50:
-            raise ConfigError(
-                f"Expected at least 50 valid pixels of {wanted:g} um in the map of trigger {trigger}, which runs from {film[valid].min():.2f} "
-                f"to {film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another trigger."
-            )
-        terms = {
-            source: float(np.median(np.sqrt(variance[near]) * rate[near]))
-            for source, variance in variances.items()
-        }
-        terms["registration"] = float(np.median(displaced[near] * rate[near]))
-        terms["calibration"] = float(calibration.thickness_std(wanted))
-        columns_of.append((f"pixel of {wanted:g} um", wanted, terms))
-    region = np.zeros_like(valid)
-    region[rows, columns] = valid[rows, columns]
-    columns_of.append(
-        _mean_column(statistics, calibration, variances, rate, region, float(np.mean(averaging)))
-    )
-    least = {
-        "noise of all kinds": statistics.minimum_random_std,
-        "marks of the surfaces": statistics.minimum_surface_std,
-    }
-    least["calibration"] = _by_calibration(statistics.minimum_gradient, calibration)
-    columns_of.append(("least film", statistics.minimum, least))
-    return _as_dataset(columns_of, settings.name, trigger, frames)
+    columns.append(_mean_column(statistics, calibration, sources, rate, inside))
+    columns.append(_minimum_column(statistics, calibration))
+    return _as_dataset(columns, settings.name, trigger, len(frames))
 
 
-def _typical_films(film: Array) -> tuple[float, ...]:
-    """Three percentiles, to three digits."""
-    return tuple(sorted({float(f"{value:.3g}") for value in np.percentile(film, [10, 50, 90])}))
+def _choose_trigger(
+    trigger: int | None, cycle: xr.Dataset, frames_of: Sequence[list[int]]
+) -> tuple[int, list[int]]:
+    """The trigger asked for, or the fastest, with its frames."""
+    if trigger is None:
+        trigger = int(cycle.trigger[int(np.argmax(np.abs(cycle.rocker_speed.values)))])
+    if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
+        raise ConfigError(
+            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}."
+        )
+    return trigger, frames_of[trigger]
 
 
-def _add_sources(variances: dict[str, Array], chain: Chain, frame: int, weight: Array) -> float:
-    """Add the weighted relative variance of each source in one frame; returns how far interpolation lowers that of camera 2."""
-    frames = read_frames(chain.recording, [frame])
-    corrected = correct_frames(
-        frames, chain.references, least_signal=chain.recording.settings.thickness.least_signal
-    )
-    aligned = chain.aligned(frame)
-    drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
+def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
+    """Combine the frames of a trigger, and keep the variance of each source apart."""
+    shape = chain.pairs.shape
+    total = RatioSum(shape)
+    variances = {source: np.zeros(shape) for source in _SOURCES}
+    averaging = []
+    with one_thread_per_frame():
+        for frame in frames:
+            corrected = chain.correct(frame)
+            aligned = chain.align(corrected)
+            ratios = chain.compute_ratio(aligned)
+            weight = total.weigh(ratios, 0).astype(float)
+            _add_sources(variances, chain, corrected, aligned, weight)
+            averaging.append(float(aligned.interpolation[0]))
+            total.add(ratios)
+
+    # random errors of frames add in quadrature, those of dark and flat linearly
+    weight = np.where(total.weight > 0, total.weight, np.inf)
+    for source, variance in variances.items():
+        variance /= weight**2 if _SOURCES[source] == RANDOM else weight
+    return _Sources(variances, total.mean(), float(np.mean(averaging)))
+
+
+def _add_sources(
+    variances: dict[str, Array],
+    chain: FrameChain,
+    corrected: CorrectedFrames,
+    aligned: AlignedFrames,
+    weight: Array,
+) -> None:
+    """Add the weighted relative variance of each source in one frame."""
     references = chain.references
     flat, flat_var, dark_var = (
         references[name].values[:, None].astype(float) for name in ("flat", "flat_var", "dark_var")
@@ -183,91 +207,141 @@ def _add_sources(variances: dict[str, Array], chain: Chain, frame: int, weight: 
         references[name].values[:, None, None, None] for name in ("gain", "read_noise")
     )
     signal = corrected.signal.values.astype(float)
+    reading = (read_noise / gain) ** 2 + QUANTISATION_VAR
     sources = {
         "photons": np.maximum(signal, 0) / (flat * gain),
-        "reading and rounding": ((read_noise / gain) ** 2 + QUANTISATION_VAR) / flat**2
-        + 0 * signal,
+        "reading and rounding": reading / flat**2 + 0 * signal,
         "dark frames": dark_var / flat**2 + 0 * signal,
         "flat frames": (signal / flat) ** 2 * flat_var,
     }
+
+    # two sources at a time take the places of the two variances in the alignment
+    dims = corrected.signal.dims
     names = list(sources)
     for one, other in zip(names[::2], names[1::2], strict=True):
         single = corrected.assign(
-            signal_var=(corrected.signal.dims, sources[one].astype(np.float32)),
-            signal_var_fixed=(corrected.signal.dims, sources[other].astype(np.float32)),
+            signal_var=(dims, sources[one].astype(np.float32)),
+            signal_var_fixed=(dims, sources[other].astype(np.float32)),
         )
-        moved = align_frames(CorrectedFrames(single), chain.camera_map, drift=drift)
+        moved = chain.align_like(CorrectedFrames(single), aligned)
         for name, image in ((one, moved.signal_var), (other, moved.signal_var_fixed)):
-            with np.errstate(
-                divide="ignore", invalid="ignore"
-            ):  # where nothing was seen, and nothing weighs
+            with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
             for camera in (1, 2):
                 source = f"{name}, camera {camera}"
                 power = weight**2 if _SOURCES[source] == RANDOM else weight
                 variances[source] += power * np.where(weight > 0, relative[camera - 1], 0.0)
-    return float(aligned.interpolation[0])
+
+
+def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
+    """Film thickness by the surroundings of each pixel, (y, x). [um]"""
+    table = calibration.inverse
+    places = table.start + table.step * np.arange(table.thickness.size)
+    valid = maps.flags.values == 0
+    return np.interp(np.where(valid, maps.log_ratio_near.values, 0.0), places, table.thickness)
+
+
+def _pixel_columns(
+    sources: _Sources,
+    film: Array,
+    valid: Mask,
+    calibration: Calibration,
+    films: tuple[float, ...] | None,
+    trigger: int,
+) -> list[_Column]:
+    """The budget of single pixels of some film thicknesses."""
+    rate = 1 / calibration.slope(film)
+    displaced = np.sqrt(sources.ratio.log_ratio_var_shared.values)
+    columns = []
+    for wanted in films or _typical_films(film[valid]):
+        near = valid & (np.abs(film / wanted - 1) < _NEAR)
+        if near.sum() < _LEAST_PIXELS:
+            raise ConfigError(
+                f"Expected at least {_LEAST_PIXELS} valid pixels of {wanted:g} um in the map of "
+                f"trigger {trigger}, which runs from {film[valid].min():.2f} to "
+                f"{film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another "
+                "trigger."
+            )
+        terms = {
+            source: float(np.median(np.sqrt(variance[near]) * rate[near]))
+            for source, variance in sources.variances.items()
+        }
+        terms["registration"] = float(np.median(displaced[near] * rate[near]))
+        terms["calibration"] = float(calibration.thickness_std(wanted))
+        columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
+    return columns
+
+
+def _typical_films(film: Array) -> tuple[float, ...]:
+    """Three percentiles, to three digits."""
+    return tuple(sorted({float(f"{value:.3g}") for value in np.percentile(film, [10, 50, 90])}))
 
 
 def _mean_column(
     statistics: FilmStatistics,
     calibration: Calibration,
-    variances: dict[str, Array],
+    sources: _Sources,
     rate: Array,
     region: Mask,
-    averaging: float,
-) -> tuple[str, float, dict[str, float]]:
-    """The same for the mean film, whose noise the interpolation moves between pixels and does not lessen."""
+) -> _Column:
+    """The budget of the mean film thickness.
+
+    Interpolation moves the noise of camera 2 between pixels, and does not lower it in the mean.
+    """
     terms = {}
-    for source, variance in variances.items():
-        spread = averaging if source.endswith("camera 2") else 1.0
-        terms[source] = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread)) / int(
-            region.sum()
-        )
+    for source, variance in sources.variances.items():
+        spread = sources.averaging if source.endswith("camera 2") else 1.0
+        total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
+        terms[source] = total / int(region.sum())
+
+    # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
     terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
     terms["calibration"] = _by_calibration(statistics.mean_gradient, calibration)
-    return "mean film", statistics.mean, terms
+    return _Column("mean film", statistics.mean, terms)
+
+
+def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Column:
+    """The budget of the minimum film thickness."""
+    terms = {
+        _ALL_NOISE: statistics.minimum_random_std,
+        "marks of the surfaces": statistics.minimum_surface_std,
+        "calibration": _by_calibration(statistics.minimum_gradient, calibration),
+    }
+    return _Column("minimum film", statistics.minimum, terms)
 
 
 def _by_calibration(gradient: Array, calibration: Calibration) -> float:
     return float(np.sqrt(gradient @ calibration.full_covariance @ gradient))
 
 
-def _as_dataset(
-    columns: list[tuple[str, float, dict[str, float]]], name: str, trigger: int, frames: int
-) -> xr.Dataset:
-    """Terms in the order of the chain, with the sums of the random and of the shared ones and of all."""
-    random = [*_SOURCES, "noise of all kinds"]
-    shared = ["registration", "calibration", "marks of the surfaces"]
-    rows: dict[str, list[float]] = {}
-    for term in [*_SOURCES, *shared]:
-        rows[term] = [terms.get(term, np.nan) for _, _, terms in columns]
-    for title, members in (
-        ("random part", random),
-        ("shared part", shared),
-        ("total", [*random, *shared]),
-    ):
+def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:
+    """Terms in the order of the chain, with the sums of the random and of the shared ones."""
+    random = [*_SOURCES, _ALL_NOISE]
+    sums = {
+        "random part": random,
+        "shared part": list(_SHARED_TERMS),
+        "total": [*random, *_SHARED_TERMS],
+    }
+    rows = {
+        term: [column.terms.get(term, np.nan) for column in columns]
+        for term in (*_SOURCES, *_SHARED_TERMS)
+    }
+    for title, members in sums.items():
         rows[title] = [
-            float(np.sqrt(sum(terms.get(term, 0.0) ** 2 for term in members)))
-            for _, _, terms in columns
+            float(np.sqrt(sum(column.terms.get(term, 0.0) ** 2 for term in members)))
+            for column in columns
         ]
-    order = [*_SOURCES, "random part", *shared, "shared part", "total"]
-    kinds = (
-        _SOURCES
-        | dict.fromkeys(shared, SHARED)
-        | {"random part": "sum", "shared part": "sum", "total": "sum"}
-    )
+
+    order = [*_SOURCES, "random part", *_SHARED_TERMS, "shared part", "total"]
+    kinds = _SOURCES | dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
+    std = np.array([rows[term] for term in order])
     return xr.Dataset(
         {
-            "std": (
-                ("term", "quantity"),
-                np.array([rows[term] for term in order]),
-                {"units": "um"},
-            ),
+            "std": (("term", "quantity"), std, {"units": "um"}),
             "kind": ("term", np.array([kinds[term] for term in order])),
-            "value": ("quantity", np.array([value for _, value, _ in columns]), {"units": "um"}),
+            "value": ("quantity", np.array([column.value for column in columns]), {"units": "um"}),
         },
-        {"term": order, "quantity": [title for title, _, _ in columns]},
+        {"term": order, "quantity": [column.title for column in columns]},
         {"run": name, "trigger": trigger, "frames": frames},
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +11,23 @@ import numpy as np
 from erlif.calibration import check_bands, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Level, Note
-from erlif.correction import measure_references
-from erlif.ingest import Recording, depth_warning, open_fixture, open_run, read_frames
-from erlif.kinematics import locate_frames
-from erlif.pipeline.film import describe_triggers, group_frames
-from erlif.settings import FixtureSettings, RunSettings
+from erlif.ingest import (
+    Fixture,
+    FramePairs,
+    Run,
+    depth_warning,
+    open_fixture,
+    open_run,
+    read_frames,
+)
+from erlif.pipeline.cameras import characterise_cameras
+from erlif.pipeline.film import describe_triggers
+from erlif.pipeline.joint import locate_run
 
 BRIGHT = 0.01
 """Share of saturated pixels in one frame above which the exposure is called too long."""
 
-Step = Callable[[Recording], Iterator[Note]]
+Step = Callable[[], Iterator[Note]]
 """One part of the audit; it raises ErlifError where the input cannot be used."""
 
 
@@ -48,19 +56,19 @@ def check(directory: str | Path) -> list[Note]:
     subject = "settings"
     try:
         recording = _open(directory)
-        height, width = recording.shape
-        frames = f"{len(recording.frames)} pairs of {width} x {height} pixels"
+        height, width = recording.pairs.shape
+        frames = f"{len(recording.pairs.usable)} pairs of {width} x {height} pixels"
         notes.append(Note(Level.NOTE, "frames", f"{frames}, {recording.settings.name!r}"))
 
         for name, step in _steps(recording):
             subject = name
-            notes += step(recording)
+            notes += step()
     except ErlifError as error:
         notes.append(Note(Level.ERROR, subject, str(error)))
     return notes
 
 
-def _open(directory: Path) -> Recording:
+def _open(directory: Path) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
         return open_run(directory)
@@ -77,56 +85,56 @@ def _open(directory: Path) -> Recording:
     )
 
 
-def _steps(recording: Recording) -> list[tuple[str, Step]]:
+def _steps(recording: Run | Fixture) -> list[tuple[str, Step]]:
     """Subject and function of each part of the audit."""
     steps: list[tuple[str, Step]] = [
-        ("counts", _check_counts),
-        ("darks and flats", _check_references),
+        ("counts", partial(_check_counts, recording.pairs)),
+        ("darks and flats", partial(_check_references, recording)),
     ]
-    if isinstance(recording.settings, RunSettings):
-        return [*steps, ("encoder log", _check_log), ("calibration", _check_calibration)]
-    return [*steps, ("profile", _check_profile)]
+    if isinstance(recording, Run):
+        log = partial(_check_log, recording)
+        return [
+            *steps,
+            ("encoder log", log),
+            ("calibration", partial(_check_calibration, recording)),
+        ]
+    return [*steps, ("profile", partial(_check_profile, recording))]
 
 
-def _check_counts(recording: Recording) -> Iterator[Note]:
+def _check_counts(pairs: FramePairs) -> Iterator[Note]:
     """Highest count of each camera, and how much of a frame is saturated."""
     highest = np.zeros(2, int)
     saturated = np.zeros(2)
-    scale = np.array([camera.full_scale for camera in recording.cameras])
+    scale = np.array(pairs.full_scales)
 
     # one pair at a time: a run may be larger than the memory
-    for k in recording.frames:
-        counts = read_frames(recording, [k]).counts.values[:, 0]
+    for k in pairs.usable:
+        counts = read_frames(pairs, [k]).counts.values[:, 0]
         highest = np.maximum(highest, counts.max(axis=(1, 2)))
         saturated = np.maximum(saturated, (counts >= scale[:, None, None]).mean(axis=(1, 2)))
 
-    for camera, (settings, top, share) in enumerate(
-        zip(recording.cameras, highest, saturated, strict=True), 1
+    for camera, (bit_depth, top, share) in enumerate(
+        zip(pairs.bit_depths, highest, saturated, strict=True), 1
     ):
-        warning = depth_warning(settings, int(top), camera=camera)
+        warning = depth_warning(int(top), bit_depth=bit_depth, camera=camera)
         text = (
-            f"camera{camera}: highest count {top} of {settings.full_scale}, "
+            f"camera{camera}: highest count {top} of {pairs.full_scales[camera - 1]}, "
             f"at most {share:.2%} of a frame saturated"
         )
         level = Level.WARNING if warning or share > BRIGHT else Level.NOTE
-        yield Note(level, "counts", warning or text)
+        yield Note(level, "counts", str(warning or text))
 
 
-def _check_references(recording: Recording) -> Iterator[Note]:
+def _check_references(recording: Run | Fixture) -> Iterator[Note]:
     """Dark level, noise and gain of each camera, and where they disagree with the settings."""
-    references = measure_references(recording)
-    warnings = references.attrs["warnings"].split("\n")
-    for text in references.attrs["notes"].split("\n"):
-        yield Note(Level.WARNING if text in warnings else Level.NOTE, "darks and flats", text)
+    for note in characterise_cameras(recording).notes:
+        yield Note(note.level, "darks and flats", str(note))
 
 
-def _check_log(recording: Recording) -> Iterator[Note]:
+def _check_log(run: Run) -> Iterator[Note]:
     """Triggers, cycles and top speed as log and mechanism give them."""
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
-    assert recording.log is not None
-    located = locate_frames(recording.log, settings)
-    describe_triggers(recording, located, group_frames(located, recording))
+    located = locate_run(run)
+    describe_triggers(run, located)
 
     triggers, cycles = int(located.trigger.max()) + 1, int(located.cycle.max()) + 1
     top = float(np.abs(located.rocker_speed).max())
@@ -134,16 +142,15 @@ def _check_log(recording: Recording) -> Iterator[Note]:
     yield Note(Level.NOTE, "encoder log", text)
 
 
-def _check_calibration(recording: Recording) -> Iterator[Note]:
+def _check_calibration(run: Run) -> Iterator[Note]:
     """Whether the calibration exists and fits the bands of the run."""
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
+    settings = run.settings
     if settings.calibration is None:
         text = "run.toml names none; process will need --calibration"
         yield Note(Level.WARNING, "calibration", text)
         return
 
-    path = recording.directory / settings.calibration
+    path = run.directory / settings.calibration
     if path.exists():
         calibration = open_calibration(path)
         check_bands(calibration, (settings.camera1.band, settings.camera2.band))
@@ -158,11 +165,9 @@ def _check_calibration(recording: Recording) -> Iterator[Note]:
         yield Note(Level.WARNING, "calibration", text)
 
 
-def _check_profile(recording: Recording) -> Iterator[Note]:
+def _check_profile(fixture: Fixture) -> Iterator[Note]:
     """Number of points and range of the measured profile."""
-    settings = recording.settings
-    assert isinstance(settings, FixtureSettings)
-    profile = read_profile(recording.directory / settings.fixture.profile)
+    profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
     for note in profile.notes:
         yield Note(Level.WARNING, "profile", str(note))
 

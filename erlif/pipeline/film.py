@@ -1,31 +1,31 @@
-"""The film as it is stored: what log, kinematics, statistics and theory say of each trigger, and the record of its making."""
+"""The film as it is stored: what log, kinematics, statistics and theory give for each trigger."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.linalg import block_diag
 
-from erlif.calibration import Calibration
-from erlif.calibration.storage import record_calibration
+from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS
-from erlif.core.products import References
+from erlif.core.notes import Level, Note, join_notes
 from erlif.core.version import __version__
-from erlif.files import MapVariable, PartialFilm, describe_hashes
-from erlif.ingest import Recording, skipped_notes
-from erlif.pipeline.chain import FrameRecord
+from erlif.files import MapVariable, describe_hashes
+from erlif.ingest import FramePairs, Run, skipped_notes
+from erlif.pipeline.joint import describe_joint
+from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
-from erlif.registration import CameraMap
-from erlif.registration.camera_map import describe_map
+from erlif.registration import CameraMap, describe_map
 from erlif.settings import RunSettings, to_toml
-from erlif.trend import fit_exponent, predict_film, region_mask
+from erlif.trend import Exponent, Region, find_region, fit_exponent, predict_film
 
-_BY_FRAME = ("pulse_energy", "drift", "peaks")  # what is kept of a trigger for each of its frames
-
+_CENSORED = 0.01
+"""Share of the region outside the measurable range from which a note reports it."""
 
 MAPS = [
     MapVariable(
@@ -47,104 +47,128 @@ MAPS = [
     MapVariable(
         "thickness_std_shared",
         "float32",
-        {"units": "um", "long_name": "standard deviation of thickness, what all pixels share"},
+        {"units": "um", "long_name": "standard deviation of thickness, common to all pixels"},
         bits=6,
     ),
     MapVariable("flags", "uint8", FLAG_ATTRS),
 ]
+"""The maps of film.nc. Rounding to 11 bits of mantissa is 0.02 %, to 6 bits 0.8 %."""
 
 
-def group_frames(located: xr.Dataset, recording: Recording) -> list[list[int]]:
-    """Numbers of the usable frames of each trigger; `located` as `locate_frames` gives it."""
-    triggers = int(located.trigger.max()) + 1
-    frames: list[list[int]] = [[] for _ in range(triggers)]
-    for k in recording.frames:
-        frames[int(located.trigger[k])].append(k)
+def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
+    """Usable frame pairs of each trigger; `cycle` as `locate_frames` returns it."""
+    frames: list[list[int]] = [[] for _ in range(int(cycle.trigger.max()) + 1)]
+    for k in pairs.usable:
+        frames[int(cycle.trigger[k])].append(k)
     return frames
 
 
-def pixel_positions(recording: Recording) -> tuple[Array, Array]:
-    """Columns and rows of the image in the object plane. [mm]"""
-    pitch = recording.settings.optics.pixel_pitch * 1e3
-    height, width = recording.shape
-    return np.arange(width, dtype=float) * pitch, np.arange(height, dtype=float) * pitch
+def pixel_positions(settings: RunSettings, shape: tuple[int, int]) -> tuple[Array, Array]:
+    """Positions (x, y) of the columns and rows of the image in the object plane. [mm]"""
+    pitch = settings.optics.pixel_pitch * 1e3
+    rows, columns = shape
+    return np.arange(columns, dtype=float) * pitch, np.arange(rows, dtype=float) * pitch
 
 
-def assemble_film(
-    recording: Recording,
+def choose_region(settings: RunSettings, shape: tuple[int, int]) -> Region:
+    """The region of interest of the settings; raises ConfigError if the image does not hold it."""
+    x, y = pixel_positions(settings, shape)
+    roi = settings.thickness.roi
+    return find_region(x, y, roi=None if roi is None else (roi.x, roi.y))
+
+
+def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
+    """Means over the frames of each trigger, of everything that log and kinematics give.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_frames` returns it.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim trigger; complete enough for the theory.
+
+    Raises
+    ------
+    ConfigError
+        If neither log nor settings give the load, Vogel's law has no temperature, or the region of
+        interest lies outside the image.
+    """
+    columns = _columns_by_frame(run, cycle)
+    usable = group_frames(cycle, run.pairs)
+    film = xr.Dataset(coords={"trigger": np.arange(len(usable))})
+
+    # a trigger whose frames were all left out keeps its place in the cycle
+    every = [frames or _all_frames(cycle, trigger) for trigger, frames in enumerate(usable)]
+    for name, column in columns.items():
+        if column.dtype.kind in "fiu":
+            values = np.array([float(column.values[frames].mean()) for frames in every])
+        else:
+            values = np.array([str(column.values[frames[0]]) for frames in every])
+        film[name] = ("trigger", values, column.attrs)
+
+    stroke = np.array([cycle.stroke.values[frames[0]] for frames in every])
+    film["stroke"] = ("trigger", stroke, cycle.stroke.attrs)
+    circle = [np.exp(1j * np.radians(cycle.crank_angle.values[frames])).mean() for frames in every]
+    film["crank_angle"] = ("trigger", np.degrees(np.angle(circle)) % 360, cycle.crank_angle.attrs)
+
+    # what would fail at the end fails here
+    predict_film(film, describe_joint(run.settings))
+    choose_region(run.settings, run.pairs.shape)
+    return film
+
+
+def describe_film(
+    run: Run,
     triggers: xr.Dataset,
-    partial: PartialFilm,
+    results: Sequence[TriggerResult],
     calibration: Calibration,
-    settings: RunSettings,
-    hashes: dict[str, str],
-    notes: list[str],
+    *,
+    hashes: Mapping[str, str],
+    notes: Iterable[Note],
 ) -> xr.Dataset:
-    """Everything of the film but its maps."""
-    numbers = [partial.numbers(trigger) for trigger in range(triggers.sizes["trigger"])]
-    stacked = {
-        name: np.stack([record[name] for record in numbers])
-        for name in numbers[0]
-        if name not in _BY_FRAME
-    }
+    """Everything of the film but its maps.
+
+    Parameters
+    ----------
+    run : Run
+    triggers : xarray.Dataset
+        From `describe_triggers`.
+    results : sequence of TriggerResult
+        In the order of the triggers.
+    calibration : Calibration
+    hashes : mapping of str to str
+        Of the inputs.
+    notes : iterable of Note
+        On cameras and frames.
+
+    Returns
+    -------
+    xarray.Dataset
+        The root group of film.nc without thickness, its standard deviations and flags.
+    """
     film = triggers.copy()
     film["frames_used"] = (
         "trigger",
-        stacked["frames_used"],
+        np.array([len(result.frames) for result in results]),
         {"units": "1", "long_name": "frames of this trigger"},
     )
-    for name, meaning in (
-        ("mean", "mean film over the region of interest"),
-        ("min", "least film of a smooth gap"),
-    ):
-        source = {"mean": "mean", "min": "minimum"}[name]
-        attrs = {"units": "um", "long_name": meaning, "ancillary_variables": f"film_{name}_std"}
-        film[f"film_{name}"] = ("trigger", stacked[source], attrs)
-        film[f"film_{name}_std"] = (
-            "trigger",
-            stacked[f"{source}_std"],
-            {"units": "um", "long_name": "its standard deviation, random and shared"},
-        )
-    film.film_mean.attrs["share_beyond_range"] = stacked["censored"]
-    film.film_mean.attrs["comment"] = (
-        "over the pixels that were answered; share_beyond_range tells by trigger how much of the region was too thin or too thick"
-    )
-    film = film.merge(predict_film(film, settings), combine_attrs="drop_conflicts")
-    stacked["mean_surface_std"] = np.zeros(
-        film.sizes["trigger"]
-    )  # the mean is that of the film as it is, marks included
-    shared = block_diag(calibration.full_covariance, np.eye(1))
-    for suffix, source in (("", "minimum"), ("_mean", "mean")):
-        exponent = fit_exponent(
-            stacked[source],
-            stacked[f"{source}_random_std"],
-            speed=film.rocker_speed.values,
-            load=film["load"].values,
-            gradient=np.column_stack(
-                [stacked[f"{source}_gradient"], stacked[f"{source}_surface_std"]]
-            ),
-            covariance=shared,
-        )
-        what = "film_min" if suffix == "" else "film_mean"
-        film[f"speed_exponent{suffix}"] = (
-            (),
-            exponent.value,
-            {
-                "units": "1",
-                "long_name": f"power of |rocker_speed|/load that {what} follows",
-                "log_scale": exponent.log_scale,
-                "triggers_used": exponent.triggers,
-            },
-        )
-        film[f"speed_exponent{suffix}_std"] = (
-            (),
-            exponent.std,
-            {"units": "1", "long_name": "its standard deviation"},
-        )
-    x, y = pixel_positions(recording)
+    film = film.assign(describe_statistics(results))
+    predicted = predict_film(film, describe_joint(run.settings))
+    film = film.merge(predicted, combine_attrs="drop_conflicts")
+    film = film.assign(describe_exponents(film, results, calibration))
+
+    settings = run.settings
+    x, y = pixel_positions(settings, run.pairs.shape)
     film = film.assign_coords(
         x=("x", x, {"units": "mm", "long_name": f"position along x, {settings.optics.x_axis}"}),
         y=("y", y, {"units": "mm", "long_name": "position along y, downwards"}),
     )
+    own = [*notes, *_censoring_notes(results)]
+    from_calibration = [Note(Level.NOTE, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",
         title=f"oil-film thickness, {settings.name}",
@@ -154,103 +178,103 @@ def assemble_film(
         input_hashes=describe_hashes(hashes),
         calibration=record_calibration(calibration),
         **_describe_smoothing(settings.thickness.smoothing),
-        notes="\n".join(
-            [
-                *notes,
-                *_censoring_notes(stacked["censored"]),
-                *(f"calibration: {note}" for note in calibration.notes),
-                *skipped_notes(recording),
-            ]
+        notes=join_notes([*own, *from_calibration, *skipped_notes(run.pairs)]),
+    )
+
+
+def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
+    """Mean and minimum film of each trigger, as variables of the film."""
+    statistics = [result.statistics for result in results]
+    beyond = np.array([one.beyond_range for one in statistics])
+    mean = {
+        "units": "um",
+        "long_name": "mean film thickness over the region of interest",
+        "ancillary_variables": "film_mean_std",
+        "share_beyond_range": beyond,
+        "comment": "over the valid pixels; share_beyond_range is, by trigger, the share of the "
+        "region that is too thin or too thick to be measured",
+    }
+    minimum = {
+        "units": "um",
+        "long_name": "minimum film thickness of a smooth gap",
+        "ancillary_variables": "film_min_std",
+    }
+    std = {"units": "um", "long_name": "its standard deviation, random and shared"}
+    return {
+        "film_mean": ("trigger", np.array([one.mean for one in statistics]), mean),
+        "film_mean_std": ("trigger", np.array([one.mean_std for one in statistics]), std),
+        "film_min": ("trigger", np.array([one.minimum for one in statistics]), minimum),
+        "film_min_std": ("trigger", np.array([one.minimum_std for one in statistics]), std),
+    }
+
+
+def describe_exponents(
+    film: xr.Dataset, results: Sequence[TriggerResult], calibration: Calibration
+) -> dict[str, Any]:
+    """Speed exponents of the minimum and of the mean film, as variables of the film."""
+    statistics = [result.statistics for result in results]
+    speed, load = film.rocker_speed.values, film["load"].values
+    shared = block_diag(calibration.full_covariance, np.eye(1))
+
+    # marks of the surfaces are the same at every trigger; the mean film includes them as they are
+    surface = np.array([one.minimum_surface_std for one in statistics])
+    minimum = fit_exponent(
+        np.array([one.minimum for one in statistics]),
+        np.array([one.minimum_random_std for one in statistics]),
+        speed=speed,
+        load=load,
+        gradient=np.column_stack([[one.minimum_gradient for one in statistics], surface]),
+        covariance=shared,
+    )
+    mean = fit_exponent(
+        np.array([one.mean for one in statistics]),
+        np.array([one.mean_random_std for one in statistics]),
+        speed=speed,
+        load=load,
+        gradient=np.column_stack(
+            [[one.mean_gradient for one in statistics], np.zeros(len(statistics))]
         ),
+        covariance=shared,
     )
-
-
-def _censoring_notes(censored: Array) -> list[str]:
-    worst = int(np.argmax(censored))
-    if censored[worst] < 0.01:
-        return []
-    return [
-        f"up to {censored[worst]:.0%} of the region of interest (trigger {worst}) is too thin or too thick to be measured pixel by pixel in "
-        "this light: film_mean is that of the rest; film_min, a fit to the ratio, is not touched"
-    ]
-
-
-def describe_triggers(
-    recording: Recording, located: xr.Dataset, frames_of: list[list[int]]
-) -> xr.Dataset:
-    """Means of what log and kinematics say of the frames of each trigger, checked to be enough for a film.
-
-    Raises
-    ------
-    ConfigError
-        If neither the log nor the settings tell the load, Vogel's law has no temperature, or the region of interest lies outside
-        the image.
-    """
-    settings, log = recording.settings, recording.log
-    assert isinstance(settings, RunSettings)
-    assert log is not None
-    columns = {name: located[name] for name in ("encoder_angle", "rocker_speed", "sliding_speed")}
-    columns |= {str(name): log[name] for name in log if name not in ("number", "angle", "time")}
-    if "load" not in columns:
-        if settings.joint.load is None:
-            raise ConfigError(
-                'Expected the load: the encoder log has no load_N and [joint] no load. Add load = "50 lbf" to [joint] in run.toml.'
-            )
-        columns["load"] = xr.full_like(located.encoder_angle, settings.joint.load).assign_attrs(
-            units="N", long_name="load on the joint"
-        )
-    film = xr.Dataset(coords={"trigger": np.arange(len(frames_of))})
-    every = [frames or _all_frames(located, trigger) for trigger, frames in enumerate(frames_of)]
-    for name, column in columns.items():
-        if column.dtype.kind in "fiu":
-            means = [float(column.values[frames].mean()) for frames in every]
-            film[name] = ("trigger", np.array(means), column.attrs)
-        else:
-            film[name] = (
-                "trigger",
-                np.array([str(column.values[frames[0]]) for frames in every]),
-                column.attrs,
-            )
-    film["stroke"] = (
-        "trigger",
-        np.array([located.stroke.values[f[0]] for f in every]),
-        located.stroke.attrs,
+    return _exponent_variables("speed_exponent", minimum, "film_min") | _exponent_variables(
+        "speed_exponent_mean", mean, "film_mean"
     )
-    angles = [np.exp(1j * np.radians(located.crank_angle.values[f])).mean() for f in every]
-    film["crank_angle"] = ("trigger", np.degrees(np.angle(angles)) % 360, located.crank_angle.attrs)
-    predict_film(film, settings)
-    region_mask(settings, *pixel_positions(recording))
-    return film
-
-
-def _all_frames(located: xr.Dataset, trigger: int) -> list[int]:
-    return [int(k) for k in np.nonzero(located.trigger.values == trigger)[0]]
 
 
 def describe_frames(
-    recording: Recording,
-    located: xr.Dataset,
-    record: FrameRecord,
-    partial: PartialFilm,
-    frames_of: list[list[int]],
+    run: Run, cycle: xr.Dataset, results: Sequence[TriggerResult], mean_drift: Array
 ) -> xr.Dataset:
-    """The frames group of the film: what belongs to single frames."""
-    count = located.sizes["frame"]
+    """The group of the film that holds what belongs to single frames.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_frames` returns it.
+    results : sequence of TriggerResult
+    mean_drift : array, (2,)
+        Part of the drifts (x, y) that the stored map has taken up. [px]
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame.
+    """
+    count = cycle.sizes["frame"]
     drift = np.full((count, 2), np.nan)
     energy = np.full(count, np.nan)
-    mean = record.mean_drift()
-    for trigger, frames in enumerate(frames_of):
-        values = partial.numbers(trigger)["pulse_energy"]
-        for k, value in zip(frames, values, strict=True):
-            drift[k] = record.drift[k] - mean
-            energy[k] = value
-    log = recording.log
-    assert log is not None
-    names = [[page.name for page in pages] for pages in recording.pages]
+    for result in results:
+        for one in result.frames:
+            drift[one.frame] = np.array(one.drift) - mean_drift
+            energy[one.frame] = one.pulse_energy
+    if np.isfinite(energy).any():
+        energy = energy / np.nanmean(energy)
+
+    names = [np.array([page.name for page in pages]) for pages in run.pairs.pages]
     group = xr.Dataset(
         {
-            "trigger": located.trigger,
-            "cycle": located.cycle,
+            "trigger": cycle.trigger,
+            "cycle": cycle.cycle,
             "drift_x": (
                 "frame",
                 drift[:, 0],
@@ -263,39 +287,85 @@ def describe_frames(
             ),
             "pulse_energy": (
                 "frame",
-                energy / np.nanmean(energy) if np.isfinite(energy).any() else energy,
+                energy,
                 {"units": "1", "long_name": "pulse energy relative to the mean"},
             ),
-            "file_camera1": ("frame", np.array(names[0])),
-            "file_camera2": ("frame", np.array(names[1])),
+            "file_camera1": ("frame", names[0]),
+            "file_camera2": ("frame", names[1]),
         }
     )
-    time = log["time"] if "time" in log else xr.full_like(located.encoder_angle, np.nan)
-    group["time"] = ("frame", time.values, {"units": "s", "long_name": "time of the trigger"})
-    if recording.skipped:
-        group.attrs["skipped_frames"] = "\n".join(skipped_notes(recording))
+    time = run.log["time"].values if "time" in run.log else np.full(count, np.nan)
+    group["time"] = ("frame", time, {"units": "s", "long_name": "time of the trigger"})
+    if run.pairs.skipped:
+        group.attrs["skipped_frames"] = join_notes(skipped_notes(run.pairs))
     return group.reset_coords(drop=True)
 
 
 def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:
-    """The registration group of the film."""
+    """The group of the film that holds the camera map and the difference of sharpness."""
     return describe_map(camera_map).assign_attrs(
         blur_difference=[blur.x, blur.y],
         blur_difference_std=[blur.std_x, blur.std_y],
-        blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x and y [px2]",
+        blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "
+        "and y [px2]",
     )
+
+
+def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Everything that has one value per frame and a mean per trigger."""
+    columns = {name: cycle[name] for name in ("encoder_angle", "rocker_speed", "sliding_speed")}
+    columns |= {
+        str(name): run.log[name] for name in run.log if name not in ("number", "angle", "time")
+    }
+    if "load" not in columns:
+        load = run.settings.joint.load
+        if load is None:
+            raise ConfigError(
+                "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
+                '"50 lbf" to [joint] in run.toml.'
+            )
+        attrs = {"units": "N", "long_name": "load on the joint"}
+        columns["load"] = xr.full_like(cycle.encoder_angle, load).assign_attrs(attrs)
+    return columns
+
+
+def _all_frames(cycle: xr.Dataset, trigger: int) -> list[int]:
+    return [int(k) for k in np.nonzero(cycle.trigger.values == trigger)[0]]
+
+
+def _exponent_variables(name: str, exponent: Exponent, film: str) -> dict[str, Any]:
+    attrs = {
+        "units": "1",
+        "long_name": f"power of |rocker_speed|/load that {film} follows",
+        "log_scale": exponent.log_scale,
+        "triggers_used": exponent.triggers,
+    }
+    std = {"units": "1", "long_name": "its standard deviation"}
+    return {name: ((), exponent.value, attrs), f"{name}_std": ((), exponent.std, std)}
+
+
+def _censoring_notes(results: Sequence[TriggerResult]) -> list[Note]:
+    shares = np.array([result.statistics.beyond_range for result in results])
+    worst = int(np.argmax(shares))
+    if shares[worst] < _CENSORED:
+        return []
+    return [
+        Note(
+            Level.WARNING,
+            "",
+            f"up to {shares[worst]:.0%} of the region of interest (trigger {worst}) is too thin or "
+            "too thick to be measured pixel by pixel in this light: film_mean is that of the rest; "
+            "film_min, a fit to the ratio, is not affected",
+        )
+    ]
 
 
 def _describe_smoothing(resolution: int | None) -> dict[str, Any]:
     if resolution is None:
         return {}
     comment = (
-        "full width at half maximum of the window [px] in which the ratio behind the maps was smoothed, steps kept; the noise of "
-        "pixels closer than that goes together; film_min, film_mean and their trend come from the ratio as it was measured"
+        "full width at half maximum of the window [px] in which the ratio behind the maps was "
+        "smoothed, steps kept; the noise of pixels closer than that is correlated; film_min, "
+        "film_mean and their trend come from the ratio as measured"
     )
     return {"smoothing": resolution, "smoothing_comment": comment}
-
-
-def reference_notes(references: References) -> list[str]:
-    """What was measured of the cameras, and what disagrees with the settings."""
-    return [note for note in str(references.attrs.get("notes", "")).split("\n") if note]

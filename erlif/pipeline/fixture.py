@@ -1,4 +1,4 @@
-"""A fixture directory to a calibration."""
+"""A fixture directory to a calibration, and the calibration of a run."""
 
 from __future__ import annotations
 
@@ -16,16 +16,15 @@ from erlif.calibration import (
     save_calibration,
 )
 from erlif.core.errors import CalibrationError, OutputError
-from erlif.core.notes import Level, Note
+from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, silent
-from erlif.correction import measure_references
-from erlif.ingest import Recording, hash_inputs, open_fixture, skipped_notes
-from erlif.pipeline.camera_noise import complete_noise
-from erlif.pipeline.chain import FrameRecord, one_thread_per_frame, prepare_chain
-from erlif.pipeline.film import reference_notes
+from erlif.core.timing import stage
+from erlif.ingest import FramePairs, Run, hash_inputs, open_fixture, skipped_notes
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.results import FrameResult, describe_frame_notes, mean_drift
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
-from erlif.settings import FixtureSettings, RunSettings
 
 
 def calibrate(
@@ -40,6 +39,7 @@ def calibrate(
     skip_bad_frames : bool
         Leave out unreadable frame pairs.
     progress : callable, optional
+        Receives the name of the work, the number of parts that are done, and of all parts.
 
     Returns
     -------
@@ -48,58 +48,83 @@ def calibrate(
     Raises
     ------
     ErlifError
-        If something in the directory cannot be used; the message says what was expected, what came and what to do.
+        If something in the directory cannot be used; the message states what was expected, what
+        was found and what to do.
+
+    Examples
+    --------
+    >>> calibration = calibrate("calibration/wedge")
+    >>> low, high = calibration.thickness_range
+    >>> low < 1 < 10 < high
+    True
     """
-    recording = open_fixture(Path(fixture_dir), skip_bad_frames=skip_bad_frames)
-    settings = recording.settings
-    assert isinstance(settings, FixtureSettings)
-    profile = read_profile(recording.directory / settings.fixture.profile)
-    references = measure_references(recording)
-    chain = complete_noise(prepare_chain(recording, references, progress))
-    total, record = RatioSum(recording.shape), FrameRecord()
-    with one_thread_per_frame():
-        for done, k in enumerate(recording.frames, 1):
-            ratios = chain.ratio(k)
-            total.add(ratios)
-            record.add(k, ratios)
-            progress("ratio", done, len(recording.frames))
-    calibration = fit_calibration(
-        total.mean(),
-        profile,
-        pixel_pitch=settings.optics.pixel_pitch * 1e3,
-        bands=(settings.camera1.band, settings.camera2.band),
-        origin=settings.fixture.origin,
-        direction=settings.fixture.direction,
-        align=settings.fixture.align,
-        frames=total.frames,
-        fixture=settings.name,
-    )
+    fixture = open_fixture(Path(fixture_dir), skip_bad_frames=skip_bad_frames)
+    settings = fixture.settings
+    profile = read_profile(fixture.directory / settings.fixture.profile)
+    prepared = prepare_chain(fixture, progress)
+
+    with stage("ratio"):
+        ratio, frames = combine_all(prepared.chain, progress)
+    with stage("fit"):
+        calibration = fit_calibration(
+            ratio,
+            profile,
+            pixel_pitch=settings.optics.pixel_pitch * 1e3,
+            bands=(settings.camera1.band, settings.camera2.band),
+            origin=settings.fixture.origin,
+            direction=settings.fixture.direction,
+            align=settings.fixture.align,
+            frames=len(frames),
+            fixture=settings.name,
+        )
+
     return replace(
         calibration,
-        input_hashes=hash_inputs(recording),
-        date=_date_of(recording),
+        input_hashes=hash_inputs(fixture),
+        date=_date_of(fixture.pairs),
         profile_file=os.path.relpath(
-            recording.directory / settings.fixture.profile, recording.directory
+            fixture.directory / settings.fixture.profile, fixture.directory
         ),
         notes=(
             *calibration.notes,
-            *(
-                Note(Level.NOTE, "", text)
-                for text in (
-                    *reference_notes(chain.references),
-                    *record.notes(recording),
-                    *skipped_notes(recording),
-                )
-            ),
+            *prepared.notes,
+            *describe_frame_notes(frames, fixture.pairs),
+            *skipped_notes(fixture.pairs),
         ),
-        camera_map=move_map(chain.camera_map, record.mean_drift()),
+        camera_map=move_map(prepared.chain.camera_map, mean_drift(frames)),
     )
 
 
+def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, list[FrameResult]]:
+    """The ratio of a film at rest from all frame pairs, and what is kept of each pair."""
+    total = RatioSum(chain.pairs.shape)
+    frames = []
+    usable = chain.pairs.usable
+    with one_thread_per_frame():
+        for done, frame in enumerate(usable, 1):
+            ratios = chain.ratio(frame)
+            total.add(ratios)
+            frames.append(FrameResult.of(frame, ratios))
+            progress("ratio", done, len(usable))
+    return total.mean(), frames
+
+
 def find_calibration(
-    recording: Recording, given: Calibration | str | Path | None, *, progress: Progress = silent
+    run: Run, given: Calibration | str | Path | None, *, progress: Progress = silent
 ) -> Calibration:
-    """The calibration of a run: the one given, else the one run.toml names, else made, and kept, from the fixture beside that.
+    """The calibration of a run.
+
+    Parameters
+    ----------
+    run : Run
+    given : Calibration or path, optional
+        Takes precedence. Default: the calibration that run.toml names; where its file does not
+        exist and a fixture lies in its directory, that fixture is calibrated and the result kept.
+    progress : callable, optional
+
+    Returns
+    -------
+    Calibration
 
     Raises
     ------
@@ -110,25 +135,24 @@ def find_calibration(
         return given
     if given is not None:
         return open_calibration(given)
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
-    if settings.calibration is None:
+    if run.settings.calibration is None:
         raise CalibrationError(
-            'Expected a calibration: run.toml names none. Add calibration = "path/to/calibration.nc" to it, or use --calibration.'
+            "Expected a calibration: run.toml names none. Add calibration = "
+            '"path/to/calibration.nc" to it, or use --calibration.'
         )
-    path = recording.directory / settings.calibration
-    if not path.exists() and (path.parent / "fixture.toml").is_file():
+
+    path = run.directory / run.settings.calibration
+    if path.exists() or not (path.parent / "fixture.toml").is_file():
+        return open_calibration(path)
+    with stage("calibration"):
         made = calibrate(path.parent, progress=progress)
-        with suppress(
-            OutputError
-        ):  # kept for the next run where the fixture's directory can be written
-            save_calibration(made, path)
-        return made
-    return open_calibration(path)
+    with suppress(OutputError):  # a fixture directory that cannot be written is no obstacle
+        save_calibration(made, path)
+    return made
 
 
-def _date_of(recording: Recording) -> str:
-    """Day the first frame was written, so that the same files give the same date whenever they are read."""
+def _date_of(pairs: FramePairs) -> str:
+    """Day on which the first frame was written: the same files give the same date at any time."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    stamp = float(epoch) if epoch else recording.pages[0][0].path.stat().st_mtime
+    stamp = float(epoch) if epoch else pairs.pages[0][0].path.stat().st_mtime
     return datetime.fromtimestamp(stamp, UTC).date().isoformat()

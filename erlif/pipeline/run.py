@@ -1,40 +1,42 @@
-"""A run directory to a film: the stages in their order."""
+"""A run directory to a film: the method, stage by stage."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from erlif.calibration import Calibration, check_bands, record_calibration
-from erlif.core.errors import CalibrationError
-from erlif.core.products import References
 from erlif.core.progress import Progress, silent
+from erlif.core.timing import stage
 from erlif.core.version import __version__
-from erlif.correction import measure_references
 from erlif.files import PartialFilm, describe_hashes, open_film, refuse_existing, write_film
-from erlif.ingest import Recording, hash_inputs, open_run
-from erlif.kinematics import locate_frames
-from erlif.pipeline.camera_noise import complete_noise
-from erlif.pipeline.chain import Chain, prepare_chain
+from erlif.ingest import Run, hash_inputs, open_run
+from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.film import (
     MAPS,
-    assemble_film,
+    choose_region,
+    describe_film,
     describe_frames,
     describe_registration,
     describe_triggers,
     group_frames,
-    reference_notes,
+    pixel_positions,
 )
 from erlif.pipeline.fixture import find_calibration
-from erlif.pipeline.swap import _refuse_foreign_ratio
-from erlif.pipeline.triggers import _read_record, _run_tasks, _TriggerTask
-from erlif.registration import CameraMap, move_map
-from erlif.settings import RunSettings, to_toml
+from erlif.pipeline.joint import locate_run
+from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.register import stored_map
+from erlif.pipeline.results import describe_frame_notes, mean_drift
+from erlif.pipeline.swap import refuse_swapped_cameras
+from erlif.pipeline.triggers import TriggerTask, run_triggers
+from erlif.registration import move_map
+from erlif.settings import to_toml
 
 
 def process(
@@ -54,26 +56,35 @@ def process(
     run_dir : path
         Directory with ``run.toml``, frames of both cameras and the encoder log.
     calibration : Calibration or path, optional
-        Default: the one that run.toml names, fitted on the spot if its fixture lies beside it and it was not made yet.
+        Default: the one that run.toml names; it is fitted where its fixture lies beside it and it
+        does not exist yet.
     output : path, optional
-        Where to write the film, netCDF or, by the suffix ``.zarr``, zarr. Default: nowhere, the film is only returned.
+        Where to write the film, netCDF or, by the suffix ``.zarr``, zarr. Default: nowhere, the
+        film is only returned.
     overwrite : bool
         Replace an existing output.
     skip_bad_frames : bool
-        Leave out unreadable frame pairs and say so in the film.
+        Leave out unreadable frame pairs; the film lists them.
     workers : int, optional
         Threads; default: one per processor. The result does not depend on it.
     progress : callable, optional
+        Receives the name of the work, the number of parts that are done, and of all parts.
 
     Returns
     -------
     xarray.Dataset
-        The film, see the file format in the documentation; with `output`, maps are read from it when they are used.
+        The film, as docs/files.md describes it; with `output`, maps are read from it when used.
 
     Raises
     ------
     ErlifError
         If an input cannot be used, or the output exists.
+
+    Examples
+    --------
+    >>> film = process("data_samples/straight_bushing")  # doctest: +SKIP
+    >>> film.thickness.dims  # doctest: +SKIP
+    ('trigger', 'y', 'x')
     """
     options: dict[str, Any] = {
         "calibration": calibration,
@@ -82,15 +93,15 @@ def process(
         "progress": progress,
     }
     if output is not None:
-        _process_to(Path(run_dir), Path(output), overwrite=overwrite, **options)
+        process_run(Path(run_dir), Path(output), overwrite=overwrite, **options)
         return open_film(output)
     with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
-        _process_to(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
+        process_run(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
         with open_film(Path(scratch) / "film.nc") as film:
             return film.load()
 
 
-def _process_to(
+def process_run(
     run_dir: Path,
     output: Path,
     *,
@@ -100,68 +111,68 @@ def _process_to(
     workers: int | None,
     progress: Progress,
 ) -> None:
+    """Process a run into a file; parameters as for `process`."""
     refuse_existing(output, overwrite=overwrite)
-    recording = open_run(run_dir, skip_bad_frames=skip_bad_frames)
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
-    assert recording.log is not None
-    located = locate_frames(recording.log, settings)
-    frames_of = group_frames(located, recording)
-    triggers = describe_triggers(recording, located, frames_of)
-    calibration = find_calibration(recording, calibration, progress=progress)
+    run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
+    settings = run.settings
+
+    # kinematics: which frames belong to which trigger, and how fast the joint moved there
+    cycle = locate_run(run)
+    frames_of = group_frames(cycle, run.pairs)
+    triggers = describe_triggers(run, cycle)
+
+    calibration = find_calibration(run, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
-    references = measure_references(recording)
-    hashes = hash_inputs(recording)
-    with PartialFilm(output, _job_key(settings, hashes, calibration, recording)) as partial:
-        chain = open_chain(recording, references, calibration, progress)
-        _refuse_foreign_ratio(chain, calibration)
-        _run_tasks(
-            _TriggerTask(chain, calibration, settings, partial), frames_of, workers, progress
-        )
-        record = _read_record(partial, frames_of)
-        notes = [*reference_notes(chain.references), *record.notes(recording)]
-        film = assemble_film(recording, triggers, partial, calibration, settings, hashes, notes)
-        camera_map = move_map(chain.camera_map, record.mean_drift())
+    hashes = hash_inputs(run)
+
+    with PartialFilm(output, identify_work(run, calibration, hashes)) as unfinished:
+        # cameras: references, map, sharpness and noise of the whole run
+        stored = stored_map(calibration.camera_map, settings.registration)
+        prepared = prepare_chain(run, progress, stored=stored)
+        chain = prepared.chain
+        refuse_swapped_cameras(chain, calibration)
+
+        # frames: counts -> light -> ratio -> thickness, trigger by trigger
+        with stage("film"):
+            task = trigger_task(run, chain, calibration)
+            results = run_triggers(task, frames_of, unfinished, workers=workers, progress=progress)
+
+        # the whole: statistics, theory, exponent, and the record of how it was made
+        frames = [one for result in results for one in result.frames]
+        drift = mean_drift(frames)
+        notes = [*prepared.notes, *describe_frame_notes(frames, run.pairs)]
+        film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
         groups = {
-            "frames": describe_frames(recording, located, record, partial, frames_of),
-            "registration": describe_registration(camera_map, chain.blur),
+            "frames": describe_frames(run, cycle, results, drift),
+            "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
         }
-        write_film(output, film, groups, partial, MAPS)
-        partial.discard()
+        with stage("writing"):
+            write_film(output, film, groups, unfinished, MAPS)
+        unfinished.discard()
 
 
-def open_chain(
-    recording: Recording, references: References, calibration: Calibration, progress: Progress
-) -> Chain:
-    """The stages from counts to ratio for a run that is read with this calibration."""
-    settings = recording.settings
-    assert isinstance(settings, RunSettings)
-    return complete_noise(
-        prepare_chain(recording, references, progress, stored=_stored_map(calibration, settings))
+def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
+    """How the frames of one trigger of a run become its maps."""
+    settings, shape = run.settings, run.pairs.shape
+    x, y = pixel_positions(settings, shape)
+    return TriggerTask(
+        chain,
+        calibration,
+        x,
+        y,
+        choose_region(settings, shape),
+        sliding_along_x=settings.optics.x_axis == "sliding",
+        smoothing=settings.thickness.smoothing,
     )
 
 
-def _stored_map(calibration: Calibration, settings: RunSettings) -> CameraMap | None:
-    """The calibration's camera map where the settings ask for it."""
-    if not settings.registration.reuse:
-        return None
-    if calibration.camera_map is None:
-        raise CalibrationError(
-            "Expected a camera map in the calibration, because [registration] says reuse = true; there is none. Calibrate again, or set "
-            "reuse = false."
-        )
-    return calibration.camera_map
-
-
-def _job_key(
-    settings: RunSettings, hashes: dict[str, str], calibration: Calibration, recording: Recording
-) -> str:
-    """Identity of a piece of work: what goes in and what it is done with."""
+def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str]) -> str:
+    """Identity of a piece of work: its inputs, its settings and the version of erlif."""
     parts = [
         __version__,
-        to_toml(settings),
+        to_toml(run.settings),
         describe_hashes(hashes),
         record_calibration(calibration),
-        json.dumps(sorted(recording.skipped)),
+        json.dumps(sorted(run.pairs.skipped)),
     ]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()

@@ -1,38 +1,117 @@
-"""Cameras exchanged in run.toml."""
+"""Cameras exchanged in run.toml, recognised by their ratio and by their map."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.calibration import Calibration
+from erlif.core.arrays import Image
 from erlif.core.errors import CalibrationError
-from erlif.pipeline.chain import Chain, some_frames
+from erlif.pipeline.chain import FrameChain
+from erlif.registration import compare_with_inverse
+
+_FRAMES = 3
+"""Frames whose ratios are compared."""
+
+_MARGIN = 0.1
+"""Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]"""
+
+_MOST = 0.6
+"""Share of inverse ratios above which most of the image speaks for exchanged cameras."""
+
+_FEW = 0.2
+"""Share of regular ratios below which hardly any of the image speaks against it."""
+
+_IMPOSSIBLE = 0.15
+"""Share of ratios that no film has from which the cameras cannot be in order."""
+
+_SIGMAS = 2
+"""Standard deviations by which a ratio must exceed the highest possible one."""
 
 
-def _refuse_foreign_ratio(chain: Chain, calibration: Calibration) -> None:
-    """Recognise cameras swapped against the calibration: the inverse of the ratio is possible, the ratio itself is not.
+@dataclass(frozen=True)
+class RatioShares:
+    """Shares of the valid pixels of one frame."""
 
-    No film, however thick, has a ratio above K p/q.
+    regular: float
+    """Ratio within the calibrated range. [1]"""
+    inverted: float
+    """Inverse of the ratio within the calibrated range. [1]"""
+    impossible: float
+    """Ratio above that of any film. [1]"""
+
+
+def refuse_swapped_cameras(chain: FrameChain, calibration: Calibration) -> None:
+    """Refuse a run whose cameras are exchanged against its calibration.
+
+    Exchanged cameras show the inverse of the ratio. Where that could be a ratio as well (films of
+    about 10 um have a ratio near 1), the map decides: exchanged cameras have the inverse of the map
+    that is stored with the calibration.
+
+    Parameters
+    ----------
+    chain : FrameChain
+    calibration : Calibration
+
+    Raises
+    ------
+    CalibrationError
+        If the cameras are exchanged.
     """
+    _check_map(chain, calibration)
+    _check_ratio(chain, calibration)
+
+
+def _check_map(chain: FrameChain, calibration: Calibration) -> None:
+    if calibration.camera_map is None or chain.camera_map.stored:
+        return
+    comparison = compare_with_inverse(calibration.camera_map, chain.camera_map)
+    if comparison.inverted:
+        raise CalibrationError(
+            "Expected the cameras in the order of the calibration; the displacement between them "
+            f"is the inverse of the calibration's, within {comparison.misfit_inverse:.2f} px (the "
+            f"calibration's own displacement is {comparison.misfit:.2f} px away). The cameras look "
+            "swapped: exchange the files of [camera1] and [camera2] in run.toml."
+        )
+
+
+def _check_ratio(chain: FrameChain, calibration: Calibration) -> None:
     low, high = calibration.predict_log(calibration.thickness_range)
-    margin = 0.1 * (high - low)
-    K, p, q = calibration.parameters
-    gradient = np.array([1 / K, 1 / p, -1 / q])
-    ceiling = np.log(K * p / q) + 2 * np.sqrt(gradient @ calibration.covariance @ gradient)
     shares = []
-    for k in some_frames(chain.recording, 3):
-        ratios = chain.ratio(k)
+    for frame in chain.pairs.spread(_FRAMES):
+        ratios = chain.ratio(frame)
         good = ratios.flags.values == 0
         ratio, std = ratios.log_ratio.values[good], np.sqrt(ratios.log_ratio_var.values[good])
         if ratio.size:
-            within = [(value > low - margin) & (value < high + margin) for value in (ratio, -ratio)]
-            shares.append([within[0].mean(), within[1].mean(), (ratio - 2 * std > ceiling).mean()])
+            shares.append(_share_ratios(ratio, std, calibration))
     if not shares:
         return
-    inside, inverted, impossible = np.median(shares, axis=0)
-    if inverted > 0.6 and (inside < 0.2 or impossible > 0.15):
+
+    regular = float(np.median([one.regular for one in shares]))
+    inverted = float(np.median([one.inverted for one in shares]))
+    impossible = float(np.median([one.impossible for one in shares]))
+    if inverted > _MOST and (regular < _FEW or impossible > _IMPOSSIBLE):
         raise CalibrationError(
-            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as calibrated; {inverted:.0%} of the pixels "
-            f"have the inverse of such a ratio, and {impossible:.0%} one that no film has. The cameras look swapped: exchange the files of "
-            "[camera1] and [camera2] in run.toml."
+            f"Expected ratios camera2/camera1 between {np.exp(low):.3f} and {np.exp(high):.3f} as "
+            f"calibrated; {inverted:.0%} of the pixels have the inverse of such a ratio, and "
+            f"{impossible:.0%} one that no film has. The cameras look swapped: exchange the files "
+            "of [camera1] and [camera2] in run.toml."
         )
+
+
+def _share_ratios(log_ratio: Image, std: Image, calibration: Calibration) -> RatioShares:
+    low, high = calibration.predict_log(calibration.thickness_range)
+    margin = _MARGIN * (high - low)
+
+    # no film, however thick, has a ratio above K p/q
+    K, p, q = calibration.parameters
+    gradient = np.array([1 / K, 1 / p, -1 / q])
+    ceiling_std = np.sqrt(gradient @ calibration.covariance @ gradient)
+    ceiling = np.log(K * p / q) + _SIGMAS * ceiling_std
+    return RatioShares(
+        float(((log_ratio > low - margin) & (log_ratio < high + margin)).mean()),
+        float(((-log_ratio > low - margin) & (-log_ratio < high + margin)).mean()),
+        float((log_ratio - _SIGMAS * std > ceiling).mean()),
+    )

@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 
 from erlif.core.arrays import Array
 from erlif.files import settings_of
-from erlif.kinematics import build_mechanism
 from erlif.models.mechanism import SliderCrank
+from erlif.pipeline.joint import build_mechanism
 from erlif.plots.style import (
     COVERAGE,
     MEAN,

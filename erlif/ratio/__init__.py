@@ -2,7 +2,9 @@
 
 from erlif.ratio.accumulation import RatioSum, combine_frames
 from erlif.ratio.bubbles import find_bubbles
+from erlif.ratio.camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from erlif.ratio.log_ratio import compute_ratio, log_gradient
+from erlif.ratio.noise_fit import NoiseUnknowns
 from erlif.ratio.sharpness import (
     BlurDifference,
     BlurMoments,
@@ -14,9 +16,13 @@ from erlif.ratio.smoothing import smooth_ratio
 __all__ = [
     "BlurDifference",
     "BlurMoments",
+    "NoiseEstimate",
+    "NoiseUnknowns",
+    "NoiseView",
     "RatioSum",
     "combine_frames",
     "compute_ratio",
+    "estimate_camera_noise",
     "find_bubbles",
     "log_gradient",
     "measure_blur_difference",

@@ -2,5 +2,6 @@
 
 from erlif.thickness.maps import measure_thickness
 from erlif.thickness.measurable import CLEAR, find_range
+from erlif.thickness.pulse import measure_pulse_energy
 
-__all__ = ["CLEAR", "find_range", "measure_thickness"]
+__all__ = ["CLEAR", "find_range", "measure_pulse_energy", "measure_thickness"]

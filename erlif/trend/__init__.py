@@ -1,20 +1,27 @@
 """Maps to statistics, profiles, theory and the speed exponent."""
 
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
+from erlif.trend.gap import GapMinimum, fit_gap_minimum
 from erlif.trend.profile import RigidGap, average_across_sliding, rigid_gap
-from erlif.trend.region import region_mask
+from erlif.trend.region import Region, find_region
 from erlif.trend.statistics import FilmStatistics, summarise_film
-from erlif.trend.theory import predict_film
+from erlif.trend.theory import Joint, Solid, VogelLaw, predict_film
 
 __all__ = [
     "SLOWEST",
     "Exponent",
     "FilmStatistics",
+    "GapMinimum",
+    "Joint",
+    "Region",
     "RigidGap",
+    "Solid",
+    "VogelLaw",
     "average_across_sliding",
+    "find_region",
     "fit_exponent",
+    "fit_gap_minimum",
     "predict_film",
-    "region_mask",
     "rigid_gap",
     "summarise_film",
 ]

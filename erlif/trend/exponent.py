@@ -12,15 +12,22 @@ from erlif.core.arrays import Array
 SLOWEST = 0.1
 """Triggers below this share of the top speed are left out of the speed exponent."""
 
+_LEAST_TRIGGERS = 5
+"""Triggers of a fit of two parameters and a scatter, at least."""
+
 
 @dataclass(frozen=True)
 class Exponent:
-    """Power of |speed|/load that the film follows, with its standard deviation and the film at the mean."""
+    """Power of |speed|/load that the film follows."""
 
     value: float
+    """[1]"""
     std: float
+    """Its standard deviation. [1]"""
     log_scale: float
+    """Logarithm of the film in um at a speed over load of 1 rad s-1 N-1."""
     triggers: int
+    """Triggers of the fit."""
 
 
 def fit_exponent(
@@ -34,36 +41,49 @@ def fit_exponent(
 ) -> Exponent:
     """Fit film = c (|speed|/load)^n through its logarithms.
 
-    Triggers slower than a tenth of the fastest are left out: there the film lives on squeeze. The scatter about the line
-    decides the weights together with the error bars, and what bends or shifts all films alike adds its share to the standard
-    deviation.
+    Triggers slower than a tenth of the fastest are left out: squeeze carries the film there. The
+    weights follow from the error bars and the scatter about the line together. Errors common to all
+    triggers add their share to the standard deviation.
 
     Parameters
     ----------
     film, random_std : array, (trigger,)
-        Film and the part of its standard deviation that each trigger has for itself. [um]
+        Film and the random part of its standard deviation. [um]
     speed, load : array, (trigger,)
         [rad s-1], [N]
     gradient : array, (trigger, n), optional
-        Change of the film with what all triggers share: the parameters of the calibration, the marks of the surfaces.
+        Change of the film with what all triggers share: the parameters of the calibration, the
+        marks of the surfaces.
     covariance : array, (n, n), optional
-        Of what they share.
+        Covariance of what they share.
 
     Returns
     -------
     Exponent
         NaN where fewer than five triggers can be used.
+
+    Examples
+    --------
+    >>> speed = np.linspace(0.2, 2.5, 20)
+    >>> found = fit_exponent(
+    ...     3.0 * (speed / 200.0) ** 0.62, np.full(20, 0.01), speed=speed, load=np.full(20, 200.0)
+    ... )
+    >>> round(found.value, 6)
+    0.62
     """
     fast = np.abs(speed) >= SLOWEST * np.abs(speed).max()
     use = fast & (film > 0) & np.isfinite(film) & np.isfinite(random_std)
-    if use.sum() < 5:
+    if use.sum() < _LEAST_TRIGGERS:
         return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
+
     x = np.log(np.abs(speed[use]) / load[use])
     y = np.log(film[use])
     own = random_std[use] / film[use]
     design = np.column_stack([np.ones_like(x), x])
+
+    # scatter beyond the error bars is taken as the same relative share of each film
     excess = 0.0
-    for _ in range(20):
+    for _ in range(20):  # fixed-point iteration; it converges in a few steps
         weight = 1 / (own**2 + excess)
         normal = design.T @ (design * weight[:, None])
         line = np.linalg.solve(normal, design.T @ (weight * y))
@@ -71,8 +91,8 @@ def fit_exponent(
         chi_square = float((weight * residual**2).sum()) / (x.size - 2)
         if abs(chi_square - 1) < 1e-3 or (chi_square < 1 and excess == 0.0):
             break
-        # scatter that the error bars do not explain is taken as the same share of each film
         excess = max(excess + (chi_square - 1) / float(weight.mean()), 0.0)
+
     inverse = np.linalg.inv(normal)
     variance = float(inverse[1, 1])
     if gradient is not None and covariance is not None:

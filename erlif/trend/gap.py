@@ -1,9 +1,16 @@
-"""The smooth gap fitted to a map, and its minimum."""
+"""A smooth gap fitted to the ratio of a region, and its minimum.
+
+The gap h = a + b s + c z + d s^2 (s along sliding, z across, both from -1 to 1 over the region) is
+a parabola along sliding with a tilt across. It is fitted to blocks of the measured log ratio by
+iteratively reweighted least squares, so that no pixel is lost to the limits of the measurable range
+and no single pixel decides.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -12,103 +19,207 @@ import numpy.typing as npt
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.products import RatioImages
+from erlif.core.statistics import robust_rms
+from erlif.trend.region import Region
 
-_BLOCK = 8  # pixels averaged before the gap is fitted
-_CLIP = 4.685  # standard deviations off the gap at which a block has lost its say; 95 % efficient where noise is normal
-_LAG = 3  # strips of blocks over which the marks of a surface go together
+BLOCK = 8
+"""Width of the blocks whose log ratio is averaged before the fit. [px]"""
+
+_CLIP = 4.685
+"""Residual from which a block has no weight: 95 % efficient for normal noise. [std]"""
+
+_LAG = 3
+"""Strips of blocks over which the marks of a surface are correlated, at most."""
+
 _STRIPS_PER_LAG = 6
-_LEAST_BLOCKS = 16
+"""Strips that one lag of correlation takes."""
+
+_LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
+"""Blocks in all, and distinct positions along and across sliding, that determine four parameters."""
+
 _MOST_STEPS = 30
+_CONVERGED = 1e-4
+"""Change of the gap below which the iteration ends. [um]"""
+
+_PLAIN_STEPS = 2
+"""First steps, without weights of residuals: the start is too coarse to judge outliers."""
+
+_DECISIVE = 0.2
+"""Biweight (before squaring) above which a block counts towards determining the gap."""
 
 
-def _least_film(
+class GapMinimum(NamedTuple):
+    """Minimum of a smooth gap, with the parts of its standard deviation."""
+
+    value: float
+    """[um]"""
+    random_std: float
+    """From the noise of the ratio. [um]"""
+    surface_std: float
+    """From marks and waviness of the surfaces about a smooth gap. [um]"""
+    gradient: Array
+    """Change with the parameters of the calibration, in the order of
+    `Calibration.full_covariance`."""
+
+
+def fit_gap_minimum(
     ratios: RatioImages,
     calibration: Calibration,
+    *,
     x: Array,
     y: Array,
-    rows: slice,
-    columns: slice,
-    *,
+    region: Region,
     sliding_along_x: bool,
-) -> tuple[float, float, float, Array]:
-    """Fit h = a + b s + c z + d s^2 (s along sliding, z across, both -1 to 1 over the region) to the ratio."""
-    nothing = (math.nan, math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan))
-    blocks = _block_means(ratios, x, y, rows, columns, sliding_along_x=sliding_along_x)
+) -> GapMinimum:
+    """Fit a smooth gap to the ratio of a region and find its minimum within the region.
+
+    Parameters
+    ----------
+    ratios : RatioImages
+        log_ratio, log_ratio_var and flags (y, x).
+    calibration : Calibration
+    x, y : array
+        Pixel positions. [mm]
+    region : Region
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+
+    Returns
+    -------
+    GapMinimum
+        NaN where too few blocks are valid.
+    """
+    blocks = _average_blocks(ratios, x, y, region, sliding_along_x=sliding_along_x)
+    fit = _fit_gap(blocks, calibration)
+    if fit is None:
+        parameters = len(calibration.full_covariance)
+        return GapMinimum(math.nan, math.nan, math.nan, np.full(parameters, math.nan))
+
+    # the minimum lies at the vertex of the parabola where it opens upwards, else at an edge
+    _, b, c, d = fit.gap
+    place = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
+    at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
+
+    # change of the minimum with the ratio of each block, through the reweighted fit
+    per_var = fit.response / fit.total_var
+    curvature = fit.jacobian.T @ (fit.jacobian * per_var[:, None])
+    pull = fit.jacobian @ np.linalg.solve(curvature, at)
+    by_block = pull * fit.response / fit.total_var
+
+    score = pull * fit.weight * fit.residual
+    random = float((score**2 * blocks.variance / fit.total_var).sum())
+    total = max(
+        _variance_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)
+    )
+    return GapMinimum(
+        float(at @ fit.gap),
+        math.sqrt(random),
+        math.sqrt(max(total - random, 0.0)),
+        np.asarray(-calibration.gradient(fit.film) @ by_block),
+    )
+
+
+def noise_correlation(ratios: RatioImages) -> float:
+    """Variance of a mean over many pixels, relative to that of pixels with independent noise. [1]"""
+    return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Log ratio averaged over blocks; positions run from -1 to 1 over the region."""
+
+    log_ratio: Array
+    variance: Array
+    along: Array
+    along_squared: Array
+    across: Array
+    strip_along: npt.NDArray[np.intp]
+    """Number of the strip of blocks that runs along sliding."""
+    strip_across: npt.NDArray[np.intp]
+    """Number of the strip that runs across."""
+
+
+@dataclass(frozen=True)
+class _GapFit:
+    """The state of the fit at its last step; arrays are (block,)."""
+
+    gap: Array
+    """a, b, c, d. [um]"""
+    film: Array
+    """[um]"""
+    residual: Array
+    """Of the log ratio. [1]"""
+    weight: Array
+    total_var: Array
+    """Variance of the log ratio, noise and surfaces together. [1]"""
+    response: Array
+    """Derivative of weighted residual to residual, of the biweight."""
+    jacobian: Array
+    """Log ratio to parameters, (block, 4). [1/um]"""
+
+
+def _fit_gap(blocks: _Blocks, calibration: Calibration) -> _GapFit | None:
+    """Fit the four parameters of the gap; None where the blocks do not determine them."""
     value, noise = blocks.log_ratio, blocks.variance
     low, high = calibration.thickness_range
     design = np.column_stack(
         [np.ones_like(value), blocks.along, blocks.across, blocks.along_squared]
     )
+
+    # start from the blocks within the calibrated range, inverted one by one
     limits = calibration.predict_log([low, high])
-    start = np.interp(
-        value, calibration.predict_log(np.linspace(low, high, 500)), np.linspace(low, high, 500)
-    )
+    grid = np.linspace(low, high, 500)
+    start = np.interp(value, calibration.predict_log(grid), grid)
     use = (value > limits[0]) & (value < limits[1])
     if not _determine_a_gap(blocks, use):
-        return nothing
+        return None
     gap = np.linalg.lstsq(design[use], start[use], rcond=None)[0]
+
     trust = use.astype(float)
+    response = trust
     surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
     for step in range(_MOST_STEPS):
         film = np.clip(design @ gap, low - 0.5, 1.5 * high)
         slope = calibration.slope(film)
         residual = value - calibration.predict_log(film)
-        if step >= 2:
-            # choose by the fitted gap, never by the noisy value, so that the choice leaves no bias
+
+        if step >= _PLAIN_STEPS:
+            # blocks are chosen by the fitted gap, not by their noisy value, to leave no bias
             use = film < high
             if not _determine_a_gap(blocks, use):
-                return nothing
+                return None
             surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
-            # biweight (Beaton and Tukey 1974): scratches, dust and unseen bubbles lose their say
+
+            # biweight (Beaton and Tukey 1974) against scratches, dust and bubbles
             square = np.clip(1 - (residual / _CLIP) ** 2 / (noise + slope**2 * surface), 0, None)
             trust = np.where(use, square**2, 0.0)
-            if not _determine_a_gap(blocks, square > 0.2):
-                return nothing
-            response = np.where(
-                use, square * (5 * square - 4), 0.0
-            )  # of trust times residual to the residual
-        weight = trust / (noise + slope**2 * surface)
+            if not _determine_a_gap(blocks, square > _DECISIVE):
+                return None
+            response = np.where(use, square * (5 * square - 4), 0.0)
+
+        total_var = noise + slope**2 * surface
+        weight = trust / total_var
         jacobian = design * slope[:, None]
         normal = jacobian.T @ (jacobian * weight[:, None])
         change = np.linalg.solve(normal, jacobian.T @ (weight * residual))
         gap = gap + change
-        if step > 2 and np.abs(change).max() < 1e-4:
+        if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
             break
-    _, b, c, d = gap
-    place = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
-    at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
-    curvature = jacobian.T @ (jacobian * (response / (noise + slope**2 * surface))[:, None])
-    pull = jacobian @ np.linalg.solve(curvature, at)
-    by_block = (
-        pull * response / (noise + slope**2 * surface)
-    )  # change of the least film with the ratio of each block
-    score = pull * weight * residual
-    random = float((score**2 * noise / (noise + slope**2 * surface)).sum())
-    total = max(
-        _variance_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)
-    )
-    by_parameter = -calibration.gradient(film) @ by_block
-    return (
-        float(at @ gap),
-        math.sqrt(random),
-        math.sqrt(max(total - random, 0.0)),
-        np.asarray(by_parameter),
-    )
+    return _GapFit(gap, film, residual, weight, total_var, response, jacobian)
 
 
 def _determine_a_gap(blocks: _Blocks, use: Mask) -> bool:
-    """Whether the chosen blocks tell a parabola along sliding and a tilt across."""
-    along, across = (
-        np.unique(strip[use]).size for strip in (blocks.strip_across, blocks.strip_along)
-    )
-    return bool(use.sum() >= _LEAST_BLOCKS and along >= 4 and across >= 3)
+    """Whether the chosen blocks determine a parabola along sliding and a tilt across."""
+    along = np.unique(blocks.strip_across[use]).size
+    across = np.unique(blocks.strip_along[use]).size
+    return bool(use.sum() >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
 
 
 def _excess_variance(residual: Array, variance: Array) -> float:
-    """Variance that residuals have beyond their own, by their median absolute deviation."""
+    """Variance of residuals beyond their own, by their median absolute deviation."""
     excess = 0.0
-    for _ in range(20):
-        scale = 1.4826 * float(np.median(np.abs(residual) / np.sqrt(variance + excess)))
+    for _ in range(20):  # fixed-point iteration; it converges in five to ten
+        scale = robust_rms(residual / np.sqrt(variance + excess))
         change = (scale**2 - 1) * float(np.median(variance + excess))
         excess = max(excess + change, 0.0)
         if abs(change) < 1e-3 * float(np.median(variance)) or excess == 0.0:
@@ -117,57 +228,48 @@ def _excess_variance(residual: Array, variance: Array) -> float:
 
 
 def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
-    """Variance of a sum whose terms go together within a strip and, less and less, with the next strips (Newey and West 1987).
+    """Variance of a sum whose terms are correlated within a strip and, less, with the next strips.
 
-    The fit has taken from few strips a good part of what they share, so their number is corrected for, and where there are few,
-    each is taken by itself.
+    The estimator is that of Newey and West (1987). A fit to few strips absorbs a good part of what
+    their blocks have in common: their number is corrected for, and few strips count singly.
     """
     sums = np.bincount(strip, score)
     count = np.unique(strip).size
     lags = min(max(count // _STRIPS_PER_LAG, 1), _LAG)
+
     total = float((sums**2).sum())
     for lag in range(1, lags):
         total += 2 * (1 - lag / lags) * float((sums[lag:] * sums[:-lag]).sum())
     return total * count / (count - 1)
 
 
-@dataclass(frozen=True)
-class _Blocks:
-    """Log ratio averaged over blocks; places along and across sliding run from -1 to 1 over the region."""
-
-    log_ratio: Array
-    variance: Array
-    along: Array
-    along_squared: Array
-    across: Array
-    strip_along: npt.NDArray[np.intp]  # number of the strip that runs along sliding
-    strip_across: npt.NDArray[np.intp]
-
-
-def _block_means(
-    ratios: RatioImages, x: Array, y: Array, rows: slice, columns: slice, *, sliding_along_x: bool
+def _average_blocks(
+    ratios: RatioImages, x: Array, y: Array, region: Region, *, sliding_along_x: bool
 ) -> _Blocks:
-    """Average the log ratio over blocks, all pixels of a block alike: weights would go with the noise of its pixels."""
+    """Average the log ratio over blocks with equal weights: others would depend on the noise."""
+    rows, columns = region.rows, region.columns
     total = _sum_blocks(
         ratios.log_ratio.values[rows, columns],
         ratios.log_ratio_var.values[rows, columns],
         ratios.flags.values[rows, columns],
         np.linspace(-1, 1, x[columns].size),
         np.linspace(-1, 1, y[rows].size),
-        _BLOCK,
+        BLOCK,
     )
     full = total[0] > 0
     down, right = np.nonzero(full)
     count = total[0, full]
     log_ratio, variance, u, uu, v, vv = total[1:, full] / count
-    variance *= _correlation(ratios)
-    along = (u, uu, v, down, right) if sliding_along_x else (v, vv, u, right, down)
-    return _Blocks(log_ratio, variance / count, *along)
+    variance *= noise_correlation(ratios)
+
+    if sliding_along_x:
+        return _Blocks(log_ratio, variance / count, u, uu, v, down, right)
+    return _Blocks(log_ratio, variance / count, v, vv, u, right, down)
 
 
 @numba.njit(nogil=True, cache=True)
 def _sum_blocks(log_ratio, variance, flags, u, v, block):  # type: ignore[no-untyped-def]
-    """Count, log ratio, variance, u, u squared, v and v squared, summed over the sound pixels of each block."""
+    """Sums over the valid pixels of each block: count, log ratio, variance, u, u^2, v, v^2."""
     height, width = log_ratio.shape
     total = np.zeros((7, (height + block - 1) // block, (width + block - 1) // block))
     for i in range(height):
@@ -182,8 +284,3 @@ def _sum_blocks(log_ratio, variance, flags, u, v, block):  # type: ignore[no-unt
                 here[5] += v[i]
                 here[6] += v[i] ** 2
     return total
-
-
-def _correlation(ratios: RatioImages) -> float:
-    """By how much the variance of a mean over pixels exceeds that of independent ones."""
-    return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0

@@ -1,4 +1,4 @@
-"""The profile of a map along sliding, and the rigid gap laid through it."""
+"""The profile of a map along sliding, and the gap of rigid bodies fitted to it."""
 
 from __future__ import annotations
 
@@ -12,38 +12,44 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
 from erlif.core.flags import Flag
+from erlif.core.statistics import robust_rms
 from erlif.files import check_trigger, region_of, settings_of
 from erlif.models.contact import conformal_radius
 
 _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
 
+_MOST_BEYOND = 0.02
+"""Share of a line of pixels outside the measurable range above which the rest is a biased sample."""
 
-_MOST_BEYOND = (
-    0.02  # of a line of pixels; with more of them beyond the range, what is left is no fair sample
-)
+_LEAST_VALID = 0.25
+"""Share of valid pixels of a line, at least."""
 
+_BLOCK = 8
+"""Pixels averaged before the gap is fitted: machining marks correlate closer neighbours. [px]"""
 
-_LEAST_VALID = 0.25  # of a line of pixels
-_BLOCK = 8  # pixels; machining marks make closer neighbours alike
+_LEAST_BLOCKS = 6
 
 
 def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
-    """Profile of the film along the sliding direction, averaged over the axial extent of the region of interest.
+    """Profile of the film along sliding, averaged over the axial extent of the region of interest.
 
-    The ratio is averaged and turned into thickness afterwards: noise then leaves no bias where the inverse of the ratio is curved.
-    All pixels weigh alike, because weights would favour those that noise makes thin.
+    The log ratio is averaged and then inverted: noise leaves no bias where the inverse is curved.
+    All pixels have equal weights, because weights by their error bars would favour the pixels that
+    noise makes thin.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
     trigger : int
+        Counted from 0.
 
     Returns
     -------
     xarray.Dataset
-        On dim position [mm]: thickness, thickness_std (random) and thickness_std_shared [um]. NaN where fewer than a quarter of the
-        pixels answer, or more than 2 % lie beyond the calibrated range.
+        On dim position [mm]: thickness, thickness_std (random) and thickness_std_shared [um]. NaN
+        where fewer than a quarter of the pixels are valid, or more than 2 % lie outside the
+        measurable range.
 
     Raises
     ------
@@ -55,20 +61,21 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     calibration, region = calibration_of(film), region_of(film)
     low, high = getattr(region, axial)
     inside = (film[axial].values >= low) & (film[axial].values <= high)
-    one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
-        trigger=trigger
-    )
+    names = ["thickness", "thickness_std", "thickness_std_shared", "flags"]
+    one = film[names].isel(trigger=trigger)
     one = one.transpose(axial, sliding).isel({axial: inside}).load()
+
     flags = one.flags.values
     good = flags == 0
     thickness = np.where(good, one.thickness.values.astype(float), 1.0)
     log_ratio = np.where(good, calibration.predict_log(thickness), 0.0)
     variance = np.where(good, one.thickness_std.values.astype(float), 0.0) ** 2
+
     beyond = ((flags & _RANGE_FLAGS) != 0).sum(axis=0)
-    use = (good.mean(axis=0) >= _LEAST_VALID) & (
-        beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond)
-    )
-    total = np.where(use, good.sum(axis=0), np.nan)
+    enough = good.mean(axis=0) >= _LEAST_VALID
+    unbiased = beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond)
+    total = np.where(enough & unbiased, good.sum(axis=0), np.nan)
+
     table = calibration.inverse
     grid = table.start + table.step * np.arange(table.thickness.size)
     mean = np.interp(log_ratio.sum(axis=0) / total, grid, table.thickness)
@@ -85,7 +92,7 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
             "thickness_std_shared": (
                 "position",
                 shared.sum(axis=0) / total,
-                {"units": "um", "long_name": "its standard deviation, what all pixels share"},
+                {"units": "um", "long_name": "its standard deviation, common to all pixels"},
             ),
         },
         {
@@ -98,46 +105,25 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     )
 
 
-def _scatter(values: Array, std: Array) -> float:
-    """Scatter of a smooth line over its error bars, at least 1, from second differences of neighbours.
-
-    Camera 2 is interpolated, so the noise of neighbouring rows is alike and averages out less than that of single pixels.
-    """
-    difference = values[:-2] - 2 * values[1:-1] + values[2:]
-    expected = np.sqrt(std[:-2] ** 2 + 4 * std[1:-1] ** 2 + std[2:] ** 2)
-    found = np.abs(difference / expected)
-    found = found[np.isfinite(found)]
-    return max(1.0, 1.4826 * float(np.median(found))) if found.size > 8 else 1.0
-
-
 @dataclass(frozen=True)
 class RigidGap:
-    """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), laid through a profile.
-
-    Attributes
-    ----------
-    least : float
-        h_min. [um]
-    place : float
-        x_min. [mm]
-    radius : float
-        Conformal radius R of pin and bushing. [m]
-    curvature, curvature_std : float
-        Second derivative of a parabola left free, with its standard deviation from scatter and calibration, to be held
-        against 1/R. [um/mm2]
-    """
+    """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), as fitted."""
 
     least: float
+    """h_min. [um]"""
     place: float
+    """x_min. [mm]"""
     radius: float
+    """Conformal radius R of pin and bushing. [m]"""
     curvature: float
+    """Second derivative of a parabola with free curvature, for comparison with 1/R. [um/mm2]"""
     curvature_std: float
+    """Its standard deviation, from scatter and calibration. [um/mm2]"""
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""
-        return self.least + (np.asarray(position, float) - self.place) ** 2 / (
-            2 * self.radius
-        )  # mm2/m = um
+        away = np.asarray(position, float) - self.place
+        return self.least + away**2 / (2 * self.radius)  # mm2/m = um
 
 
 def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
@@ -153,27 +139,31 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     Returns
     -------
     RigidGap or None
-        None where fewer than six blocks of eight pixels answer.
+        None where fewer than six blocks of eight pixels are valid.
     """
     joint = settings_of(film).joint
     radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
+
     x, h, std = (profile[name].values for name in ("position", "thickness", "thickness_std"))
     block = np.arange(x.size) // _BLOCK
     use = np.isfinite(h)
     weight = np.bincount(block[use], std[use] ** -2.0)
     full = weight > 0
-    if full.sum() < 6:
+    if full.sum() < _LEAST_BLOCKS:
         return None
     x, h = (
         np.bincount(block[use], values[use] / std[use] ** 2)[full] / weight[full]
         for values in (x, h)
     )
+
+    # level and slope with the curvature of the radii, and all three free
     root = np.sqrt(weight[full])
     middle = float(x.mean())
     design = np.column_stack([np.ones_like(x), x - middle, (x - middle) ** 2 / 2])
     rest = h - design[:, 2] / radius
     level, slope = np.linalg.lstsq(design[:, :2] * root[:, None], rest * root, rcond=None)[0]
     solve = np.linalg.pinv(design * root[:, None])
+
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
     calibration = calibration_of(film)
@@ -189,3 +179,16 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
         curvature=float(solve[2] @ (root * h)),
         curvature_std=math.sqrt(variance),
     )
+
+
+def _scatter(values: Array, std: Array) -> float:
+    """Scatter of a smooth line over its error bars, at least 1, from second differences.
+
+    Camera 2 is interpolated: the noise of neighbouring rows is correlated and averages out less
+    than that of independent pixels.
+    """
+    difference = values[:-2] - 2 * values[1:-1] + values[2:]
+    expected = np.sqrt(std[:-2] ** 2 + 4 * std[1:-1] ** 2 + std[2:] ** 2)
+    found = np.abs(difference / expected)
+    found = found[np.isfinite(found)]
+    return max(1.0, robust_rms(found)) if found.size > 8 else 1.0

@@ -1,32 +1,71 @@
-"""The region of interest."""
+"""The region of interest: the rows and columns whose film is summed up."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
-from erlif.settings import RunSettings
+
+_SMALLEST = 32
+"""Least width and height: four blocks of eight pixels for the fit of the gap. [px]"""
+
+Interval = tuple[float, float]
 
 
-def region_mask(settings: RunSettings, x: Array, y: Array) -> tuple[slice, slice]:
+@dataclass(frozen=True)
+class Region:
+    """A rectangle of pixels."""
+
+    rows: slice
+    columns: slice
+
+
+def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = None) -> Region:
     """Rows and columns of the region of interest.
+
+    Parameters
+    ----------
+    x : array, (column,)
+        Pixel positions. [mm]
+    y : array, (row,)
+        Pixel positions, downwards. [mm]
+    roi : ((x_low, x_high), (y_low, y_high)), optional
+        Bounds, included. Default: all of the image. [mm]
+
+    Returns
+    -------
+    Region
 
     Raises
     ------
     ConfigError
         If fewer than 32 x 32 pixels of the image lie in it.
+
+    Examples
+    --------
+    >>> position = np.arange(100) * 0.1
+    >>> find_region(position, position, roi=((1.0, 5.0), (0.0, 9.0))).columns
+    slice(10, 51, None)
     """
-    roi = settings.thickness.roi
     if roi is None:
-        return slice(0, y.size), slice(0, x.size)
-    columns = slice(
-        int(np.searchsorted(x, roi.x[0])), int(np.searchsorted(x, roi.x[1], side="right"))
-    )
-    rows = slice(int(np.searchsorted(y, roi.y[0])), int(np.searchsorted(y, roi.y[1], side="right")))
-    if columns.stop - columns.start < 32 or rows.stop - rows.start < 32:
+        return Region(slice(0, y.size), slice(0, x.size))
+
+    across, down = roi
+    columns = _slice_between(x, across)
+    rows = _slice_between(y, down)
+    if columns.stop - columns.start < _SMALLEST or rows.stop - rows.start < _SMALLEST:
         raise ConfigError(
-            f"Expected a region of interest of at least 32 x 32 pixels within the image, x 0 to {x[-1]:.2f} mm and y 0 to "
-            f"{y[-1]:.2f} mm; [thickness] roi is x = [{roi.x[0]:g}, {roi.x[1]:g}], y = [{roi.y[0]:g}, {roi.y[1]:g}]."
+            f"Expected a region of interest of at least {_SMALLEST} x {_SMALLEST} pixels within "
+            f"the image, x 0 to {x[-1]:.2f} mm and y 0 to {y[-1]:.2f} mm; [thickness] roi is "
+            f"x = [{across[0]:g}, {across[1]:g}], y = [{down[0]:g}, {down[1]:g}]."
         )
-    return rows, columns
+    return Region(rows, columns)
+
+
+def _slice_between(position: Array, bounds: Interval) -> slice:
+    low, high = bounds
+    first = int(np.searchsorted(position, low))
+    return slice(first, int(np.searchsorted(position, high, side="right")))

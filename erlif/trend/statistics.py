@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,38 +12,48 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps, require
-from erlif.trend.gap import _BLOCK, _correlation, _least_film
+from erlif.trend.gap import BLOCK, fit_gap_minimum, noise_correlation
+from erlif.trend.region import Region
+
+_LEAST_PIXELS = 64
+"""Measurable pixels of a mean, at least."""
+
+_BINS = 4000
+"""Bins of log ratio over the calibrated range: 0.02 % of it each, far below the noise of a pixel."""
 
 
 @dataclass(frozen=True)
 class FilmStatistics:
-    """Film of one trigger, summed up over the region of interest.
-
-    Attributes
-    ----------
-    mean, mean_std, minimum, minimum_std : float
-        [um]; the standard deviations hold random and shared errors.
-    mean_gradient, minimum_gradient : array, (parameter,)
-        Change of mean and minimum with what was fitted to the fixture, in the order of `Calibration.full_covariance`.
-    mean_random_std, minimum_random_std : float
-        Parts of them that are new at every trigger. [um]
-    minimum_surface_std : float
-        Part of minimum_std that the surfaces leave, marks and waviness about a smooth gap; the same at every trigger. [um]
-    censored : float
-        Share of the region whose film is too thin or too thick to be answered. The mean is that of the rest and leans to the
-        other side; the minimum is not touched. [1]
-    """
+    """Film thickness of one trigger, over the region of interest."""
 
     mean: float
+    """[um]"""
     mean_std: float
+    """Random and shared errors together. [um]"""
     mean_random_std: float
+    """The part of it that is new at every trigger. [um]"""
     mean_gradient: Array
+    """Change of the mean with what was fitted to the fixture, (parameter,), in the order of
+    `Calibration.full_covariance`."""
     minimum: float
+    """Minimum of a smooth gap. [um]"""
     minimum_std: float
+    """Random and shared errors together, marks of the surfaces included. [um]"""
     minimum_random_std: float
+    """The part of it that is new at every trigger. [um]"""
     minimum_surface_std: float
+    """The part that marks and waviness of the surfaces leave, the same at every trigger. [um]"""
     minimum_gradient: Array
-    censored: float
+    """As mean_gradient, for the minimum."""
+    beyond_range: float
+    """Share of the region outside the measurable range. The mean is that of the rest; the minimum
+    is not affected. [1]"""
+
+
+class _Mean(NamedTuple):
+    value: float
+    random_std: float
+    gradient: Array
 
 
 def summarise_film(
@@ -52,27 +63,24 @@ def summarise_film(
     *,
     x: Array,
     y: Array,
-    rows: slice,
-    columns: slice,
+    region: Region,
     sliding_along_x: bool = True,
 ) -> FilmStatistics:
-    """Mean and least film of one trigger over a region.
+    """Mean and minimum film thickness of one trigger over a region.
 
-    The mean is that of the film within the range, freed of the bias that noise leaves where the inverse of the ratio is curved. The
-    minimum is that of a smooth gap, a parabola along the sliding direction plus a tilt across it, whose ratio is fitted to
-    the measured ratio with weights: no pixel is lost to the limits of the range, and none is trusted alone.
+    The mean is that of the measurable film, corrected for the bias that noise causes where the
+    inverse of the ratio is curved. The minimum is that of a smooth gap (`erlif.trend.gap`).
 
     Parameters
     ----------
     ratios : RatioImages
-        log_ratio (y, x) of the trigger.
+        log_ratio (y, x) of the trigger, its variances and flags.
     maps : ThicknessMaps
-        What `measure_thickness` made of it.
+        The maps that `measure_thickness` made of them.
     calibration : Calibration
     x, y : array
         Pixel positions. [mm]
-    rows, columns : slice
-        The region of interest.
+    region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.
 
@@ -80,77 +88,83 @@ def summarise_film(
     -------
     FilmStatistics
         NaN where the region holds too few valid pixels.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
-    mean, mean_random, mean_gradient = _mean_film(ratios, maps, calibration, rows, columns)
-    minimum, minimum_random, minimum_surface, minimum_gradient = _least_film(
-        ratios, calibration, x, y, rows, columns, sliding_along_x=sliding_along_x
+    mean = _average_film(ratios, maps, calibration, region)
+    minimum = fit_gap_minimum(
+        ratios, calibration, x=x, y=y, region=region, sliding_along_x=sliding_along_x
     )
+
     covariance = calibration.full_covariance
+    mean_shared = float(mean.gradient @ covariance @ mean.gradient)
+    minimum_shared = float(minimum.gradient @ covariance @ minimum.gradient)
     return FilmStatistics(
-        mean,
-        math.sqrt(mean_random**2 + float(mean_gradient @ covariance @ mean_gradient)),
-        mean_random,
-        mean_gradient,
-        minimum,
-        math.sqrt(
-            minimum_random**2
-            + minimum_surface**2
-            + float(minimum_gradient @ covariance @ minimum_gradient)
-        ),
-        minimum_random,
-        minimum_surface,
-        minimum_gradient,
-        _share_beyond_range(maps.flags.values[rows, columns]),
+        mean=mean.value,
+        mean_std=math.sqrt(mean.random_std**2 + mean_shared),
+        mean_random_std=mean.random_std,
+        mean_gradient=mean.gradient,
+        minimum=minimum.value,
+        minimum_std=math.sqrt(minimum.random_std**2 + minimum.surface_std**2 + minimum_shared),
+        minimum_random_std=minimum.random_std,
+        minimum_surface_std=minimum.surface_std,
+        minimum_gradient=minimum.gradient,
+        beyond_range=_share_beyond_range(maps.flags.values[region.rows, region.columns]),
     )
 
 
 def _share_beyond_range(flags: FlagImage) -> float:
-    """Share of the pixels with light and without other fault whose film lies beyond the range of the calibration."""
+    """Share of the otherwise valid pixels whose film lies outside the measurable range."""
     beyond = (flags == Flag.BELOW_RANGE) | (flags == Flag.ABOVE_RANGE)
     sound = int((flags == 0).sum()) + int(beyond.sum())
     return float(beyond.sum()) / sound if sound else 0.0
 
 
-def _mean_film(
-    ratios: RatioImages, maps: ThicknessMaps, calibration: Calibration, rows: slice, columns: slice
-) -> tuple[float, float, Array]:
-    """Mean over the pixels within the range, whatever their own noise made of them.
+def _average_film(
+    ratios: RatioImages, maps: ThicknessMaps, calibration: Calibration, region: Region
+) -> _Mean:
+    """Mean over the pixels of the measurable range, independent of the noise of single pixels.
 
-    The inverse of the ratio is taken about the mean ratio of each pixel's surroundings, to second order in what the pixel differs
-    from that: h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2, whose mean is that of the film however large the noise is.
+    The inverse h of the log ratio r is expanded about the mean log ratio m of the surroundings of
+    each pixel, h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film
+    whatever the size of the noise.
     """
-    near = maps.log_ratio_near.values[rows, columns]
+    within = region.rows, region.columns
+    near = maps.log_ratio_near.values[within]
     good = np.isfinite(near)
-    if good.sum() < 64:
-        return math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan)
+    if good.sum() < _LEAST_PIXELS:
+        return _Mean(math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan))
     near = near[good].astype(float)
-    off = ratios.log_ratio.values[rows, columns][good] - near
-    variance = ratios.log_ratio_var.values[rows, columns][good].astype(float)
-    displaced = ratios.log_ratio_var_shared.values[rows, columns][good].astype(float)
-    # film, slope, curvature and gradient change slowly with the ratio: evaluate them once per narrow bin
+    off = ratios.log_ratio.values[within][good] - near
+    variance = ratios.log_ratio_var.values[within][good].astype(float)
+    displaced = ratios.log_ratio_var_shared.values[within][good].astype(float)
+
+    # film, slope, curvature and gradient change slowly with the ratio: evaluate them once per bin
     first, last = calibration.predict_log(calibration.thickness_range)
-    bins = 4000
-    place = np.clip(((near - first) * (bins / (last - first))).astype(np.intp), 0, bins - 1)
-    centre = first + (np.arange(bins) + 0.5) * (last - first) / bins
+    place = np.clip(((near - first) * (_BINS / (last - first))).astype(np.intp), 0, _BINS - 1)
+    centre = first + (np.arange(_BINS) + 0.5) * (last - first) / _BINS
     table = calibration.inverse
-    film = np.interp(
-        centre, table.start + table.step * np.arange(table.thickness.size), table.thickness
-    )
+    grid = table.start + table.step * np.arange(table.thickness.size)
+    film = np.interp(centre, grid, table.thickness)
     rate = 1 / calibration.slope(film)
-    curvature = np.gradient(rate, centre)  # of thickness over the logarithm of the ratio
-    count = np.bincount(place, minlength=bins)
+    curvature = np.gradient(rate, centre)
+
+    count = np.bincount(place, minlength=_BINS)
     size = near.size
     off += near - centre[place]
-    linear, square = (np.bincount(place, values, bins) for values in (off, off**2 - variance))
+    linear = np.bincount(place, off, _BINS)
+    square = np.bincount(place, off**2 - variance, _BINS)
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
     gradient = -(calibration.gradient(film) * rate * count).sum(axis=1) / size
-    random = (
-        math.sqrt(
-            _correlation(ratios) * float((rate**2 * np.bincount(place, variance, bins)).sum())
-        )
-        / size
-    )
-    registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, bins)).sum())) / size
-    # neighbours share the displacement error but not the sign of the gradient it meets: correlated over about 8 pixels
-    return mean, math.hypot(random, _BLOCK * registration), gradient
+
+    noise = float((rate**2 * np.bincount(place, variance, _BINS)).sum())
+    random = math.sqrt(noise_correlation(ratios) * noise) / size
+
+    # the error of the displacement is common to neighbours, the gradient of light that it acts on
+    # is not: the product is correlated over about one block
+    registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, _BINS)).sum())) / size
+    return _Mean(mean, math.hypot(random, BLOCK * registration), gradient)

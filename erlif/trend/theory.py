@@ -2,76 +2,131 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.products import require
-from erlif.kinematics import entrained_stroke
 from erlif.models.contact import conformal_radius, contact_modulus
 from erlif.models.film import dowson_higginson_film, film_parameter, line_contact_film
 from erlif.models.oil import vogel_viscosity
-from erlif.settings import RunSettings
+
+_ZERO_CELSIUS = 273.15
 
 
-def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
-    """Film that theory expects at the speed and load of each trigger.
+@dataclass(frozen=True)
+class Solid:
+    """One side of the joint."""
+
+    youngs_modulus: float
+    """[Pa]"""
+    poissons_ratio: float
+    """[1]"""
+    roughness: float | None = None
+    """rms. [m]"""
+
+
+@dataclass(frozen=True)
+class VogelLaw:
+    """Viscosity a exp(b / (T - c))."""
+
+    a: float
+    """[Pa s]"""
+    b: float
+    """[K]"""
+    c: float
+    """[degC]"""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The loaded joint and its oil."""
+
+    pin_radius: float
+    """[m]"""
+    bushing_radius: float
+    """[m]"""
+    length: float
+    """Loaded length along the axis. [m]"""
+    pin: Solid
+    bushing: Solid
+    viscosity: float | VogelLaw
+    """Dynamic viscosity [Pa s], or its law with temperature."""
+    pressure_viscosity: float
+    """Barus coefficient. [1/Pa]"""
+    stroke: float = math.inf
+    """Travel of the entrained oil in half a cycle. [m]"""
+
+    @property
+    def radius(self) -> float:
+        """Conformal radius of pin and bushing. [m]"""
+        return float(conformal_radius(self.pin_radius, bushing_radius=self.bushing_radius))
+
+
+def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
+    """Film thickness expected at the speed and load of each trigger.
 
     Parameters
     ----------
     triggers : xarray.Dataset
-        sliding_speed [m s-1], load [N], and temperature [degree_Celsius] where the oil follows Vogel's law; dim trigger.
-    settings : RunSettings
+        sliding_speed [m s-1] and load [N]; temperature [degree_Celsius] where the viscosity follows
+        Vogel's law; film_min [um] for the film parameter; dim trigger.
+    joint : Joint
 
     Returns
     -------
     xarray.Dataset
-        film_hamrock_dowson, the 2.65 line-contact formula [um]; film_theory, what the regime map selects [um], with its regimes and
-        limits as attributes; film_parameter [1] where roughness is given.
+        film_hamrock_dowson, the 2.65 line-contact formula [um]; film_theory, the film of the
+        governing regime [um], with regimes and limits as attributes; film_parameter [1] where
+        roughness and film_min are given.
+
+    Raises
+    ------
+    ConfigError
+        If Vogel's law has no temperature.
+    ErlifError
+        If speed or load is missing.
+
+    Examples
+    --------
+    >>> acrylic = Solid(2.7e9, 0.37)
+    >>> joint = Joint(33.36e-3, 33.59e-3, 0.237, acrylic, acrylic, 0.12, 12.4e-9)
+    >>> at = xr.Dataset({"sliding_speed": ("trigger", [0.0842]), "load": ("trigger", [222.4])})
+    >>> predict_film(at, joint).film_theory.attrs["regime"]
+    'isoviscous-rigid'
     """
     require(triggers, "sliding_speed", "load")
-    joint, oil = settings.joint, settings.oil
-    radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
-    modulus = contact_modulus(
-        joint.pin.youngs_modulus,
-        poisson_1=joint.pin.poissons_ratio,
-        youngs_2=joint.bushing.youngs_modulus,
-        poisson_2=joint.bushing.poissons_ratio,
-    )
-    if oil.vogel is not None:
-        if "temperature" not in triggers:
-            raise ConfigError(
-                "Expected a column temperature_C in the encoder log, because [oil] gives the viscosity by Vogel's law; there is none. Log the "
-                'temperature, or give viscosity = "0.12 Pa s".'
-            )
-        viscosity = np.asarray(
-            vogel_viscosity(
-                triggers.temperature.values + 273.15,
-                a=oil.vogel.a,
-                b=oil.vogel.b,
-                c=oil.vogel.c + 273.15,
-            )
-        )
-    else:
-        viscosity = np.full(triggers.sizes["trigger"], oil.viscosity)
     contact = {
         "load_per_length": triggers["load"].values / joint.length,
-        "viscosity": viscosity,
-        "pressure_viscosity": oil.pressure_viscosity,
-        "radius": radius,
-        "contact_modulus": modulus,
+        "viscosity": _viscosity(triggers, joint.viscosity),
+        "pressure_viscosity": joint.pressure_viscosity,
+        "radius": joint.radius,
+        "contact_modulus": contact_modulus(
+            joint.pin.youngs_modulus,
+            poisson_1=joint.pin.poissons_ratio,
+            youngs_2=joint.bushing.youngs_modulus,
+            poisson_2=joint.bushing.poissons_ratio,
+        ),
     }
-    speed = (
-        triggers.sliding_speed.values / 2
-    )  # the bushing surface rests: entrainment is half the sliding speed
-    theory = line_contact_film(speed, stroke=entrained_stroke(settings), **contact)
+
+    # the surface of the bushing rests: the entrainment speed is half the sliding speed
+    speed = triggers.sliding_speed.values / 2
+    theory = line_contact_film(speed, stroke=joint.stroke, **contact)
+    formula = dowson_higginson_film(speed, **contact)
+
+    # film_theory is named after the regime of most triggers
     regimes, count = np.unique(np.asarray(theory.regime), return_counts=True)
     chosen = str(regimes[np.argmax(count)])
+    gV, gE = float(np.median(theory.gV)), float(np.median(theory.gE))
     predicted = xr.Dataset(
         {
             "film_hamrock_dowson": (
                 "trigger",
-                1e6 * np.asarray(dowson_higginson_film(speed, **contact)),
+                1e6 * np.asarray(formula),
                 {"units": "um", "long_name": "line-contact formula, 2.65 G^0.54 U^0.7 W^-0.13"},
             ),
             "film_theory": (
@@ -83,24 +138,35 @@ def predict_film(triggers: xr.Dataset, settings: RunSettings) -> xr.Dataset:
                     "regime": chosen,
                     "regimes_by_trigger": " ".join(str(name) for name in np.asarray(theory.regime)),
                     "reason": "the largest of the four line-contact asymptotes governs; "
-                    f"gV = {float(np.median(theory.gV)):.3g}, gE = {float(np.median(theory.gE)):.3g} (medians)",
+                    f"gV = {gV:.3g}, gE = {gE:.3g} (medians)",
                     "notes": "\n".join(theory.notes),
                 },
             ),
         }
     )
-    if (
-        joint.pin.roughness is not None
-        and joint.bushing.roughness is not None
-        and "film_min" in triggers
-    ):
+
+    one, other = joint.pin.roughness, joint.bushing.roughness
+    if one is not None and other is not None and "film_min" in triggers:
         film = np.maximum(triggers.film_min.values, 0.0) * 1e-6
-        ratio = film_parameter(
-            film, roughness_a=joint.pin.roughness, roughness_b=joint.bushing.roughness
-        )
         predicted["film_parameter"] = (
             "trigger",
-            ratio,
-            {"units": "1", "long_name": "least film over roughness, Lambda"},
+            film_parameter(film, roughness_a=one, roughness_b=other),
+            {"units": "1", "long_name": "minimum film thickness over roughness, Lambda"},
         )
     return predicted
+
+
+def _viscosity(triggers: xr.Dataset, viscosity: float | VogelLaw) -> Array:
+    """Dynamic viscosity of each trigger. [Pa s]"""
+    if not isinstance(viscosity, VogelLaw):
+        return np.full(triggers.sizes["trigger"], viscosity)
+    if "temperature" not in triggers:
+        raise ConfigError(
+            "Expected a column temperature_C in the encoder log, because [oil] gives the viscosity "
+            "by Vogel's law; there is none. Log the temperature, or give viscosity = "
+            '"0.12 Pa s".'
+        )
+    kelvin = triggers.temperature.values + _ZERO_CELSIUS
+    return np.asarray(
+        vogel_viscosity(kelvin, a=viscosity.a, b=viscosity.b, c=viscosity.c + _ZERO_CELSIUS)
+    )

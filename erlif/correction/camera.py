@@ -1,0 +1,102 @@
+"""One camera, measured: darks and flats in one pass, before gain and read noise are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from erlif.core.arrays import Array, Counts
+from erlif.correction.darks import Darks, declare_darks, reduce_darks
+from erlif.correction.flats import reduce_flats, sum_light
+from erlif.correction.photon_transfer import LightLevel, reduce_level
+from erlif.correction.saturation import Histogram
+
+_CLEAR_OF_SATURATION = 0.95
+"""Share of the saturation below which a pixel of a flat is linear."""
+
+
+@dataclass(frozen=True)
+class CameraMeasurement:
+    """What the darks and flats of one camera determine without knowing its gain."""
+
+    darks: Darks
+    full_scale: int
+    """Largest possible count. [DN]"""
+    saturation: int
+    """Count at which the camera saturates. [DN]"""
+    levels: tuple[LightLevel, ...] = ()
+    """Points of the photon transfer curve, of light levels with two and more pages."""
+    flat_light: Array | None = None
+    """Light of all flat pages together, (y, x); None without a flat. [DN]"""
+    flat_pages: int = 0
+    """Number of flat pages."""
+
+    @property
+    def has_flat(self) -> bool:
+        """Whether the response of the pixels was recorded."""
+        return self.flat_light is not None
+
+
+def measure_camera(
+    *,
+    darks: Iterable[Counts] | float,
+    flats: Iterable[Counts],
+    histogram: Histogram,
+    shape: tuple[int, int],
+    camera: str,
+) -> CameraMeasurement:
+    """Reduce the darks and flats of one camera; every page is read once.
+
+    Parameters
+    ----------
+    darks : iterable of array, (y, x), or float
+        Counts of dark pages, or the dark level where none were recorded. [DN]
+    flats : iterable of array, (y, x)
+        Counts of flat pages; empty where none were recorded. [DN]
+    histogram : array of int, (full scale + 1,)
+        Pixels by count in some frames, searched for saturation below full scale.
+    shape : (rows, columns)
+        [px]
+    camera : str
+        Name in messages, "camera1".
+
+    Returns
+    -------
+    CameraMeasurement
+
+    Raises
+    ------
+    FrameError
+        If no flat page is well above dark and below saturation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> measured = measure_camera(
+    ...     darks=64.0, flats=[], histogram=np.zeros(4096, np.int64), shape=(4, 4), camera="camera1"
+    ... )
+    >>> measured.saturation, measured.has_flat
+    (4095, False)
+    """
+    full_scale = histogram.size - 1
+    reduced = declare_darks(darks, shape) if isinstance(darks, float) else reduce_darks(darks)
+    found = reduce_flats(
+        flats, dark=reduced.mean, full_scale=full_scale, histogram=histogram, camera=camera
+    )
+    if not found.stacks:
+        return CameraMeasurement(reduced, full_scale, found.saturation)
+
+    levels = []
+    for stack in found.stacks:
+        linear = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * found.saturation
+        level = reduce_level(stack, ~reduced.bad & linear)
+        if level is not None:
+            levels.append(level)
+    return CameraMeasurement(
+        reduced,
+        full_scale,
+        found.saturation,
+        tuple(levels),
+        sum_light(found.stacks),
+        sum(stack.count for stack in found.stacks),
+    )

@@ -1,0 +1,113 @@
+"""Frame pairs: what both cameras recorded of the same laser pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.notes import Level, Note
+from erlif.core.products import Frames
+from erlif.ingest.images import Page, check_depth, read_page
+
+
+@dataclass(frozen=True)
+class FramePairs:
+    """The frames of two cameras, paired; files are read when frames are asked for."""
+
+    directory: Path
+    pages: tuple[tuple[Page, ...], tuple[Page, ...]]
+    """Frame k of camera 1 and frame k of camera 2 belong to the same laser pulse."""
+    shape: tuple[int, int]
+    """(rows, columns) of every frame. [px]"""
+    bit_depths: tuple[int, int]
+    """Bits per pixel of camera 1 and camera 2."""
+    skipped: dict[int, str] = field(default_factory=dict)
+    """Frame pairs left out, with the reason."""
+
+    @property
+    def usable(self) -> list[int]:
+        """Numbers of the frame pairs that can be used, counted from 0."""
+        return [k for k in range(len(self.pages[0])) if k not in self.skipped]
+
+    @property
+    def full_scales(self) -> tuple[int, int]:
+        """Largest possible count of camera 1 and camera 2. [DN]"""
+        one, two = self.bit_depths
+        return (1 << one) - 1, (1 << two) - 1
+
+    def spread(self, count: int) -> list[int]:
+        """Numbers of at most `count` usable frame pairs, evenly spaced over the recording."""
+        usable = self.usable
+        places = np.unique(np.linspace(0, len(usable) - 1, count).round().astype(int))
+        return [usable[place] for place in places]
+
+
+def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
+    """Read frame pairs.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    frames : sequence of int
+        Frame numbers, counted from 0.
+
+    Returns
+    -------
+    Frames
+        counts (camera, frame, y, x) [DN].
+
+    Raises
+    ------
+    FrameError
+        If a file cannot be decoded, or counts do not fit the camera's bit depth.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile
+    >>> directory = Path(tempfile.mkdtemp())
+    >>> tifffile.imwrite(directory / "one.tif", np.full((2, 3), 7, np.uint16))
+    >>> page = Page(directory / "one.tif", 0)
+    >>> pairs = FramePairs(directory, ((page,), (page,)), (2, 3), (12, 12))
+    >>> read_frames(pairs, [0]).counts.sizes["y"]
+    2
+    """
+    counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
+    for camera, (pages, bit_depth) in enumerate(zip(pairs.pages, pairs.bit_depths, strict=True)):
+        for n, k in enumerate(frames):
+            counts[camera, n] = read_page(pages[k], pairs.directory, pairs.shape)
+            check_depth(counts[camera, n], bit_depth=bit_depth, name=pages[k].name)
+
+    attrs = {"units": "DN", "long_name": "raw counts"}
+    return Frames(
+        xr.Dataset(
+            {"counts": (("camera", "frame", "y", "x"), counts, attrs)},
+            {"camera": [1, 2], "frame": np.asarray(frames, np.int64)},
+        )
+    )
+
+
+def skipped_notes(pairs: FramePairs) -> list[Note]:
+    """Notes on the frame pairs that were left out, with the reason of each.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (12, 12), {3: "the file is empty"})
+    >>> print(skipped_notes(pairs)[0])
+    frame pair 3 left out: the file is empty
+    """
+    return [
+        Note(Level.WARNING, f"frame pair {k} left out", reason)
+        for k, reason in sorted(pairs.skipped.items())
+    ]

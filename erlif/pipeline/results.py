@@ -1,0 +1,111 @@
+"""What is kept of each trigger besides its maps, saved and loaded by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Level, Note
+from erlif.core.products import RatioImages
+from erlif.ingest import FramePairs, depth_warning
+from erlif.trend import FilmStatistics
+
+
+@dataclass(frozen=True)
+class FrameResult:
+    """What is kept of one frame pair."""
+
+    frame: int
+    """Number of the frame pair, counted from 0."""
+    drift: tuple[float, float]
+    """Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]"""
+    peaks: tuple[int, int]
+    """Highest counts of camera 1 and camera 2. [DN]"""
+    pulse_energy: float = float("nan")
+    """Light of camera 1 over that of the same film at unit energy; NaN without a film. [DN]"""
+
+    @classmethod
+    def of(
+        cls, frame: int, ratios: RatioImages, *, pulse_energy: float = float("nan")
+    ) -> FrameResult:
+        """Result of one frame pair, from the coordinates of its ratio image."""
+        return cls(
+            frame,
+            (float(ratios.drift_x[0]), float(ratios.drift_y[0])),
+            (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0])),
+            pulse_energy,
+        )
+
+
+@dataclass(frozen=True)
+class TriggerResult:
+    """What is kept of one trigger besides its maps."""
+
+    statistics: FilmStatistics
+    frames: tuple[FrameResult, ...]
+
+    def to_arrays(self) -> dict[str, AnyArray]:
+        """Arrays by name, for a file."""
+        arrays = {
+            f"film_{field.name}": np.asarray(getattr(self.statistics, field.name))
+            for field in fields(FilmStatistics)
+        }
+        return arrays | {
+            "frame": np.array([one.frame for one in self.frames], np.int64),
+            "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
+            "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
+            "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, AnyArray]) -> TriggerResult:
+        """Read back what `to_arrays` made."""
+        kept: dict[str, Any] = {}
+        for field in fields(FilmStatistics):
+            value = arrays[f"film_{field.name}"]
+            kept[field.name] = value if value.ndim else float(value)
+        statistics = FilmStatistics(**kept)
+        columns = (arrays[name] for name in ("frame", "drift", "peaks", "pulse_energy"))
+        frames = tuple(
+            FrameResult(
+                int(frame),
+                (float(drift[0]), float(drift[1])),
+                (int(peaks[0]), int(peaks[1])),
+                float(energy),
+            )
+            for frame, drift, peaks, energy in zip(*columns, strict=True)
+        )
+        return cls(statistics, frames)
+
+
+def mean_drift(frames: Iterable[FrameResult]) -> Array:
+    """Mean drift (x, y) over the frames whose drift is known; zero where there is none. [px]"""
+    known = np.array([one.drift for one in frames if not np.isnan(one.drift[0])])
+    return known.mean(axis=0) if known.size else np.zeros(2)
+
+
+def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+    """Notes on the counts of a recording, on pairs without common texture and on those left out."""
+    notes: list[Note | None] = []
+    if frames:
+        highest = np.max([one.peaks for one in frames], axis=0)
+        notes += [
+            depth_warning(int(top), bit_depth=bit_depth, camera=camera)
+            for camera, (bit_depth, top) in enumerate(
+                zip(pairs.bit_depths, highest, strict=True), 1
+            )
+        ]
+    lost = sorted(one.frame for one in frames if np.isnan(one.drift[0]))
+    if lost:
+        notes.append(
+            Note(
+                Level.WARNING,
+                f"frame pairs {', '.join(str(frame) for frame in lost)}",
+                "no common texture, as after a misfired pulse; flagged poor_registration",
+            )
+        )
+    return [note for note in notes if note is not None]

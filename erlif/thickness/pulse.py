@@ -1,0 +1,54 @@
+"""The relative energy of a laser pulse, from the light of a frame and its film."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.models.fluorescence import band_signal
+
+_LEAST_PIXELS = 64
+"""Valid pixels of a median, at least."""
+
+
+def measure_pulse_energy(
+    signal: Image, thickness: Image, flags: FlagImage, *, attenuation: float
+) -> float:
+    """Light of camera 1 over the light that this film gives at unit energy.
+
+    Every second pixel in the middle half of the image is compared; the median over them leaves
+    vignetting and bubbles out.
+
+    Parameters
+    ----------
+    signal : array, (y, x)
+        Light of camera 1. [DN]
+    thickness : array, (y, x)
+        Film. [um]
+    flags : array, (y, x)
+    attenuation : float
+        Of the band of camera 1. [1/um]
+
+    Returns
+    -------
+    float
+        NaN where fewer than 64 pixels are valid. [DN]
+
+    Examples
+    --------
+    >>> film = np.full((64, 64), 5.0, np.float32)
+    >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
+    >>> flags = np.zeros((64, 64), np.uint8)
+    >>> round(measure_pulse_energy(light, film, flags, attenuation=0.02), 3)
+    300.0
+    """
+    height, width = signal.shape
+    middle = (
+        slice(height // 4, 3 * height // 4, 2),
+        slice(width // 4, 3 * width // 4, 2),
+    )
+    good = flags[middle] == 0
+    if good.sum() < _LEAST_PIXELS:
+        return float("nan")
+    expected = band_signal(thickness[middle][good], attenuation=attenuation)
+    return float(np.median(signal[middle][good] / expected))
