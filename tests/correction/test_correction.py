@@ -8,13 +8,19 @@ import xarray as xr
 from scipy.stats import norm
 
 from erlif.core.flags import Flag
+from erlif.core.notes import Level, join_notes
 from erlif.core.products import Frames, References
-from erlif.correction import correct_frames, measure_references
+from erlif.correction import correct_frames
 from erlif.ingest import open_fixture
+from erlif.pipeline.cameras import characterise_cameras
 
 GAIN, READ, OFFSET = 4.4, 9.0, 64.0
 SHAPE = (72, 80)
 HOT, DEAD = (10, 12), (40, 50)
+
+
+def warnings_of(cameras):
+    return join_notes(note for note in cameras.notes if note.level == Level.WARNING)
 
 
 def expose(electrons, rng):
@@ -67,15 +73,17 @@ def write_settings(directory, extra=""):
 
 
 def test_gain_and_read_noise_are_measured(fixture_dir):
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     # 16 pages of 5760 pixels fix the read noise to 1/sqrt(2*15*5760) = 0.24 %, 24 flats the gain to about 0.4 %
     npt.assert_allclose(references.gain, GAIN, rtol=0.015)
     npt.assert_allclose(references.read_noise, READ, rtol=0.02)
 
 
 def test_summary_names_values_and_their_uncertainties(fixture_dir):
-    references = measure_references(open_fixture(fixture_dir))
-    line = references.attrs["notes"].split("\n")[0]
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
+    line = join_notes(cameras.notes).split("\n")[0]
     value, std = (
         float(part) for part in line.split("gain ")[1].split(" electron/DN")[0].split(" ± ")
     )
@@ -87,11 +95,12 @@ def test_summary_names_values_and_their_uncertainties(fixture_dir):
     )
     assert "dark 64.0 DN" in line  # without the hot pixel; 400 DN of it in 5760 would make 64.1
     assert "saturation 4095 DN = 17." in line
-    assert references.attrs["warnings"] == ""
+    assert warnings_of(cameras) == ""
 
 
 def test_characteristics_are_those_of_the_camera(fixture_dir):
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     assert np.all(abs(references.read_noise - READ) < 4 * references.read_noise_std)
     assert np.all(abs(references.dark_signal - OFFSET) < 4 * references.dark_signal_std)
     # there is none; the variance of 5760 means over 16 pages, 4.27/16 DN2, is known to sqrt(2/5760) of itself
@@ -109,15 +118,17 @@ def test_characteristics_are_those_of_the_camera(fixture_dir):
 
 def test_declared_gain_is_used_and_a_wrong_one_is_said(fixture_dir):
     write_settings(fixture_dir, 'gain = "6 electron/DN"')
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     npt.assert_array_equal(references.gain, 6.0)
-    assert "declared gain, 6 electron/DN, is +36 % off" in references.attrs["notes"]
-    assert "declared gain, 6 electron/DN, is +36 % off" in references.attrs["warnings"]
+    assert "declared gain, 6 electron/DN, deviates by +36 %" in join_notes(cameras.notes)
+    assert "declared gain, 6 electron/DN, deviates by +36 %" in warnings_of(cameras)
     npt.assert_allclose(references.gain_measured, GAIN, rtol=0.015)
 
 
 def test_flat_follows_the_response(fixture_dir):
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     flat = references.flat.values[0]
     expected = response() / response().mean()
     good = ~references.bad.values[0]
@@ -127,7 +138,7 @@ def test_flat_follows_the_response(fixture_dir):
 
 
 def test_hot_and_dead_pixels_are_found_and_few_others(fixture_dir):
-    bad = measure_references(open_fixture(fixture_dir)).bad.values[0]
+    bad = characterise_cameras(open_fixture(fixture_dir)).references.bad.values[0]
     assert bad[HOT]
     assert bad[DEAD]
     assert bad.sum() <= 4
@@ -201,18 +212,18 @@ def without_flat(directory):
 
 def test_camera_without_gain_or_flats_waits_for_the_frames(fixture_dir):
     without_flat(fixture_dir)
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     assert not references.gain_known.any()
     assert references.read_noise_known.all()
-    assert (
-        "camera2: neither gain nor flats with two pages of one light level"
-        in references.attrs["warnings"]
+    assert "camera2: neither gain nor flats with two pages of one light level" in warnings_of(
+        cameras
     )
-    assert "camera1: no flat; vignetting" in references.attrs["warnings"]
+    assert "camera1: no flat; vignetting" in warnings_of(cameras)
     # of a read noise that was declared in electrons nothing can be said before the gain is known
     write_settings(fixture_dir, f'read_noise = "{READ} electron"')
     without_flat(fixture_dir)
-    notes = measure_references(open_fixture(fixture_dir)).attrs["notes"]
+    notes = join_notes(characterise_cameras(open_fixture(fixture_dir)).notes)
     assert "camera1: gain not known yet, dark 64.0 DN, saturation 4095 DN\n" in notes
     assert "declared" not in notes
 
@@ -226,7 +237,8 @@ def write_darks(directory, count, rng):
 def test_two_dark_pages_give_an_unbiased_read_noise_and_condemn_no_pixel(fixture_dir):
     """The variance of two pages is a chi-square of one degree of freedom: a long tail that is no fault of the pixel."""
     write_darks(fixture_dir, 2, np.random.default_rng(3))
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     assert np.all(references.bad.sum(("y", "x")) <= 6)
     # 5760 pixels, one degree of freedom each: 0.9 % of the read noise
     npt.assert_allclose(references.read_noise, READ, rtol=0.04)
@@ -244,7 +256,8 @@ def test_two_dark_pages_of_a_quiet_camera_condemn_no_pixel(fixture_dir, sigma):
                 file.write(
                     np.rint(rng.normal(OFFSET, sigma, SHAPE)).astype(np.uint16), contiguous=False
                 )
-        references = measure_references(open_fixture(fixture_dir)).isel(camera=0)
+        cameras = characterise_cameras(open_fixture(fixture_dir))
+        references = cameras.references.isel(camera=0)
         found.append(2 * float(references.dark_var.mean()))
         bad = references.bad.values.copy()
         bad[HOT] = bad[DEAD] = False
@@ -259,7 +272,8 @@ def test_two_dark_pages_of_a_quiet_camera_condemn_no_pixel(fixture_dir, sigma):
 def test_a_single_dark_page_brings_its_noise_into_every_frame(fixture_dir):
     write_darks(fixture_dir, 1, np.random.default_rng(4))
     write_settings(fixture_dir, f'read_noise = "{READ} electron"')
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     npt.assert_allclose(references.dark_var, (READ / GAIN) ** 2 + 1 / 12, rtol=0.03)
     # without darks in time, the declared read noise is taken off the photon transfer
     assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
@@ -270,7 +284,8 @@ def test_read_noise_below_the_rounding_is_measured_without_complaint(fixture_dir
         for _ in range(4):
             file.write(np.full(SHAPE, 64, np.uint16), contiguous=False)
     write_settings(fixture_dir, 'read_noise = "0.2 electron"')
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     npt.assert_array_equal(references.read_noise_measured, 0.0)
     npt.assert_array_equal(references.read_noise, 0.2)
 
@@ -285,11 +300,10 @@ def test_saturation_below_full_scale_is_found_flagged_and_said(fixture_dir):
         for level in (3000, 7000, 15500):
             for _ in range(8):
                 file.write(np.minimum(expose(level * response(), rng), TOP), contiguous=False)
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     npt.assert_array_equal(references.full_scale, TOP)
-    assert (
-        f"camera1: counts pile up at {TOP}, below full scale (4095)" in references.attrs["warnings"]
-    )
+    assert f"camera1: counts pile up at {TOP}, below full scale (4095)" in warnings_of(cameras)
     assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
     frames = Frames(as_frames([np.minimum(expose(15500 * response(), rng), TOP)]))
     flags = correct_frames(frames, references).flags.values
@@ -303,7 +317,8 @@ def test_saturation_is_seen_in_frames_where_flats_are_dim(fixture_dir):
         tifffile.imwrite(
             fixture_dir / f"camera{n}" / "a.tif", np.minimum(expose(speckle, rng), 3300 + n)
         )
-    references = measure_references(open_fixture(fixture_dir))
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
     npt.assert_array_equal(references.full_scale, [3301, 3302])
 
 
@@ -319,7 +334,8 @@ def test_gain_of_many_cameras_scatters_as_its_uncertainty_says(fixture_dir):
                     file.write(
                         expose(level * rng.normal(1, 0.01) * response(), rng), contiguous=False
                     )
-        references = measure_references(open_fixture(fixture_dir))
+        cameras = characterise_cameras(open_fixture(fixture_dir))
+        references = cameras.references
         pulls.append(float((references.gain[0] - GAIN) / references.gain_std[0]))
     inside = np.abs(pulls)
     # binomial scatter of 100: 4.7 % at one standard deviation, 2.2 % at two
@@ -329,7 +345,7 @@ def test_gain_of_many_cameras_scatters_as_its_uncertainty_says(fixture_dir):
 
 
 def test_a_response_that_is_not_linear_is_said_and_a_linear_one_is_not(fixture_dir):
-    assert "not straight" not in measure_references(open_fixture(fixture_dir)).attrs["notes"]
+    assert "not straight" not in join_notes(characterise_cameras(open_fixture(fixture_dir)).notes)
     rng = np.random.default_rng(8)
     with tifffile.TiffWriter(fixture_dir / "flat.tif") as file:
         for level in (3000, 7000, 12000, 15000):
@@ -339,7 +355,8 @@ def test_a_response_that_is_not_linear_is_said_and_a_linear_one_is_not(fixture_d
                     np.rint(light * (1 - 0.1 * light / 3400) + OFFSET).astype(np.uint16),
                     contiguous=False,
                 )
-    references = measure_references(open_fixture(fixture_dir))
-    assert "camera1: the photon transfer curve is not straight" in references.attrs["warnings"]
+    cameras = characterise_cameras(open_fixture(fixture_dir))
+    references = cameras.references
+    assert "camera1: the photon transfer curve is not straight" in warnings_of(cameras)
     # (1 - 2 u)^2/(1 - u) - 1 is -29 % at u = 0.1, the brightest pixels, and -26 % at the mean of the brightest level
     assert np.all((references.bend > -0.32) & (references.bend < -0.22))

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 import erlif
 from erlif.core.errors import EncoderError, ErlifError, FrameError
-from erlif.correction import measure_references
 from erlif.ingest import (
     Page,
     hash_inputs,
@@ -25,7 +24,8 @@ from erlif.ingest import (
     read_encoder_log,
     read_frames,
 )
-from erlif.kinematics import locate_frames
+from erlif.pipeline.cameras import characterise_cameras
+from erlif.pipeline.joint import locate_run
 
 
 def counts_of(directory, frames=range(6)):
@@ -100,8 +100,8 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(lab, expected):
     with pytest.raises(FrameError, match="truncated"):
         open_run(lab.run)
     recording = open_run(lab.run, skip_bad_frames=True)
-    assert recording.frames == [0, 1, 2]
-    assert all("truncated" in reason for reason in recording.skipped.values())
+    assert recording.pairs.usable == [0, 1, 2]
+    assert all("truncated" in reason for reason in recording.pairs.skipped.values())
 
 
 def test_frames_in_another_format_are_read(lab, expected):
@@ -190,9 +190,8 @@ def test_hashes_change_with_every_input(lab):
 
 def test_a_fixture_has_no_log(small_rig):
     recording = open_fixture(small_rig.fixture)
-    assert recording.log is None
-    assert len(recording.frames) == 3
-    assert recording.shape == (96, 128)
+    assert len(recording.pairs.usable) == 3
+    assert recording.pairs.shape == (96, 128)
 
 
 # the log
@@ -292,7 +291,7 @@ def test_a_log_with_any_bytes_changed_is_read_or_refused(small_rig, scratch, dat
     try:
         with contextlib.suppress(ErlifError):
             recording = open_run(scratch)
-            located = locate_frames(recording.log, recording.settings)
+            located = locate_run(recording)
             assert np.isfinite(located.rocker_speed).all()
     finally:
         shutil.copy(small_rig.run / "encoder.csv", scratch)
@@ -306,13 +305,13 @@ def test_a_frame_with_any_bytes_changed_is_read_left_out_or_refused(small_rig, s
     try:
         with contextlib.suppress(ErlifError):
             recording = open_run(scratch, skip_bad_frames=skip)
-            assert read_frames(recording, recording.frames).counts.shape == (
+            assert read_frames(recording.pairs, recording.pairs.usable).counts.shape == (
                 2,
-                len(recording.frames),
+                len(recording.pairs.usable),
                 96,
                 128,
             )
-            assert {0, 1, 3, 4, 5} <= set(recording.frames)
+            assert {0, 1, 3, 4, 5} <= set(recording.pairs.usable)
     finally:
         shutil.copy(small_rig.frames(2)[2], path)
 
@@ -324,6 +323,6 @@ def test_a_dark_with_any_bytes_changed_is_read_or_refused(small_rig, scratch, da
     damage(data, path, (small_rig.run / "camera1_dark.tif").read_bytes())
     try:
         with contextlib.suppress(ErlifError):
-            assert np.isfinite(measure_references(open_run(scratch)).dark).all()
+            assert np.isfinite(characterise_cameras(open_run(scratch)).references.dark).all()
     finally:
         shutil.copy(small_rig.run / "camera1_dark.tif", path)

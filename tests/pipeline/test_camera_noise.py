@@ -7,15 +7,17 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
+import xarray as xr
 from scenes.tiff_pages import rewrite
 from scipy import ndimage
 
 import erlif
+from erlif.core.notes import Level, join_notes
 from erlif.core.progress import silent
-from erlif.correction import measure_references
 from erlif.ingest import open_fixture, open_run
-from erlif.pipeline.camera_noise import _overlap, complete_noise
-from erlif.pipeline.chain import prepare_chain
+from erlif.pipeline.cameras import characterise_cameras
+from erlif.pipeline.prepare import prepare_chain
+from erlif.ratio.camera_noise import _overlap
 from erlif.rig import RigSettings, simulate
 
 GAIN, READ = 4.4, 9.0  # of the virtual rig
@@ -32,14 +34,21 @@ def forget(path, *keys, camera=r"12"):
 
 
 def estimate(directory):
+    """The chain of a recording, and the notes on its cameras."""
     recording = (open_run if (directory / "run.toml").is_file() else open_fixture)(directory)
-    return complete_noise(prepare_chain(recording, measure_references(recording), silent))
+    return prepare_chain(recording, silent)
+
+
+def texts(prepared, level=None):
+    return join_notes(note for note in prepared.notes if level in (None, note.level))
 
 
 def test_known_cameras_are_left_alone(small_rig):
     recording = open_run(small_rig.run)
-    chain = prepare_chain(recording, measure_references(recording), silent)
-    assert complete_noise(chain) is chain
+    declared = characterise_cameras(recording)
+    prepared = prepare_chain(recording, silent)
+    assert prepared.notes == declared.notes
+    xr.testing.assert_identical(prepared.chain.references, declared.references)
 
 
 def test_interpolated_noise_of_differences_has_the_predicted_covariance():
@@ -86,15 +95,16 @@ def laboratory(rig, tmp_path):
 @pytest.mark.parametrize("lost", [("gain", "flat"), ("gain", "flat", "read_noise")], ids="-".join)
 def test_gain_comes_from_the_frames_where_nothing_tells_it(laboratory, kind, lost):
     forget(laboratory / kind / f"{kind}.toml", *lost)
-    references = estimate(laboratory / kind).references
+    prepared = estimate(laboratory / kind)
+    references = prepared.chain.references
     gain, std = references.gain.values, references.gain_std.values
     npt.assert_allclose(gain[0], gain[1], rtol=0.05)
     assert np.all(np.abs(gain - GAIN) < 3 * std)
     assert np.all(
         std < 0.12 * GAIN
     )  # 20 480 pixels in four frames, two gains and a pattern to find
-    assert references.attrs["warnings"].count("the same with a probability of") == 2
-    assert "will be estimated" not in references.attrs["notes"]
+    assert texts(prepared, Level.WARNING).count("with a probability of") == 2
+    assert "will be estimated" not in texts(prepared)
 
 
 def test_read_noise_comes_from_the_frames_where_darks_are_too_few(laboratory):
@@ -105,12 +115,13 @@ def test_read_noise_comes_from_the_frames_where_darks_are_too_few(laboratory):
             page = file.pages[0].asarray()
         tifffile.imwrite(path, page)
     forget(laboratory / "run" / "run.toml", "read_noise")
-    references = estimate(laboratory / "run").references
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
     npt.assert_array_equal(references.gain, GAIN)
     assert np.all(np.abs(references.read_noise - READ) < 3 * references.read_noise_std)
     assert np.all(references.read_noise_std < READ)
-    assert "camera1: read noise estimated" in references.attrs["warnings"]
-    assert references.attrs["warnings"].count("one read noise [DN] for both") == 2
+    assert "camera1: read noise estimated" in texts(prepared, Level.WARNING)
+    assert texts(prepared, Level.WARNING).count("one read noise [DN] for both") == 2
 
 
 @pytest.fixture
@@ -130,17 +141,19 @@ def unlike(tmp_path):
 def test_the_gain_of_one_camera_follows_from_that_of_the_other(unlike):
     forget(unlike / "run.toml", "gain", "flat", camera="2")
     forget(unlike / "run.toml", "flat", camera="1")
-    references = estimate(unlike).references
+    prepared = estimate(unlike)
+    references = prepared.chain.references
     assert references.gain[0] == GAIN
     assert abs(references.gain[1] - GAIN / 2) < 3 * references.gain_std[1]
     assert references.gain_std[1] < 0.15 * GAIN / 2
-    assert "the same with" not in references.attrs["notes"]
-    assert "one read noise" not in references.attrs["notes"]
+    assert "equal gains" not in texts(prepared)
+    assert "one read noise" not in texts(prepared)
 
 
 def test_cameras_of_unlike_gain_are_told_apart_or_the_uncertainty_says_not(unlike):
     forget(unlike / "run.toml", "gain", "flat")
-    references = estimate(unlike).references
+    prepared = estimate(unlike)
+    references = prepared.chain.references
     truth = np.array([GAIN, GAIN / 2])
     assert np.all(np.abs(references.gain.values - truth) < 3 * references.gain_std.values)
     assert references.gain[0] > 1.3 * references.gain[1]
@@ -172,24 +185,26 @@ def test_a_calibration_without_given_gain_says_so(laboratory):
 def test_without_a_flat_the_spread_of_the_response_becomes_noise(laboratory):
     """The rig's pixels differ by 1 %; what of it camera 2 shows by drifting is taken for both."""
     forget(laboratory / "run" / "run.toml", "flat")
-    chain = estimate(laboratory / "run")
+    prepared = estimate(laboratory / "run")
+    chain = prepared.chain
     npt.assert_array_equal(chain.references.gain, GAIN)
     npt.assert_allclose(chain.references.response_spread, 0.01, rtol=0.25)
     npt.assert_allclose(
         chain.references.flat_var, chain.references.response_spread.values[0] ** 2, rtol=1e-5
     )
-    assert "pixels of both cameras differ by" in chain.references.attrs["warnings"]
+    assert "pixel response of both cameras varies by" in texts(prepared, Level.WARNING)
 
 
 def test_nothing_is_said_of_the_response_of_a_camera_that_alone_has_no_flat(laboratory):
     """Its pixels do not move against the image that the differences are taken in."""
     forget(laboratory / "run" / "run.toml", "gain", camera="2")
     forget(laboratory / "run" / "run.toml", "gain", "flat", camera="1")
-    references = estimate(laboratory / "run").references
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
     assert np.isnan(references.response_spread[0])
     npt.assert_array_equal(references.flat_var[0], 0.0)
     npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
-    one = [line for line in references.attrs["notes"].splitlines() if line.startswith("camera1: ")]
+    one = [line for line in texts(prepared).splitlines() if line.startswith("camera1: ")]
     assert not any("response spread" in line for line in one)
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 
@@ -207,22 +222,24 @@ def test_cameras_that_stand_still_do_not_tell_the_spread_of_the_response(tmp_pat
     )
     run = tmp_path / "rig" / "run"
     forget(run / "run.toml", "flat")
-    references = estimate(run).references
+    prepared = estimate(run)
+    references = prepared.chain.references
     npt.assert_array_equal(references.response_spread, np.nan)
     npt.assert_array_equal(references.flat_var, 0.0)
-    assert "pixel response is neither corrected nor counted" in references.attrs["warnings"]
-    assert "response spread" not in references.attrs["notes"]
-    assert "differ by" not in references.attrs["notes"]
+    assert "pixel response is neither corrected" in texts(prepared, Level.WARNING)
+    assert "response spread" not in texts(prepared)
+    assert "varies by" not in texts(prepared)
 
 
 def test_frames_that_are_alike_tell_the_gain_without_a_pattern(laboratory, monkeypatch):
     """Drift of exactly zero: the pattern has no share in the differences at all."""
     monkeypatch.setattr(
-        "erlif.pipeline.camera_noise._overlap",
+        "erlif.ratio.camera_noise._overlap",
         lambda kernel, first, second: np.full(first.shape[1:], 0.5),
     )
     forget(laboratory / "run" / "run.toml", "gain", "flat")
-    references = estimate(laboratory / "run").references
+    prepared = estimate(laboratory / "run")
+    references = prepared.chain.references
     assert np.all(np.isfinite(references.gain))
     npt.assert_array_equal(references.response_spread, np.nan)
 
@@ -251,7 +268,8 @@ def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
         simulate(out, seed=seed, rig=RigSettings(spacing=6.0, light=light))
         for kind in kinds:
             forget(out / kind / f"{kind}.toml", "gain", "flat")
-            references = estimate(out / kind).references
+            prepared = estimate(out / kind)
+            references = prepared.chain.references
             errors += (references.gain.values / GAIN - 1).tolist()
             pulls += ((references.gain.values - GAIN) / references.gain_std.values).tolist()
     assert np.abs(errors).max() < 0.05

@@ -8,15 +8,16 @@ import xarray as xr
 from erlif.calibration import Calibration
 from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages
+from erlif.pipeline.joint import describe_joint
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.settings import RunSettings
 from erlif.thickness import measure_thickness
-from erlif.trend import fit_exponent, predict_film, region_mask, summarise_film
+from erlif.trend import Region, find_region, fit_exponent, predict_film, summarise_film
 
 K, P, Q = 0.65, 0.40, 0.25
 X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
-WHOLE = {"rows": slice(0, Y.size), "columns": slice(0, X.size)}
+WHOLE = {"region": Region(slice(0, Y.size), slice(0, X.size))}
 
 
 @pytest.fixture
@@ -95,8 +96,8 @@ def test_share_beyond_the_range_is_told(calibration):
     """A gap of which a known part is thicker than the calibration answers for."""
     film = gap(14.0)
     result = statistics(film, 0.0001, np.random.default_rng(4), calibration)
-    npt.assert_allclose(result.censored, (film > 16.0).mean(), atol=0.01)
-    assert statistics(gap(2.0), 0.0001, np.random.default_rng(4), calibration).censored == 0
+    npt.assert_allclose(result.beyond_range, (film > 16.0).mean(), atol=0.01)
+    assert statistics(gap(2.0), 0.0001, np.random.default_rng(4), calibration).beyond_range == 0
 
 
 def test_dust_does_not_move_the_gap(calibration):
@@ -145,8 +146,7 @@ def test_turned_image_gives_the_same_film(calibration):
         calibration,
         x=Y,
         y=X,
-        rows=slice(0, X.size),
-        columns=slice(0, Y.size),
+        region=Region(slice(0, X.size), slice(0, Y.size)),
         sliding_along_x=False,
     )
     npt.assert_allclose([two.mean, two.minimum], [one.mean, one.minimum], rtol=1e-6)
@@ -229,14 +229,14 @@ def at(speed, load, **more):
     [(50, 128.4, 1.92, "isoviscous-rigid"), (1333, 7.05, 1.25, "isoviscous-elastic")],
 )
 def test_theory_of_the_acrylic_joint(pounds, theory, hamrock_dowson, regime):
-    predicted = predict_film(at(0.0842, pounds * 4.4482216), settings())
+    predicted = predict_film(at(0.0842, pounds * 4.4482216), describe_joint(settings()))
     npt.assert_allclose(predicted.film_theory, theory, rtol=3e-3)
     npt.assert_allclose(predicted.film_hamrock_dowson, hamrock_dowson, rtol=4e-3)
     assert predicted.film_theory.attrs["regime"] == regime
 
 
 def test_film_parameter_is_film_over_combined_roughness():
-    predicted = predict_film(at([0.08], [222.0], film_min=[1.0]), settings())
+    predicted = predict_film(at([0.08], [222.0], film_min=[1.0]), describe_joint(settings()))
     npt.assert_allclose(predicted.film_parameter, 1.0 / (0.2 * np.sqrt(2)))
 
 
@@ -249,18 +249,19 @@ def test_vogel_viscosity_follows_the_logged_temperature():
         }
     }
     predicted = predict_film(
-        at([0.0842] * 2, [222.4] * 2, temperature=[25.0, 40.0]), settings(**vogel)
+        at([0.0842] * 2, [222.4] * 2, temperature=[25.0, 40.0]), describe_joint(settings(**vogel))
     )
     cold, warm = predicted.film_theory.values
     npt.assert_allclose(cold / warm, np.exp(900 / 125 - 900 / 140), rtol=1e-6)
     with pytest.raises(ConfigError, match="temperature_C"):
-        predict_film(at(0.0842, 222.4), settings(**vogel))
+        predict_film(at(0.0842, 222.4), describe_joint(settings(**vogel)))
 
 
 def test_region_outside_the_image_is_refused():
     with pytest.raises(ConfigError, match="at least 32 x 32 pixels"):
-        region_mask(settings(thickness={"roi": {"x": [30, 40], "y": [0, 5]}}), X, Y)
-    rows, columns = region_mask(settings(thickness={"roi": {"x": [3, 9], "y": [2, 8]}}), X, Y)
+        find_region(X, Y, roi=((30, 40), (0, 5)))
+    region = find_region(X, Y, roi=((3, 9), (2, 8)))
+    rows, columns = region.rows, region.columns
     assert (X[columns][0], X[columns][-1]) == (pytest.approx(3.0), pytest.approx(9.0))
     assert (Y[rows][0], Y[rows][-1]) == (pytest.approx(2.04), pytest.approx(7.98))
 
@@ -307,7 +308,7 @@ def test_mean_film_is_that_of_the_answered_pixels_where_much_lies_beyond_the_ran
         maps = measure_thickness(ratios, calibration)
         found = summarise_film(ratios, maps, calibration, x=X, y=Y, **WHOLE)
         errors.append((found.mean - film[maps.flags.values == 0].mean()) / found.mean_random_std)
-    assert found.censored > 0.05
+    assert found.beyond_range > 0.05
     assert abs(np.mean(errors)) < 4 / np.sqrt(20)
     assert np.std(errors) < 1.6
 
