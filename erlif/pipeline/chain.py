@@ -102,7 +102,10 @@ class FrameChain:
     def align_like(self, frames: CorrectedFrames, aligned: AlignedFrames) -> AlignedFrames:
         """Apply the alignment of a frame to other light or variances of the same frame."""
         drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
-        return align_frames(frames, self.camera_map, drift=drift)
+        moved = align_frames(frames, self.camera_map, drift=drift)
+        return AlignedFrames(
+            moved.assign_coords(drift_x=aligned.drift_x, drift_y=aligned.drift_y)
+        )
 
     def compute_ratio(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio image of an aligned frame pair."""

@@ -65,7 +65,7 @@ def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
 
 def test_terms_add_up_to_the_error_bars_of_the_statistics(lab):
     film, budget, _, _ = lab
-    for name, title in (("film_mean", "mean film"), ("film_min", "least film")):
+    for name, title in (("film_mean", "mean film"), ("film_min", "minimum film")):
         column = budget.sel(quantity=title)
         npt.assert_allclose(column["value"], film[name].values[2], rtol=1e-6)
         npt.assert_allclose(
@@ -127,5 +127,5 @@ def test_budget_prints_nanometres(lab):
     _, budget, _, _ = lab
     table = render_budget(budget)
     assert "| **total** |" in table
-    total = float(budget["std"].sel(term="total", quantity="least film"))
+    total = float(budget["std"].sel(term="total", quantity="minimum film"))
     assert f"**{1000 * total:.0f}**" in table or f"**{1000 * total:.1f}**" in table
