@@ -22,11 +22,10 @@ import numpy as np
 from erlif.core.errors import FrameError
 from erlif.ingest.images import (
     Page,
-    _find_pages,
-    _match_files,
-    _read_page,
-    _size,
+    find_pages,
+    match_files,
     natural_key,
+    read_page,
 )
 
 IMAGE_SUFFIXES = frozenset({".tif", ".tiff", ".png", ".bmp", ".pgm", ".jp2"})
@@ -324,13 +323,13 @@ def _describe_set(
     count = 0
     for path in files:
         name = os.path.relpath(path, directory)
-        found, reasons = _find_pages(directory, glob.escape(name), "frames")
-        faults += [f"{name}: {reason}" for reason in reasons.values()]
-        count += len(found)
-        for place, (page, (shape, dtype)) in enumerate(found):
-            if place not in reasons:
-                kinds[f"{_size(shape)} {dtype}"] += 1
-                pages.append((page, shape))
+        found = find_pages(directory, glob.escape(name), "frames")
+        faults += [f"{name}: {reason}" for reason in found.faults.values()]
+        count += len(found.pages)
+        for place, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True)):
+            if place not in found.faults:
+                kinds[str(kind)] += 1
+                pages.append((page, kind.shape))
     usual = tuple(kind for kind, _ in kinds.most_common())
     pattern = _find_pattern(files, directory)
     return ImageSet(tuple(files), pattern, count, usual, tuple(faults)), pages
@@ -359,7 +358,7 @@ def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
     ]
     wanted = set(files)
     for pattern in candidates:
-        if set(_match_files(directory, pattern)) == wanted:
+        if set(match_files(directory, pattern)) == wanted:
             return pattern
     return None
 
@@ -385,7 +384,7 @@ def _sample_counts(
     top: Counter[int] = Counter()
     for page, shape in pages:
         try:
-            counts = _read_page(page, directory, shape)
+            counts = read_page(page, directory, shape)
         except FrameError:
             continue
         highest = max(highest, int(counts.max()))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from erlif.core.arrays import Image
+from erlif.core.arrays import Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
@@ -73,12 +73,25 @@ class FrameChain:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
 
-    def align(self, corrected: CorrectedFrames) -> AlignedFrames:
+    def align(self, corrected: CorrectedFrames, *, drift: Array | None = None) -> AlignedFrames:
         """Camera 2 of one corrected frame pair on the pixel grid of camera 1.
 
-        The coordinates drift_x and drift_y on dim frame are its drift [px], NaN where the cameras
-        show no common texture.
+        The drift (x, y) [px] is estimated where it is not given. The coordinates drift_x and
+        drift_y on dim frame hold it, NaN where the cameras show no common texture.
         """
+        shift = (self._estimate_drift(corrected) if drift is None else drift)[None]
+        aligned = align_frames(corrected, self.camera_map, drift=shift)
+        return AlignedFrames(
+            aligned.assign_coords(drift_x=("frame", shift[:, 0]), drift_y=("frame", shift[:, 1]))
+        )
+
+    def align_like(self, frames: CorrectedFrames, aligned: AlignedFrames) -> AlignedFrames:
+        """Apply the alignment of a frame to other light or variances of the same frame."""
+        drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
+        moved = align_frames(frames, self.camera_map, drift=drift)
+        return AlignedFrames(moved.assign_coords(drift_x=aligned.drift_x, drift_y=aligned.drift_y))
+
+    def _estimate_drift(self, corrected: CorrectedFrames) -> Array:
         light = registration_light(corrected)
         try:
             drift = estimate_drift(
@@ -89,23 +102,9 @@ class FrameChain:
                 weight_moving=light.weight_two,
                 threads=1,
             )
-            shift = np.array([[drift.dx, drift.dy]])
         except RegistrationError:  # a misfired pulse: no drift, and no film
-            shift = np.full((1, 2), np.nan)
-
-        return AlignedFrames(
-            align_frames(corrected, self.camera_map, drift=shift).assign_coords(
-                drift_x=("frame", shift[:, 0]), drift_y=("frame", shift[:, 1])
-            )
-        )
-
-    def align_like(self, frames: CorrectedFrames, aligned: AlignedFrames) -> AlignedFrames:
-        """Apply the alignment of a frame to other light or variances of the same frame."""
-        drift = np.column_stack([aligned.drift_x.values, aligned.drift_y.values])
-        moved = align_frames(frames, self.camera_map, drift=drift)
-        return AlignedFrames(
-            moved.assign_coords(drift_x=aligned.drift_x, drift_y=aligned.drift_y)
-        )
+            return np.full(2, np.nan)
+        return np.array([drift.dx, drift.dy])
 
     def compute_ratio(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio image of an aligned frame pair."""

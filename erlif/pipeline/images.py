@@ -16,14 +16,12 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError, OutputError
-from erlif.core.products import AlignedFrames
-from erlif.correction import correct_frames, measure_references
 from erlif.files import check_trigger, open_film, settings_of
-from erlif.ingest import Recording, open_run, read_frames
-from erlif.pipeline.camera_noise import complete_noise
-from erlif.pipeline.chain import Chain, one_thread_per_frame
-from erlif.ratio import BlurDifference, RatioSum, compute_ratio, smooth_ratio
-from erlif.registration import CameraMap, align_frames
+from erlif.ingest import Run, open_run
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.prepare import prepare_with_map
+from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
+from erlif.registration import CameraMap
 from erlif.settings import RunSettings
 
 
@@ -62,20 +60,16 @@ def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) 
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
     stored = _read_stored(film_path, trigger)
-    recording = replace(open_run(run_dir, skip_bad_frames=True), settings=stored.settings)
-    _check_run(recording, stored)
-    frames = [k for k in recording.frames if stored.trigger_of[k] == trigger]
+    run = replace(open_run(run_dir, skip_bad_frames=True), settings=stored.settings)
+    _check_run(run, stored)
+    frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]
     if not frames:
         raise FrameError(
             f"Expected a frame pair of trigger {trigger}; all of them were left out when the film "
             "was made. Name another trigger."
         )
 
-    references = measure_references(recording)
-    chain = complete_noise(Chain(recording, references, stored.camera_map, stored.blur))
-
-    # a difference of sharpness that was estimated again would differ from that behind the map
-    chain = replace(chain, blur=stored.blur)
+    chain = prepare_with_map(run, stored.camera_map, blur=stored.blur).chain
     return _combine(chain, stored, frames, trigger)
 
 
@@ -126,40 +120,39 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
     return _Stored(settings, camera_map, blur, trigger_of, drift, (files[0], files[1]), x, y)
 
 
-def _check_run(recording: Recording, stored: _Stored) -> None:
+def _check_run(run: Run, stored: _Stored) -> None:
     """Refuse a run directory whose frames are not those of the film."""
     shape = (stored.y.size, stored.x.size)
     count = len(stored.trigger_of)
-    found = len(recording.pages[0])
-    if recording.shape != shape or found != count:
+    found = len(run.pairs.pages[0])
+    if run.pairs.shape != shape or found != count:
         raise FrameError(
             "Expected the run that the film was made from, "
-            f"{count} frames of {shape[1]} x {shape[0]} px; {recording.directory.name} has "
-            f"{found} of {recording.shape[1]} x {recording.shape[0]} px. Name the right one as "
+            f"{count} frames of {shape[1]} x {shape[0]} px; {run.directory.name} has "
+            f"{found} of {run.pairs.shape[1]} x {run.pairs.shape[0]} px. Name the right one as "
             "run_dir."
         )
 
-    names = tuple([page.name for page in pages] for pages in recording.pages)
+    names = tuple([page.name for page in pages] for pages in run.pairs.pages)
     if names != stored.files:
         raise FrameError(
             "Expected the run that the film was made from, with "
             f"{stored.files[0][0]} to {stored.files[0][-1]} of camera 1; "
-            f"{recording.directory.name} has {names[0][0]} to {names[0][-1]}. Name the right one "
+            f"{run.directory.name} has {names[0][0]} to {names[0][-1]}. Name the right one "
             "as run_dir."
         )
 
 
-def _combine(chain: Chain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
+def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
     """Mean light and combined ratio of the frames of a trigger."""
-    thickness = stored.settings.thickness
-    total = RatioSum(chain.recording.shape)
-    light = np.zeros((2, *chain.recording.shape))
+    shape = chain.pairs.shape
+    total = RatioSum(shape)
+    light = np.zeros((2, *shape))
     seen = np.zeros_like(light)
     with one_thread_per_frame():
         for frame in frames:
-            aligned = _align(chain, frame, stored.drift[frame])
-            ratios = compute_ratio(aligned, no_film_below=thickness.no_film_below, blur=chain.blur)
-            total.add(ratios)
+            aligned = chain.align(chain.correct(frame), drift=stored.drift[frame])
+            total.add(chain.compute_ratio(aligned))
 
             # camera 2 sees the edge of the image in some frames only, as it drifts
             signal = aligned.signal.values[:, 0]
@@ -167,8 +160,9 @@ def _combine(chain: Chain, stored: _Stored, frames: list[int], trigger: int) -> 
             seen += np.isfinite(signal)
 
     ratio = total.mean()
-    if thickness.smoothing is not None:
-        ratio = smooth_ratio(ratio, resolution=thickness.smoothing)
+    smoothing = stored.settings.thickness.smoothing
+    if smoothing is not None:
+        ratio = smooth_ratio(ratio, resolution=smoothing)
 
     mean = np.divide(light, seen, out=np.full_like(light, np.nan), where=seen > 0)
     images = xr.Dataset(
@@ -178,13 +172,3 @@ def _combine(chain: Chain, stored: _Stored, frames: list[int], trigger: int) -> 
     )
     names = ("log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
     return images.assign({name: ratio[name].variable for name in names})
-
-
-def _align(chain: Chain, frame: int, drift: Array) -> AlignedFrames:
-    """Both cameras of one frame, corrected and on one pixel grid by the stored drift."""
-    corrected = correct_frames(
-        read_frames(chain.recording, [frame]),
-        chain.references,
-        least_signal=chain.recording.settings.thickness.least_signal,
-    )
-    return align_frames(corrected, chain.camera_map, drift=drift[None])

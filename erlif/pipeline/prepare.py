@@ -12,6 +12,7 @@ from erlif.pipeline.cameras import declared_noise, measure_cameras
 from erlif.pipeline.chain import FrameChain, FrameCorrection, compare_sharpness
 from erlif.pipeline.noise import NoiseCompletion, complete_noise
 from erlif.pipeline.register import register_cameras
+from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
 
 
@@ -54,3 +55,34 @@ def prepare_chain(
     with stage("sharpness and noise"):
         chain = replace(chain, blur=compare_sharpness(chain))
         return complete_noise(chain, cameras, measured=measured, declared=declared)
+
+
+def prepare_with_map(
+    recording: Run | Fixture, camera_map: CameraMap, *, blur: BlurDifference
+) -> NoiseCompletion:
+    """The chain of a recording whose camera map and difference of sharpness are known.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+    camera_map : CameraMap
+    blur : BlurDifference
+
+    Returns
+    -------
+    NoiseCompletion
+
+    Raises
+    ------
+    FrameError
+        As `prepare_chain`.
+    """
+    options = recording.settings.thickness
+    measured, declared = measure_cameras(recording), declared_noise(recording)
+    cameras = make_references(measured, declared=declared)
+    correct = FrameCorrection(recording.pairs, cameras.references, options.least_signal)
+    chain = FrameChain(correct, camera_map, blur, options.no_film_below)
+    completed = complete_noise(chain, cameras, measured=measured, declared=declared)
+
+    # an estimate of the noise compares the sharpness again; the given difference stays
+    return replace(completed, chain=replace(completed.chain, blur=blur))

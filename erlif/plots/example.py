@@ -17,9 +17,9 @@ from erlif.calibration import Calibration, calibration_of, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.files import write_dataset
-from erlif.kinematics import build_mechanism
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
+from erlif.pipeline.joint import build_mechanism, describe_joint
 from erlif.settings import RunSettings, to_toml
 from erlif.trend import predict_film
 
@@ -163,7 +163,7 @@ def _example_triggers(settings: RunSettings) -> xr.Dataset:
         {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()},
         {"trigger": np.arange(_CRANK.size)},
     )
-    return film.merge(predict_film(film, settings), combine_attrs="drop_conflicts")
+    return film.merge(predict_film(film, describe_joint(settings)), combine_attrs="drop_conflicts")
 
 
 def _example_maps(minimum: Array, settings: RunSettings) -> xr.Dataset:

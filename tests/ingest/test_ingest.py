@@ -29,7 +29,7 @@ from erlif.pipeline.joint import locate_run
 
 
 def counts_of(directory, frames=range(6)):
-    return read_frames(open_run(directory), list(frames)).counts.values
+    return read_frames(open_run(directory).pairs, list(frames)).counts.values
 
 
 def pages_of(path):
@@ -51,7 +51,7 @@ def expected(small_rig):
 
 
 def test_frames_come_in_pairs_as_they_were_written(small_rig, expected):
-    frames = read_frames(open_run(small_rig.run), [4, 1])
+    frames = read_frames(open_run(small_rig.run).pairs, [4, 1])
     assert frames.counts.dims == ("camera", "frame", "y", "x")
     assert frames.counts.attrs["units"] == "DN"
     assert frames.frame.values.tolist() == [4, 1]
