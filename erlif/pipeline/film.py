@@ -168,7 +168,7 @@ def describe_film(
         y=("y", y, {"units": "mm", "long_name": "position along y, downwards"}),
     )
     own = [*notes, *_censoring_notes(results)]
-    from_calibration = [Note(Level.NOTE, "calibration", str(note)) for note in calibration.notes]
+    from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",
         title=f"oil-film thickness, {settings.name}",
