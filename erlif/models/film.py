@@ -435,7 +435,7 @@ def line_contact_film(
     stroke : float, optional
         Peak-to-peak travel of the entrained oil, the integral of the entrainment speed over half a
         cycle: pin radius times half the swing. With it the notes state whether a film formed at the
-        inlet crosses the contact. [m]
+        inlet crosses the contact; infinite for a joint that turns all the way round. [m]
 
     Returns
     -------
@@ -467,7 +467,7 @@ def line_contact_film(
     >>> machine.regime, round(machine.film * 1e6, 3)
     ('piezoviscous-elastic', 0.628)
     """
-    if stroke is not None:
+    if stroke is not None and not np.all(np.isposinf(stroke)):
         require_single(stroke=stroke)
         require_not_negative(stroke=stroke)
 
