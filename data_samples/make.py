@@ -1,7 +1,7 @@
 """Make the sample run and its fixture again: python data_samples/make.py
 
-They are photographs of a known film by the virtual rig, so anybody can make the same bytes; truth.nc, with the film that was put
-in, is left beside this file and not kept in the repository.
+They are photographs of a known film by the virtual rig, so anybody can make the same bytes.
+truth.nc, with the true film, is written beside this file and is not part of the repository.
 """
 
 import shutil
@@ -18,7 +18,7 @@ run, fixture = here / "straight_bushing", here.parent / "calibration" / "wedge"
 
 
 def replace_data(source: Path, target: Path) -> None:
-    """Put everything of `source` into `target`, whose README stays."""
+    """Copy all of `source` into `target`, whose other files are removed except its README."""
     for old in target.iterdir() if target.exists() else ():
         if old.name != "README.md":
             shutil.rmtree(old) if old.is_dir() else old.unlink()
@@ -26,14 +26,17 @@ def replace_data(source: Path, target: Path) -> None:
 
 
 def main() -> None:
-    """Simulate, and move what the rig wrote to its places."""
+    """Simulate, and move the written directories to their places."""
     with tempfile.TemporaryDirectory() as scratch:
         made = simulate(Path(scratch) / "made", seed=SEED, rig=RIG)
+
+        # in the repository the fixture does not lie beside the run
         settings = made / "run" / "run.toml"
         text = settings.read_text().replace(
             "../fixture/calibration.nc", "../../calibration/wedge/calibration.nc"
         )
         settings.write_text(text)
+
         replace_data(made / "run", run)
         replace_data(made / "fixture", fixture)
         shutil.move(made / "truth.nc", here / "truth.nc")

@@ -1,4 +1,7 @@
-"""The virtual rig: a known film, photographed. It shares no code with the stages that will measure it."""
+"""The virtual rig: a known film, photographed by two virtual cameras.
+
+It shares no code with the stages that measure the film.
+"""
 
 import shutil
 import tempfile
@@ -11,7 +14,7 @@ from erlif.rig.settings import RigSettings
 __all__ = ["RigSettings", "simulate"]
 
 WRITTEN = ("fixture", "run", "truth.nc")
-"""What a simulation leaves in its directory."""
+"""Names that a simulation writes into its directory."""
 
 
 def simulate(
@@ -27,16 +30,17 @@ def simulate(
     Parameters
     ----------
     out : Path
-        Directory that receives ``fixture/`` and ``run/``, as the laboratory would have written them, and ``truth.nc``
-        with the film, the displacement between the cameras and everything else that was put in.
+        Directory that receives ``fixture/`` and ``run/`` as the laboratory would have written
+        them, and ``truth.nc`` with the film, the displacement between the cameras and all other
+        inputs of the simulation.
     seed : int
         The same seed and settings write the same bytes.
     rig : RigSettings, optional
-        The rig and what it does; the defaults are the thesis's joint.
+        The rig and its run; the defaults describe the joint of the thesis.
     overwrite : bool
         Replace ``fixture``, ``run`` and ``truth.nc`` as a whole once the new ones are complete.
     progress : callable, optional
-        Told after each frame: what it was, its number from 1, and how many there will be.
+        Called after each frame with the kind of frame, its number from 1, and their total.
 
     Returns
     -------
@@ -46,9 +50,20 @@ def simulate(
     Raises
     ------
     OutputError
-        If something of that name exists and `overwrite` is not set, or the directory cannot be written.
+        If something of that name exists and `overwrite` is not set, or the directory cannot be
+        written.
     ModelError
         If the settings describe no rig that could work.
+
+    Examples
+    --------
+    A run of six triggers, 8 degrees apart, has six frame pairs:
+
+    >>> rig = RigSettings(width=64, height=48, spacing=8.0, fixture_frames=1)
+    >>> with tempfile.TemporaryDirectory() as directory:
+    ...     out = simulate(Path(directory), seed=1, rig=rig)
+    ...     print(len(list((out / "run" / "camera1").iterdir())))
+    6
     """
     from erlif.rig.run import write_rig  # heavy imports only when the work starts
 
@@ -56,8 +71,11 @@ def simulate(
     existing = [name for name in WRITTEN if (out / name).exists()]
     if existing and not overwrite:
         raise OutputError(
-            f"{out} holds {', '.join(existing)} already; choose another directory or pass --overwrite."
+            f"{out} holds {', '.join(existing)} already; choose another directory or pass "
+            "--overwrite."
         )
+
+    # the old directories stay until the new ones are complete
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".simulate-", dir=out) as scratch:

@@ -1,4 +1,7 @@
-"""The cameras: where each pixel looks, what its sensor adds, and how photons become 12-bit counts."""
+"""The cameras: the object point of each pixel, the sensor's noise, and 12-bit counts.
+
+Noise follows EMVA 1288: shot noise of the electrons, read noise, and an offset of the converter.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,14 +15,22 @@ from erlif.rig.settings import RigSettings
 FULL_SCALE = 4095
 """Largest count of a 12-bit camera. [DN]"""
 
+_BEND = np.array([[0.6, 0.4, -0.2], [-0.3, 0.5, 0.5]])  # shares of u^2, u v, v^2 in x and y
+_CONVERGED = 1e-11  # pixel: step at which the search for an object point ends
+_LENS_CENTRE = (0.02, 0.015)  # of width and height: offset of the lens from the middle
+_DUST_DEPTH = (0.05, 0.2)  # least and largest loss of light behind a speck
+_DUST_WIDTH = (2, 5)  # pixel: standard deviation of its shadow
+_HOT_SIGNAL = (500, 3000)  # electron: dark signal of hot pixels
 
-# where camera 2 looks
+
+# object points of camera 2
 
 
 def map_coefficients(rig: RigSettings) -> Array:
     """Displacement (axis x y, term) as a polynomial of the terms 1, u, v, u^2, u v, v^2. [pixel]
 
-    u and v run from -1 to 1 over the columns and rows of camera 1; the affine part scales and turns about the middle.
+    u and v run from -1 to 1 over the columns and rows of camera 1. The affine part scales and
+    turns about the middle.
     """
     cos, sin = np.cos(np.radians(rig.rotation)), np.sin(np.radians(rig.rotation))
     half_width, half_height = rig.centre
@@ -33,8 +44,7 @@ def map_coefficients(rig: RigSettings) -> Array:
         rig.scale[1] * sin * half_width,
         (rig.scale[1] * cos - 1) * half_height,
     ]
-    bend = rig.distortion * np.array([[0.6, 0.4, -0.2], [-0.3, 0.5, 0.5]])
-    return np.hstack([[along_x, along_y], bend])
+    return np.hstack([[along_x, along_y], rig.distortion * _BEND])
 
 
 def displacement(x: Array, y: Array, rig: RigSettings) -> tuple[Array, Array]:
@@ -46,10 +56,10 @@ def displacement(x: Array, y: Array, rig: RigSettings) -> tuple[Array, Array]:
 def seen_from_camera_2(
     x: Array, y: Array, drift: tuple[float, float], rig: RigSettings
 ) -> tuple[Array, Array]:
-    """Object points [pixel of camera 1] that the pixels (x, y) of camera 2 look at, to 1e-10 pixel.
+    """Object points [pixel of camera 1] that the pixels (x, y) of camera 2 show, to 1e-10 pixel.
 
-    Fixed point of ``X = P - drift - d(X)``; a displacement that changes by about 0.01 per pixel converges two digits
-    a turn.
+    Fixed point of ``X = P - drift - d(X)``. The displacement changes by about 0.01 per pixel, so
+    each turn adds two digits.
     """
     object_x, object_y = _look_back(x - drift[0], y - drift[1], *rig.centre, map_coefficients(rig))
     return object_x, object_y
@@ -57,6 +67,7 @@ def seen_from_camera_2(
 
 @njit(cache=True, nogil=True)
 def _displace(x: Any, y: Any, centre_x: float, centre_y: float, terms: Array) -> tuple[Any, Any]:
+    """Value of the polynomial, for numbers or arrays."""
     u, v = x / centre_x - 1, y / centre_y - 1
     dx = (
         terms[0, 0]
@@ -81,11 +92,12 @@ def _displace(x: Any, y: Any, centre_x: float, centre_y: float, terms: Array) ->
 def _look_back(
     x: Array, y: Array, centre_x: float, centre_y: float, terms: Array
 ) -> tuple[Array, Array]:
+    """Fixed-point iteration of `seen_from_camera_2`, pixel by pixel."""
     object_x, object_y = x.copy(), y.copy()
     for j in range(x.shape[0]):
         for i in range(x.shape[1]):
             step = 1.0
-            while step > 1e-11:
+            while step > _CONVERGED:
                 dx, dy = _displace(object_x[j, i], object_y[j, i], centre_x, centre_y, terms)
                 step = abs(x[j, i] - dx - object_x[j, i]) + abs(y[j, i] - dy - object_y[j, i])
                 object_x[j, i], object_y[j, i] = x[j, i] - dx, y[j, i] - dy
@@ -93,7 +105,7 @@ def _look_back(
 
 
 def vibrate(frames: int, rig: RigSettings, rng: np.random.Generator) -> Array:
-    """Draw the extra shift (frame, axis x y) of camera 2 in each frame; its mean is zero. [pixel]"""
+    """Draw the extra shift of camera 2, (frame, axis x y); its mean is zero. [pixel]"""
     drift = rng.normal(0, rig.vibration, (frames, 2))
     return np.asarray(drift - drift.mean(axis=0))
 
@@ -103,7 +115,7 @@ def vibrate(frames: int, rig: RigSettings, rng: np.random.Generator) -> Array:
 
 @dataclass(frozen=True)
 class Camera:
-    """Everything that is fixed in one camera; arrays are (y, x)."""
+    """Fixed properties of one camera; arrays are (y, x)."""
 
     sensitivity: Array
     """Vignetting, dust and pixel response together; 0 for a dead pixel. [1]"""
@@ -112,17 +124,20 @@ class Camera:
     dark_level: Array
     """Offset of the converter, with its column pattern. [DN]"""
     gain: float
-    """[electron/DN]"""
+    """Electrons of one count. [electron/DN]"""
     read_noise: float
-    """[electron]"""
+    """Standard deviation of the read noise. [electron]"""
 
 
 def vignetting(x: Array, y: Array, number: int, rig: RigSettings) -> Array:
-    """Transmission of the lens of camera `number`: cos^4 of the field angle, centred a little off the middle."""
+    """Transmission of the lens of camera `number`: cos^4 of the field angle.
+
+    The two lenses are centred a little off the middle, on opposite sides of it.
+    """
     side = 1 if number == 1 else -1
     off_x, off_y = (
-        x - rig.centre[0] - side * 0.02 * rig.width,
-        y - rig.centre[1] - 0.015 * rig.height,
+        x - rig.centre[0] - side * _LENS_CENTRE[0] * rig.width,
+        y - rig.centre[1] - _LENS_CENTRE[1] * rig.height,
     )
     tan2 = (rig.vignetting[number - 1] ** -0.5 - 1) * (off_x**2 + off_y**2) / rig.half_diagonal**2
     return np.asarray((1 + tan2) ** -2)
@@ -133,23 +148,30 @@ def build_camera(number: int, rig: RigSettings, rng: np.random.Generator) -> Cam
     shape = (rig.height, rig.width)
     y, x = np.indices(shape, dtype=np.float64)
     sensitivity = vignetting(x, y, number, rig) * (1 + rng.normal(0, rig.response_spread, shape))
+
     for _ in range(rig.dust):
         at_x, at_y = rng.uniform(0, rig.width), rng.uniform(0, rig.height)
-        depth, width = rng.uniform(0.05, 0.2), rng.uniform(2, 5)
+        depth, width = rng.uniform(*_DUST_DEPTH), rng.uniform(*_DUST_WIDTH)
         sensitivity *= 1 - depth * np.exp(-((x - at_x) ** 2 + (y - at_y) ** 2) / (2 * width**2))
+
+    # no pixel is dead and hot at once
     odd = rng.permutation(sensitivity.size)
     dead, hot = np.split(
         odd[: rig.dead_pixels + round(rig.hot_fraction * odd.size)], [rig.dead_pixels]
     )
     sensitivity.flat[dead] = 0.0
+
     dark_signal = np.zeros(shape)
-    dark_signal.flat[hot] = rng.uniform(500, 3000, hot.size)
+    dark_signal.flat[hot] = rng.uniform(*_HOT_SIGNAL, hot.size)
     dark_level = np.broadcast_to(rig.offset + rng.normal(0, rig.column_pattern, rig.width), shape)
     return Camera(sensitivity, dark_signal, dark_level, rig.gain, rig.read_noise)
 
 
 def expose(light: Array | float, camera: Camera, rng: np.random.Generator) -> Counts:
-    """Return the counts of one exposure to `light` [electron at sensitivity 1]: shot and read noise, 12 bits."""
+    """Return the counts of one exposure to `light` [electron at sensitivity 1].
+
+    They hold shot and read noise and are clipped at full scale.
+    """
     electrons = rng.poisson(camera.sensitivity * light + camera.dark_signal)
     noisy = electrons + rng.normal(0, camera.read_noise, electrons.shape)
     counts = np.rint(noisy / camera.gain + camera.dark_level)

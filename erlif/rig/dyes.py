@@ -1,10 +1,11 @@
-"""Two invented dyes, and the light that a film of them sends through the filters of the two cameras.
+"""Two invented dyes, and the light of their film behind the filters of the two cameras.
 
-The spectra are synthetic: smooth curves placed so that a film behaves much like the thesis's pair of dyes (attenuation
-about 0.40 and 0.25 per um in the bands of 580 and 610 nm). They are not measured spectra of any dye.
+The spectra are synthetic: smooth curves placed so that a film behaves like the pair of dyes of the
+thesis (attenuation about 0.40 and 0.25 per um in the bands of 580 and 610 nm). They are not
+measured spectra of any dye.
 
-Left out on purpose: light of dye 1 that dye 2 absorbs is lost (no secondary emission), the laser passes once (no
-reflection from the pin), and neither dye bleaches or saturates.
+Not modelled: light of dye 1 that dye 2 absorbs is lost (no secondary emission), the laser passes
+once (no reflection from the pin), and neither dye bleaches or saturates.
 """
 
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 from erlif.core.arrays import Array
 
 LASER = 532.0
-"""[nm]"""
+"""Wavelength of the laser. [nm]"""
 BANDS = (580.0, 610.0)
 """Centres of the filters of cameras 1 and 2. [nm]"""
 BANDWIDTH = 10.0
@@ -24,6 +25,10 @@ EDGE = 0.7
 """Softness of a filter's edges. [nm]"""
 THICKEST = 200.0
 """Film from which on the signal has saturated. [um]"""
+
+_REACH = 12  # nm from the centre of a band, where the filter has fallen below 1e-8
+_STEP = 0.1  # nm of the integration over wavelengths
+_TABLE = 10001  # entries of the table of the signal, 0.02 um apart
 
 
 def absorption(wavelength: Array) -> Array:
@@ -34,7 +39,7 @@ def absorption(wavelength: Array) -> Array:
 
 
 def emission(wavelength: Array) -> Array:
-    """Light made per depth and wavelength by unit laser light, both dyes together. [arbitrary unit]"""
+    """Light per depth and wavelength by unit laser light, both dyes. [arbitrary unit]"""
     above_1, above_2 = (np.maximum(wavelength - onset, 1e-9) for onset in (520, 560))
     dye_1 = 0.157 * np.exp(-((np.log(above_1 / 48) / 0.38) ** 2) / 2)
     dye_2 = 0.041 * np.exp(-((np.log(above_2 / 52) / 0.36) ** 2) / 2)
@@ -42,21 +47,22 @@ def emission(wavelength: Array) -> Array:
 
 
 def transmission(wavelength: Array, band: float) -> Array:
-    """Filter with smooth edges around `band` [nm]."""
+    """Transmission of a filter with smooth edges around `band` [nm]. [1]"""
     rise = (wavelength - band + BANDWIDTH / 2) / EDGE
     fall = (wavelength - band - BANDWIDTH / 2) / EDGE
     return np.asarray((np.tanh(rise) - np.tanh(fall)) / 2)
 
 
 def band_signal(thickness: Array, band: float, *, derivative: bool = False) -> Array:
-    """Light of a film of `thickness` [um] behind the filter at `band` [nm], or its slope over thickness.
+    """Light of a film of `thickness` [um] behind the filter at `band` [nm], or its slope.
 
-    Laser light decays with the attenuation A at 532 nm on its way in, the light made at depth z decays with B(lambda)
-    on its way out, so depth integrates to ``(1 - exp(-(A + B) t)) / (A + B)``; wavelength is integrated with the
-    trapezoidal rule, which converges fast because the filter has died away at both ends.
+    Laser light decays with the attenuation A at 532 nm on its way in. Light emitted at depth z
+    decays with B(lambda) on its way out. Depth therefore integrates to
+    ``(1 - exp(-(A + B) t)) / (A + B)``. Wavelength is integrated with the trapezoidal rule, which
+    converges fast because the filter vanishes at both ends.
     """
-    wavelength = np.arange(band - 12, band + 12.01, 0.1)
-    weight = 0.1 * transmission(wavelength, band) * emission(wavelength)
+    wavelength = np.arange(band - _REACH, band + _REACH + _STEP / 10, _STEP)
+    weight = _STEP * transmission(wavelength, band) * emission(wavelength)
     both_ways = absorption(np.asarray(LASER)) + absorption(wavelength)
     depth = np.multiply.outer(np.asarray(thickness, dtype=np.float64), both_ways)
     per_wavelength = np.exp(-depth) if derivative else -np.expm1(-depth) / both_ways
@@ -64,11 +70,11 @@ def band_signal(thickness: Array, band: float, *, derivative: bool = False) -> A
 
 
 def tabulate_signal(band: float) -> Callable[[Array], Array]:
-    """Return thickness [um] -> light behind the filter, relative to an endlessly thick film.
+    """Return a function of thickness [um]: light behind the filter over that of a thick film.
 
-    A cubic Hermite table with exact slopes, 0.02 um apart: the error is below 1e-10.
+    It is a cubic Hermite table with exact slopes, 0.02 um apart: the error is below 1e-10.
     """
-    thickness = np.linspace(0, THICKEST, 10001)
+    thickness = np.linspace(0, THICKEST, _TABLE)
     signal, slope = (band_signal(thickness, band, derivative=order) for order in (False, True))
     table = CubicHermiteSpline(thickness, signal / signal[-1], slope / signal[-1])
     return lambda film: np.asarray(table(np.minimum(film, THICKEST)))

@@ -1,4 +1,7 @@
-"""The true film: what the linkage asks of the joint, and the gap that answers."""
+"""The true film: motion of the linkage, gap of the joint, wedge of the fixture and bubbles.
+
+The linkage follows from the law of cosines, the gap from rigid circles.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,14 +22,29 @@ BARE_FILM = 0.05
 RESIDUAL_FILM = 0.02
 """Film left on the wall inside a bubble. [um]"""
 
+_WAVES = 12  # turning marks
+_WAVELENGTHS = (5, 50)  # pixel: shortest and longest of the marks
+_WAVE_SPREAD = np.radians(3)  # of their direction about the axial one
+_SCRATCHES = 6
+_SCRATCH_SPREAD = 0.4  # rad: of their direction about the sliding one
+_SCRATCH_LENGTHS = (0.05, 0.3)  # of the width: half lengths
+_SCRATCH_DEPTH = 4  # over the standard deviation of the marks
+_SCRATCH_WIDTH = 1.3  # pixel: standard deviation across a scratch
+_SCRATCH_END = 3.0  # pixel: standard deviation beyond its ends
+_VANISHED = 20.0  # exponent from which on a scratch adds less than 1e-8 of its depth
+_SMALLEST_BUBBLE = 3  # pixel
+_BUBBLE_SPREAD = 7  # pixel: largest radius over the smallest
+_REFERENCE_PICTURE = 320 * 256  # pixels that hold `RigSettings.bubbles`
+
 
 # linkage
 
 
 def rocker_angle(crank_angle: Array, rig: RigSettings) -> Array:
-    """Rocker angle at its pivot from the ground link [rad], rocker on the side of positive crank angles [rad].
+    """Rocker angle at its pivot from the ground link [rad].
 
-    The diagonal from the crank pin to the rocker pivot splits the four-bar into two triangles (law of cosines).
+    The rocker is on the side of positive crank angles [rad]. The diagonal from the crank pin to the
+    rocker pivot splits the four-bar into two triangles (law of cosines).
     """
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
     diagonal = np.sqrt(r1**2 + r4**2 - 2 * r1 * r4 * np.cos(crank_angle))
@@ -35,10 +53,11 @@ def rocker_angle(crank_angle: Array, rig: RigSettings) -> Array:
 
 
 def rocker_speed(crank_angle: Array, rig: RigSettings) -> Array:
-    """Angular speed of the rocker [rad/s]: the derivative of `rocker_angle` times the crank speed."""
+    """Angular speed of the rocker [rad/s]: derivative of `rocker_angle` times crank speed."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
     sin, cos = np.sin(crank_angle), np.cos(crank_angle)
     diagonal = np.sqrt(r1**2 + r4**2 - 2 * r1 * r4 * cos)
+
     cosine = (r3**2 + diagonal**2 - r2**2) / (2 * r3 * diagonal)
     cosine_rate = r1 * r4 * sin * (diagonal**2 - r3**2 + r2**2) / (2 * r3 * diagonal**3)
     per_crank_angle = (r1 * r4 * cos - r1**2) / diagonal**2 - cosine_rate / np.sqrt(1 - cosine**2)
@@ -46,7 +65,7 @@ def rocker_speed(crank_angle: Array, rig: RigSettings) -> Array:
 
 
 def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
-    """Crank angle [rad, 0 to 2 pi] at which the rocker passes `angle` [rad] on its rising or falling stroke."""
+    """Crank angle [rad, 0 to 2 pi] at which the rocker passes `angle` [rad] on either stroke."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
     pin_x, pin_y = r4 - r3 * np.cos(angle), r3 * np.sin(angle)
     reach = np.hypot(pin_x, pin_y)
@@ -55,7 +74,7 @@ def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
 
 
 def rocker_range(rig: RigSettings) -> tuple[float, float]:
-    """Least and greatest rocker angle [rad]: crank and coupler folded, and in line."""
+    """Smallest and largest rocker angle [rad]: crank and coupler folded, and in line."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
     folded, in_line = (
         np.arccos((r3**2 + r4**2 - side**2) / (2 * r3 * r4)) for side in (r2 - r1, r2 + r1)
@@ -64,39 +83,44 @@ def rocker_range(rig: RigSettings) -> tuple[float, float]:
 
 
 class Triggers(NamedTuple):
-    """One crank cycle, from the least rocker angle up and down again; every array is (trigger,)."""
+    """One crank cycle, from the smallest rocker angle up and down; every array is (trigger,)."""
 
     reading: Array
     """Encoder reading. [degree]"""
     zero: float
     """Rocker angle at reading 0. [degree]"""
     crank_angle: Array
-    """[degree, 0 to 360]"""
+    """Crank angle, 0 to 360. [degree]"""
     speed: Array
     """Rocker speed, positive on the rising stroke. [rad/s]"""
     time: Array
-    """Since the rocker stood at its least angle. [s]"""
+    """Time since the rocker stood at its smallest angle. [s]"""
     load: Array
-    """[N]"""
+    """Load on the joint. [N]"""
     film_min: Array
-    """Least film of the smooth gap in the region of interest. [um]"""
+    """Minimum film thickness of the smooth gap in the region of interest. [um]"""
 
 
 def list_triggers(rig: RigSettings) -> Triggers:
-    """Lay the encoder marks symmetrically over the stroke and let the film law answer at each.
+    """List the encoder triggers, symmetric over the stroke, with the film of each.
 
-    The film law is ``film_reference * (|speed|/top speed * mean load/load) ** exponent``, never below ``film_floor``.
+    The film law is ``film_reference * (|speed|/top speed * mean load/load) ** exponent``, never
+    below ``film_floor``.
     """
+    # outward and return stroke pass the same encoder marks
     low, high = np.degrees(rocker_range(rig))
     marks = int((high - low) // rig.spacing)
     zero = float(low + (high - low - (marks - 1) * rig.spacing) / 2)
     up = np.arange(marks) * rig.spacing
     reading = np.concatenate([up, up[::-1]])
     rising = np.repeat([True, False], marks)
+
+    # time runs from just after the lower dead point, where the crank angle is defined
     crank = crank_angle(np.radians(zero + reading), rising, rig)
     start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
     speed = rocker_speed(crank, rig)
     load = rig.load * (1 + rig.load_swing * np.sin(crank))
+
     if rig.film_table is None:
         top = np.abs(rocker_speed(np.linspace(0, 2 * np.pi, 3601), rig)).max()
         law = rig.film_reference * (np.abs(speed) / top * rig.load / load) ** rig.exponent
@@ -105,8 +129,10 @@ def list_triggers(rig: RigSettings) -> Triggers:
         film_min = np.array(rig.film_table, dtype=np.float64)
     else:
         raise ModelError(
-            f"film_table needs one film for each of {reading.size} triggers, got {len(rig.film_table)}."
+            f"film_table needs one film for each of {reading.size} triggers, got "
+            f"{len(rig.film_table)}."
         )
+
     return Triggers(
         reading=reading,
         zero=zero,
@@ -126,9 +152,10 @@ class Marks:
     """Turning marks along the sliding direction, and a few scratches; fixed in the object."""
 
     waves: Array
-    """(wave, 4): wave vector (x, y) [rad/pixel], phase [rad], amplitude [um]."""
+    """Wave vector (x, y) [rad/pixel], phase [rad] and amplitude [um], (wave, 4)."""
     scratches: Array
-    """(scratch, 6): middle (x, y) [pixel], unit vector along it (x, y), half length [pixel], depth [um]."""
+    """Middle (x, y) [pixel], unit vector along it (x, y), half length [pixel] and depth [um],
+    (scratch, 6)."""
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Height added to the film [um] at object points [pixel]."""
@@ -136,25 +163,27 @@ class Marks:
 
 
 def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
-    """Draw the surface that the lathe left: 12 waves of 5 to 50 pixels, within some degrees of the axial direction."""
-    count = 12
-    wave_number = 2 * np.pi / np.exp(rng.uniform(np.log(5), np.log(50), count))
-    direction = np.pi / 2 + rng.normal(0, np.radians(3), count)
+    """Draw a turned surface: waves within some degrees of the axial direction, and scratches."""
+    count = _WAVES
+    shortest, longest = _WAVELENGTHS
+    wave_number = 2 * np.pi / np.exp(rng.uniform(np.log(shortest), np.log(longest), count))
+    direction = np.pi / 2 + rng.normal(0, _WAVE_SPREAD, count)
     phase = rng.uniform(0, 2 * np.pi, count)
     amplitude = np.full(count, rig.marks * np.sqrt(2 / count))
     waves = np.stack(
         [wave_number * np.cos(direction), wave_number * np.sin(direction), phase, amplitude], axis=1
     )
-    count = 6
-    direction = rng.normal(0, 0.4, count)
+
+    count = _SCRATCHES
+    direction = rng.normal(0, _SCRATCH_SPREAD, count)
     scratches = np.stack(
         [
             rng.uniform(0, rig.width, count),
             rng.uniform(0, rig.height, count),
             np.cos(direction),
             np.sin(direction),
-            rng.uniform(0.05, 0.3, count) * rig.width,
-            np.full(count, 4 * rig.marks),
+            rng.uniform(*_SCRATCH_LENGTHS, count) * rig.width,
+            np.full(count, _SCRATCH_DEPTH * rig.marks),
         ],
         axis=1,
     )
@@ -163,6 +192,7 @@ def draw_marks(rig: RigSettings, rng: np.random.Generator) -> Marks:
 
 @njit(cache=True, nogil=True)
 def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
+    """Height of all waves and scratches at each point. [um]"""
     total = np.empty(x.shape)
     for j in range(x.shape[0]):
         for i in range(x.shape[1]):
@@ -170,14 +200,17 @@ def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
             height = 0.0
             for k in range(waves.shape[0]):
                 height += waves[k, 3] * np.sin(waves[k, 0] * px + waves[k, 1] * py + waves[k, 2])
+
+            # a scratch is Gaussian across, and fades beyond its ends
             for k in range(scratches.shape[0]):
                 off_x, off_y = px - scratches[k, 0], py - scratches[k, 1]
                 along = scratches[k, 2] * off_x + scratches[k, 3] * off_y
                 across = scratches[k, 2] * off_y - scratches[k, 3] * off_x
                 beyond = max(0.0, abs(along) - scratches[k, 4])
-                exponent = 0.5 * (across / 1.3) ** 2 + 0.5 * (beyond / 3.0) ** 2
-                if exponent < 20.0:
+                exponent = 0.5 * (across / _SCRATCH_WIDTH) ** 2 + 0.5 * (beyond / _SCRATCH_END) ** 2
+                if exponent < _VANISHED:
                     height += scratches[k, 5] * np.exp(-exponent)
+
             total[j, i] = height
     return total
 
@@ -187,11 +220,17 @@ class Gap:
     """Film between pin and bushing at one trigger: rigid circles, tilt and marks."""
 
     rig: RigSettings
+    """The joint and the picture."""
     film_min: float
+    """Minimum film thickness of the smooth gap in the region of interest. [um]"""
     marks: Marks
+    """Marks on the surface, the same at all triggers."""
 
     def smooth(self, x: Array, y: Array) -> Array:
-        """Film without marks: h_min + (x - x0)^2/(2 R) and a tilt that starts at the edge of the region. [um]"""
+        """Film without marks: h_min + (x - x0)^2/(2 R) and a tilt. [um]
+
+        The tilt is zero at the edge of the region, so that h_min is the minimum in the region.
+        """
         rig = self.rig
         from_line = (x - rig.centre[0]) * rig.pitch - rig.thin_line  # mm
         from_edge = y * rig.pitch - rig.region[1][0 if rig.tilt >= 0 else 1]  # mm
@@ -201,11 +240,12 @@ class Gap:
         )
 
     def __call__(self, x: Array, y: Array) -> Array:
+        """Film with marks at object points [pixel]. [um]"""
         return self.close(self.smooth(x, y), self.marks(x, y))
 
     @staticmethod
     def close(smooth: Array, height: Array) -> Array:
-        """Film [um] between a smooth gap and the height that the marks add; roughness keeps it open."""
+        """Film [um] of a smooth gap with the height of the marks; roughness keeps it open."""
         return np.maximum(smooth + height, BARE_FILM)
 
 
@@ -214,6 +254,7 @@ class Wedge:
     """Film of the calibration fixture: rises along x, with a smooth error of form."""
 
     rig: RigSettings
+    """The wedge and the picture."""
 
     def profile(self, x: Array) -> Array:
         """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
@@ -224,6 +265,7 @@ class Wedge:
         )
 
     def __call__(self, x: Array, y: Array) -> Array:
+        """Film at object points [pixel], not below what stays on the wall. [um]"""
         return np.maximum(self.profile(x), RESIDUAL_FILM)
 
 
@@ -232,9 +274,11 @@ class Bubbles:
     """Discs without oil under a soft meniscus."""
 
     x: Array
+    """Column of each centre, (bubble,). [pixel]"""
     y: Array
+    """Row of each centre, (bubble,). [pixel]"""
     radius: Array
-    """Everything (bubble,). [pixel]"""
+    """Radius of each, (bubble,). [pixel]"""
     meniscus: float = 1.5
     """Width of the edge over which the full film returns. [pixel]"""
 
@@ -243,7 +287,7 @@ class Bubbles:
         missing = np.zeros(np.shape(x))
         for centre_x, centre_y, radius in zip(self.x, self.y, self.radius, strict=True):
             rise = np.clip((np.hypot(x - centre_x, y - centre_y) - radius) / self.meniscus, 0, 1)
-            missing = np.maximum(missing, 1 - rise**2 * (3 - 2 * rise))
+            missing = np.maximum(missing, 1 - rise**2 * (3 - 2 * rise))  # smooth step
         return missing
 
     def empty(self, film: Array, x: Array, y: Array) -> Array:
@@ -253,7 +297,8 @@ class Bubbles:
 
 def draw_bubbles(rig: RigSettings, rng: np.random.Generator) -> Bubbles:
     """Draw the bubbles of one frame: mostly small, radius 3 to 10 pixels."""
-    most = min(rig.bubbles, int(np.ceil(rig.bubbles * rig.width * rig.height / (320 * 256))))
+    share = rig.bubbles * rig.width * rig.height / _REFERENCE_PICTURE
+    most = min(rig.bubbles, int(np.ceil(share)))
     count = int(rng.integers(0, most + 1))
-    radius = 3 + 7 * rng.uniform(size=count) ** 3
+    radius = _SMALLEST_BUBBLE + _BUBBLE_SPREAD * rng.uniform(size=count) ** 3
     return Bubbles(rng.uniform(0, rig.width, count), rng.uniform(0, rig.height, count), radius)

@@ -1,0 +1,193 @@
+"""truth.nc: the true film and all other inputs of a simulated run."""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import NamedTuple
+
+import h5netcdf
+import numpy as np
+from numpy.typing import NDArray
+
+from erlif.core.arrays import Array
+from erlif.rig.camera import displacement, vignetting
+from erlif.rig.film import Gap, Marks, Triggers, Wedge
+from erlif.rig.settings import RigSettings
+from erlif.rig.setup import Setup
+
+_FILM_STEPS = 4096  # per um: the film is rounded to 0.12 nm
+_SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
+
+
+class Session(NamedTuple):
+    """Random motion and light of the run and the fixture's session."""
+
+    drift: Array
+    """Extra shift of camera 2 in each frame of the run, (frame, axis x y). [pixel]"""
+    fixture_drift: Array
+    """The same in the fixture's session, (fixture_frame, axis x y). [pixel]"""
+    energy: Array
+    """Relative pulse energy of each frame of the run, (frame,). [1]"""
+
+
+class _Variable(NamedTuple):
+    name: str
+    dims: tuple[str, ...]
+    values: NDArray[np.generic]
+    units: str
+    meaning: str
+
+
+class _Image(NamedTuple):
+    name: str
+    dims: tuple[str, ...]
+    kind: str
+    units: str
+    meaning: str
+
+
+def describe_truth(
+    file: h5netcdf.File, setup: Setup, triggers: Triggers, session: Session, seed: int
+) -> None:
+    """Write all small variables and the attributes, and create the images.
+
+    The images are filled later, frame by frame: film and expected_electrons by `write_true_film`,
+    bubble by the run.
+    """
+    rig = setup.rig
+    file.dimensions = {
+        "trigger": triggers.reading.size,
+        "frame": session.energy.size,
+        "fixture_frame": rig.fixture_frames,
+        "camera": 2,
+        "y": rig.height,
+        "x": rig.width,
+    }
+    for small in (
+        *_list_axes(rig),
+        *_list_triggers(triggers),
+        *_list_frames(triggers, session),
+        *_list_geometry(setup),
+    ):
+        variable = file.create_variable(small.name, small.dims, data=small.values)
+        variable.attrs["units"] = small.units
+        variable.attrs["long_name"] = small.meaning
+
+    for image in _IMAGES:
+        variable = file.create_variable(
+            image.name,
+            image.dims,
+            image.kind,
+            compression="gzip",
+            compression_opts=4,
+            shuffle=True,
+            chunks=(1,) * (len(image.dims) - 2) + (rig.height, rig.width),
+        )
+        variable.attrs["units"] = image.units
+        variable.attrs["long_name"] = image.meaning
+
+    file.attrs["title"] = "truth of a virtual ERLIF run"
+    file.attrs["source"] = f"erlif {version('erlif')}, virtual rig; the dyes' spectra are invented"
+    file.attrs["seed"] = np.int64(seed)
+    for name, value in asdict(rig).items():
+        if value is not None:
+            file.attrs[f"rig_{name}"] = (
+                np.int8(value) if isinstance(value, bool) else np.asarray(value)
+            )
+    file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
+
+
+def _list_axes(rig: RigSettings) -> Iterator[_Variable]:
+    """Positions of the pixels on the object, and camera numbers."""
+    columns, rows = np.arange(rig.width), np.arange(rig.height)
+    yield _Variable("x", ("x",), columns * rig.pitch, "mm", "object position along sliding")
+    yield _Variable("y", ("y",), rows * rig.pitch, "mm", "object position across sliding")
+    yield _Variable("camera", ("camera",), np.array([1, 2]), "1", "camera number")
+
+
+def _list_triggers(triggers: Triggers) -> Iterator[_Variable]:
+    """Film and motion of each trigger."""
+    dims = ("trigger",)
+    rocker = triggers.zero + triggers.reading
+    ground, side = "from the ground link", "from the ground link, rocker side positive"
+    gap = "least film of the smooth gap in the region of interest"
+    yield _Variable("film_min", dims, triggers.film_min, "um", gap)
+    yield _Variable("encoder_angle", dims, triggers.reading, "degree", "encoder reading")
+    yield _Variable("rocker_angle", dims, rocker, "degree", ground)
+    yield _Variable("crank_angle", dims, triggers.crank_angle, "degree", side)
+    yield _Variable("rocker_speed", dims, triggers.speed, "rad s-1", "positive with rising angle")
+    yield _Variable("load", dims, triggers.load, "N", "load on the joint")
+
+
+def _list_frames(triggers: Triggers, session: Session) -> Iterator[_Variable]:
+    """Trigger, pulse energy and shift of each frame."""
+    frame, fixture_frame = ("frame",), ("fixture_frame",)
+    drift, fixture_drift = session.drift, session.fixture_drift
+    number = np.arange(session.energy.size) % triggers.reading.size
+    fixture = "the same in the fixture's session"
+    energy = "laser pulse energy over its mean"
+    yield _Variable("frame_trigger", frame, number, "1", "trigger at which a frame was taken")
+    yield _Variable("pulse_energy", frame, session.energy, "1", energy)
+    yield _Variable("drift_x", frame, drift[:, 0], "pixel", "extra shift of camera 2 along x")
+    yield _Variable("drift_y", frame, drift[:, 1], "pixel", "extra shift of camera 2 along y")
+    yield _Variable("fixture_drift_x", fixture_frame, fixture_drift[:, 0], "pixel", fixture)
+    yield _Variable("fixture_drift_y", fixture_frame, fixture_drift[:, 1], "pixel", fixture)
+
+
+def _list_geometry(setup: Setup) -> Iterator[_Variable]:
+    """Displacement of camera 2, and the film of the fixture."""
+    dx, dy = displacement(setup.x, setup.y, setup.rig)
+    wedge = Wedge(setup.rig)(setup.x, setup.y)[0]
+    meaning = "camera-2 pixel minus camera-1 pixel, at zero drift"
+    yield _Variable("displacement_x", ("y", "x"), dx, "pixel", meaning)
+    yield _Variable("displacement_y", ("y", "x"), dy, "pixel", meaning)
+    yield _Variable("wedge", ("x",), wedge, "um", "film of the calibration fixture")
+
+
+_IMAGES = (
+    _Image(
+        name="film",
+        dims=("trigger", "y", "x"),
+        kind="f4",
+        units="um",
+        meaning="film with its marks, without bubbles, at pixel centres of camera 1",
+    ),
+    _Image(
+        name="expected_electrons",
+        dims=("camera", "trigger", "y", "x"),
+        kind="f4",
+        units="electron",
+        meaning=(
+            "mean signal above dark of the object point under each camera-1 pixel: lens and beam "
+            "included, speckle, bubbles, pulse energy, pixel response and dust not"
+        ),
+    ),
+    _Image(
+        name="bubble",
+        dims=("frame", "y", "x"),
+        kind="u1",
+        units="1",
+        meaning="1 where a bubble or its meniscus takes oil away",
+    ),
+)
+
+
+def write_true_film(file: h5netcdf.File, setup: Setup, triggers: Triggers, marks: Marks) -> None:
+    """Write film and expected signal trigger by trigger.
+
+    They are rounded below what any camera could resolve, so that they compress well.
+    """
+    rig, x, y = setup.rig, setup.x, setup.y
+    dx, dy = displacement(x, y, rig)
+    lens = vignetting(x, y, 1, rig), vignetting(x + dx, y + dy, 2, rig)
+    height = marks(x, y)
+    for k, film_min in enumerate(triggers.film_min):
+        gap = Gap(rig, float(film_min), marks)
+        film = gap.close(gap.smooth(x, y), height)
+        file["film"][k] = np.rint(film * _FILM_STEPS) / _FILM_STEPS
+        for number in (1, 2):
+            electrons = lens[number - 1] * setup.light(number, film, x, y)
+            mantissa, exponent = np.frexp(electrons)
+            file["expected_electrons"][number - 1, k] = np.ldexp(
+                np.rint(mantissa * _SIGNAL_STEPS) / _SIGNAL_STEPS, exponent
+            )

@@ -1,0 +1,97 @@
+"""Light of the invented dyes against independent integration over depth and wavelength."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scipy.integrate import dblquad, quad
+from scipy.optimize import least_squares
+
+from erlif.rig.dyes import (
+    BANDS,
+    LASER,
+    THICKEST,
+    absorption,
+    band_signal,
+    emission,
+    tabulate_signal,
+    transmission,
+)
+
+# the band signal and its limits
+
+
+@pytest.mark.parametrize("band", [580.0, 610.0])
+@pytest.mark.parametrize("thickness", [0.2, 5.0])
+def test_band_signal_is_the_double_integral(band, thickness):
+    def light(depth, wavelength):
+        lost = (absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength))) * depth
+        return float(
+            transmission(np.asarray(wavelength), band)
+            * emission(np.asarray(wavelength))
+            * np.exp(-lost)
+        )
+
+    whole = dblquad(light, band - 12, band + 12, 0, thickness, epsrel=1e-9)[0]
+    npt.assert_allclose(band_signal(np.asarray(thickness), band), whole, rtol=1e-7)
+
+
+@pytest.mark.parametrize("band", [580.0, 610.0])
+def test_thin_and_thick_limits(band):
+    def made(wavelength):
+        return float(transmission(np.asarray(wavelength), band) * emission(np.asarray(wavelength)))
+
+    def left(wavelength):
+        return made(wavelength) / float(
+            absorption(np.asarray(LASER)) + absorption(np.asarray(wavelength))
+        )
+
+    thin, thick = (quad(what, band - 12, band + 12, epsrel=1e-10)[0] for what in (made, left))
+    npt.assert_allclose(band_signal(np.asarray(1e-6), band) / 1e-6, thin, rtol=1e-6)
+    npt.assert_allclose(band_signal(np.asarray(200.0), band), thick, rtol=1e-9)
+
+
+def test_table_of_the_signal_is_exact():
+    thickness = np.random.default_rng(0).uniform(0, 60, 500)
+    direct = band_signal(thickness, 580.0) / band_signal(np.asarray(200.0), 580.0)
+    npt.assert_allclose(tabulate_signal(580.0)(thickness), direct, rtol=1e-9)
+
+
+def test_filter_passes_ten_nanometres_at_half_height():
+    npt.assert_allclose(
+        transmission(np.array([575.0, 580.0, 585.0]), 580.0), [0.5, 1, 0.5], atol=1e-5
+    )
+
+
+def test_three_parameters_describe_the_ratio_of_the_bands():
+    """The narrow-band law with p about 0.40 and q about 0.25 per um is good to 0.2 %."""
+    t = np.geomspace(0.3, 15, 300)
+    ratio = np.log(tabulate_signal(610.0)(t) / tabulate_signal(580.0)(t))
+
+    def law(k, p, q):
+        return np.log(k * p / q * np.expm1(-q * t) / np.expm1(-p * t))
+
+    fit = least_squares(lambda v: law(*v) - ratio, [0.7, 0.4, 0.25], xtol=1e-12, ftol=1e-12)
+    assert np.abs(fit.fun).max() < 2e-3
+    npt.assert_allclose(fit.x[1:], [0.40, 0.25], rtol=0.05)
+
+
+@pytest.mark.parametrize("band", BANDS)
+def test_slope_of_the_signal_is_its_derivative(band):
+    film, step = np.linspace(0.1, 20, 30), 1e-4
+    numerical = (band_signal(film + step, band) - band_signal(film - step, band)) / (2 * step)
+    npt.assert_allclose(band_signal(film, band, derivative=True), numerical, rtol=1e-6)
+
+
+def test_signal_is_saturated_beyond_the_table():
+    signal = tabulate_signal(BANDS[0])
+    npt.assert_array_equal(signal(np.array([THICKEST, 2 * THICKEST])), 1)
+    assert signal(np.array(0.0)) == 0
+
+
+def test_reabsorption_is_stronger_in_the_band_of_camera_1():
+    """So the ratio camera 2 / camera 1 rises with thickness."""
+    one, two = (absorption(np.asarray(band)) for band in BANDS)
+    assert one > 2 * two
+    film = np.linspace(0.05, 100, 2000)
+    ratio = tabulate_signal(BANDS[1])(film) / tabulate_signal(BANDS[0])(film)
+    assert np.all(np.diff(ratio) > 0)

@@ -1,0 +1,196 @@
+"""The true film: published numbers of the linkage, rigid circles, marks and bubbles."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.rig import RigSettings
+from erlif.rig.film import (
+    Bubbles,
+    Gap,
+    Marks,
+    Wedge,
+    crank_angle,
+    draw_bubbles,
+    draw_marks,
+    list_triggers,
+    rocker_angle,
+    rocker_range,
+    rocker_speed,
+)
+
+# linkage: the four-bar of the thesis, recomputed with two independent packages
+
+
+def test_rocker_swings_between_its_dead_points():
+    npt.assert_allclose(np.degrees(rocker_range(RigSettings())), [47.4095, 71.8355], atol=5e-5)
+    crank = np.degrees(
+        crank_angle(np.asarray(rocker_range(RigSettings())), np.array([True, True]), RigSettings())
+    )
+    npt.assert_allclose(crank, [209.83, 29.95], atol=0.02)
+
+
+def test_greatest_rocker_speeds():
+    speed = rocker_speed(np.linspace(0, 2 * np.pi, 72001), RigSettings())
+    npt.assert_allclose([speed.max(), speed.min()], [2.552104, -2.540492], rtol=1e-6)
+
+
+def test_four_bar_closes_and_speed_is_its_derivative():
+    rig = RigSettings()
+    crank = np.linspace(0, 2 * np.pi, 37)
+    angle = rocker_angle(crank, rig)
+    rocker_end = np.stack([rig.ground - rig.rocker * np.cos(angle), rig.rocker * np.sin(angle)])
+    crank_end = rig.crank * np.stack([np.cos(crank), np.sin(crank)])
+    npt.assert_allclose(np.hypot(*(rocker_end - crank_end)), rig.coupler, rtol=1e-13)
+    rate = (
+        (rocker_angle(crank + 1e-5, rig) - rocker_angle(crank - 1e-5, rig))
+        / 2e-5
+        * 114
+        * 2
+        * np.pi
+        / 60
+    )
+    npt.assert_allclose(rocker_speed(crank, rig), rate, atol=1e-8)
+
+
+def test_triggers_fill_one_cycle_every_096_degrees():
+    triggers = list_triggers(RigSettings())
+    assert triggers.reading.size == 50  # the thesis: 50 pictures per cycle
+    npt.assert_allclose(
+        np.diff(triggers.reading), np.repeat([0.96, 0, -0.96], [24, 1, 24]), atol=1e-12
+    )
+    npt.assert_allclose(
+        np.degrees(rocker_angle(np.radians(triggers.crank_angle), RigSettings())),
+        triggers.zero + triggers.reading,
+        rtol=1e-12,
+    )
+    npt.assert_array_equal(np.sign(triggers.speed), np.repeat([1, -1], 25))
+    assert np.all(np.diff(triggers.time) > 0)
+    assert 0 < triggers.time[0] < triggers.time[-1] < 60 / 114
+    crank_turned = np.diff(np.unwrap(np.radians(triggers.crank_angle)))
+    npt.assert_allclose(crank_turned, np.diff(triggers.time) * 114 * 2 * np.pi / 60, rtol=1e-9)
+
+
+def test_film_law_is_a_power_of_speed_over_load():
+    triggers = list_triggers(RigSettings(exponent=0.7, load_swing=0.2))
+    slope, intercept = np.polyfit(
+        np.log(np.abs(triggers.speed) / triggers.load), np.log(triggers.film_min), 1
+    )
+    npt.assert_allclose(slope, 0.7, rtol=1e-9)
+    npt.assert_allclose(np.exp(intercept) * (2.552104 / 222.411) ** 0.7, 6.0, rtol=1e-5)
+
+
+def test_squeeze_limits_the_film_from_below():
+    assert list_triggers(RigSettings(film_reference=0.6)).film_min.min() == 0.3
+
+
+def test_film_can_be_given_by_a_table():
+    table = tuple(np.linspace(2, 3, 50))
+    npt.assert_array_equal(list_triggers(RigSettings(film_table=table)).film_min, table)
+    with pytest.raises(ModelError, match="50 triggers, got 3"):
+        list_triggers(RigSettings(film_table=(1.0, 2.0, 3.0)))
+
+
+# gap
+
+
+def test_gap_has_the_curvature_of_a_rigid_joint():
+    rig = RigSettings(tilt=0)
+    gap = Gap(rig, 4.0, draw_marks(rig, np.random.default_rng(0)))
+    middle = rig.centre[0] + rig.thin_line / rig.pitch
+    x = middle + np.linspace(-10, 10, 20001)[None] / rig.pitch
+    film = gap.smooth(x, np.zeros_like(x))[0]
+    npt.assert_allclose(film.min(), 4.0, rtol=1e-9)
+    npt.assert_allclose((film[0] + film[-1] - 2 * film[10000]) / 10**2, 0.2053, rtol=5e-4)  # um/mm2
+    npt.assert_allclose(film.mean() - 4.0, 3.4, atol=0.03)  # w^2/(6 R) for w = 10 mm
+
+
+def test_film_min_is_the_minimum_of_the_smooth_gap_in_the_region():
+    rig = RigSettings(tilt=-0.5)
+    gap = Gap(rig, 4.0, draw_marks(rig, np.random.default_rng(0)))
+    (left, right), (top, bottom) = rig.region
+    y, x = np.meshgrid(np.linspace(top, bottom, 101), np.linspace(left, right, 2001), indexing="ij")
+    npt.assert_allclose(gap.smooth(x / rig.pitch, y / rig.pitch).min(), 4.0, atol=1e-5)
+
+
+def test_marks_have_their_depth_and_run_along_sliding():
+    rig = RigSettings(width=1000, height=1000, marks=0.1)
+    y, x = np.indices((1000, 1000), dtype=float)
+    waves_only = draw_marks(rig, np.random.default_rng(3))
+    height = waves_only(x, y)
+    assert 0.08 < height.std() < 0.13  # waves of 0.1 um rms, and scratches on top
+    assert np.abs(np.diff(height, axis=1)).mean() < 0.3 * np.abs(np.diff(height, axis=0)).mean()
+
+
+def test_film_never_closes():
+    rig = RigSettings(marks=1.0)
+    y, x = np.indices((256, 320), dtype=float)
+    assert Gap(rig, 0.1, draw_marks(rig, np.random.default_rng(0)))(x, y).min() == 0.05
+
+
+def test_bubble_empties_the_film_inside_only():
+    x, y = np.arange(40.0)[None], np.full((1, 40), 10.0)
+    film = Bubbles(np.array([20.0]), np.array([10.0]), np.array([5.0])).empty(
+        np.full((1, 40), 6.0), x, y
+    )[0]
+    assert np.all(film[16:25] < 0.1)
+    npt.assert_array_equal(film[[10, 13, 27, 35]], 6.0)
+
+
+@pytest.mark.parametrize("rising", [True, False])
+def test_crank_angle_is_the_inverse_of_the_rocker_angle(rising):
+    rig = RigSettings()
+    low, high = rocker_range(rig)
+    angle = np.linspace(low + 0.01, high - 0.01, 30)
+    crank = crank_angle(angle, np.full(30, rising), rig)
+    npt.assert_allclose(rocker_angle(crank, rig), angle, rtol=1e-12)
+    assert np.all(np.sign(rocker_speed(crank, rig)) == (1 if rising else -1))
+
+
+def test_one_mark_is_a_plane_wave_of_its_wavelength():
+    waves = np.array([[0.0, 2 * np.pi / 10, 0.0, 0.3]])
+    height = Marks(waves, np.empty((0, 6)))(np.zeros((1, 41)), np.arange(41.0)[None])[0]
+    npt.assert_allclose(height, 0.3 * np.sin(2 * np.pi * np.arange(41) / 10), atol=1e-12)
+
+
+def test_one_scratch_has_its_depth_along_it_and_fades_beyond():
+    """Depth 0.4 um from x = 10 to 30, a standard deviation of 1.3 pixels across."""
+    marks = Marks(np.empty((0, 4)), np.array([[20.0, 5.0, 1.0, 0.0, 10.0, 0.4]]))
+    x, y = np.array([[12.0, 28.0, 20.0, 45.0]]), np.array([[5.0, 5.0, 6.3, 5.0]])
+    height = marks(x, y)[0]
+    npt.assert_allclose(height[:2], 0.4, rtol=1e-12)
+    npt.assert_allclose(height[2], 0.4 * np.exp(-0.5), rtol=1e-12)
+    assert height[3] < 1e-4
+
+
+def test_wedge_rises_from_edge_to_edge_about_a_plane():
+    rig = RigSettings(wedge=(1.0, 9.0), wedge_form=0.2)
+    x = np.arange(float(rig.width))
+    film = Wedge(rig).profile(x)
+    npt.assert_allclose(film[[0, -1]], [1, 9], atol=1e-12)
+    departure = film - np.linspace(1, 9, rig.width)
+    npt.assert_allclose(np.abs(departure).max(), 0.2, rtol=1e-3)
+    beyond = Wedge(RigSettings(wedge=(0.0, 9.0), wedge_form=0.0))
+    assert beyond.profile(np.array([-10.0]))[0] < 0
+    assert beyond(np.array([-10.0]), np.zeros(1))[0] == 0.02
+
+
+def test_meniscus_is_half_full_at_its_middle():
+    bubble = Bubbles(np.array([0.0]), np.array([0.0]), np.array([5.0]), meniscus=2.0)
+    lack = bubble.lack(np.array([0.0, 5.0, 6.0, 7.0]), np.zeros(4))
+    npt.assert_allclose(lack, [1, 1, 0.5, 0])
+    assert Bubbles(*np.empty((3, 0))).lack(np.zeros(3), np.zeros(3)).sum() == 0
+
+
+def test_number_of_bubbles_is_uniform_and_falls_with_the_picture():
+    rng = np.random.default_rng(4)
+    drawn = [draw_bubbles(RigSettings(bubbles=4), rng) for _ in range(500)]
+    counts = np.bincount([bubbles.x.size for bubbles in drawn], minlength=5)
+    npt.assert_allclose(counts, 100, atol=4 * 9)  # binomial, 500 draws of a fifth
+    radius = np.concatenate([bubbles.radius for bubbles in drawn])
+    assert 3 <= radius.min() < 3.1
+    assert 9 < radius.max() <= 10
+    npt.assert_allclose(radius.mean(), 3 + 7 / 4, atol=0.25)  # mean of u^3 is 1/4
+    quarter = RigSettings(width=160, height=128, bubbles=4)
+    assert max(draw_bubbles(quarter, rng).x.size for _ in range(50)) == 1

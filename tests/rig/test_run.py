@@ -1,0 +1,173 @@
+"""Directories as the laboratory writes them, and frames that carry the true light."""
+
+import csv
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import tifffile
+import xarray as xr
+from scenes.rig import QUICK, read_frames
+
+from erlif.rig import RigSettings, simulate
+from erlif.rig.film import Wedge, list_triggers
+from erlif.rig.run import run_toml, write_encoder_log, write_pages, write_profile
+
+# what is written
+
+
+def test_run_directory_has_its_settings_log_and_frames(written):
+    run = written / "run"
+    settings = tomllib.loads((run / "run.toml").read_text(encoding="utf-8"))
+    assert list(settings) == [
+        "calibration", "run", "camera1", "camera2", "optics",
+        "encoder", "mechanism", "joint", "oil", "thickness",
+    ]  # fmt: skip
+    assert settings["encoder"]["triggers_per_cycle"] == 50
+    assert settings["optics"]["pixel_pitch"] == "200 um"
+    assert float(settings["encoder"]["zero"].removesuffix(" deg")) == pytest.approx(
+        47.4095 + (24.426 - 23.04) / 2, abs=1e-4
+    )
+    with (run / "encoder.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["frame", "time_s", "angle_deg", "load_N", "temperature_C", "laser_mJ"]
+    assert [int(row["frame"]) for row in rows] == list(range(50))
+    assert all(abs(float(row["load_N"]) / 222.411 - 1) < 0.0101 for row in rows)
+    assert all(abs(float(row["temperature_C"]) - 25) <= 0.2 for row in rows)
+    for number in (1, 2):
+        assert read_frames(run, number).shape == (50, 80, 96)
+
+
+def test_fixture_directory_has_its_settings_profile_and_frames(written, truth):
+    fixture = written / "fixture"
+    settings = tomllib.loads((fixture / "fixture.toml").read_text(encoding="utf-8"))
+    assert list(settings) == ["fixture", "camera1", "camera2", "optics"]
+    assert settings["fixture"]["origin"] == [0.0, 0.0]
+    x, thickness, uncertainty = np.loadtxt(
+        fixture / "profile.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    npt.assert_allclose(np.diff(x), 0.1, atol=1e-9)
+    assert x[0] < 0
+    assert x[-1] > truth.x[-1]
+    npt.assert_array_equal(uncertainty, 0.15)
+    error = np.interp(truth.x, x, thickness) - truth.wedge
+    assert 0.08 < error.std() < 0.2  # interpolation between readings averages a little
+    npt.assert_allclose(truth.wedge[[0, -1]], [0.1, 18.0], atol=1e-9)
+    assert read_frames(fixture, 1).shape == (3, 80, 96)
+
+
+def test_a_perfect_measuring_machine_reads_the_wedge(tmp_path):
+    out = simulate(tmp_path, rig=replace(QUICK, cmm_noise=0.0))
+    x, thickness, _ = np.loadtxt(
+        out / "fixture" / "profile.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        npt.assert_allclose(np.interp(truth.x, x, thickness), truth.wedge, atol=2e-3)
+
+
+def test_encoder_zero_can_be_withheld_and_cycles_repeat(tmp_path):
+    out = simulate(tmp_path, rig=replace(QUICK, cycles=2, write_zero=False))
+    settings = tomllib.loads((out / "run" / "run.toml").read_text(encoding="utf-8"))
+    assert "zero" not in settings["encoder"]
+    log = np.genfromtxt(out / "run" / "encoder.csv", delimiter=",", names=True)
+    npt.assert_array_equal(log["angle_deg"], [0, 8, 16, 16, 8, 0] * 2)
+    npt.assert_allclose(log["time_s"][6:] - log["time_s"][:6], 60 / 114, atol=2e-6)
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        npt.assert_array_equal(truth.frame_trigger, [0, 1, 2, 3, 4, 5] * 2)
+        assert dict(truth.film.sizes) == {"trigger": 6, "y": 48, "x": 64}
+    frames = read_frames(out / "run", 1)
+    assert not np.array_equal(frames[0], frames[6])  # the same film under a new pulse
+
+
+# the light in it
+
+
+def test_frames_carry_the_expected_light(written, truth):
+    """Camera 1 pixel by pixel, camera 2 at the displaced pixel, over the mean of all frames."""
+    run = written / "run"
+    y, x = np.indices((80, 96))
+    inner = (slice(12, -12), slice(12, -12))
+    clear = (truth.bubble.max("frame").to_numpy() == 0)[inner]
+    for number in (1, 2):
+        dark = tifffile.imread(run / f"camera{number}_dark.tif").mean(axis=0)
+        frames = read_frames(run, number)
+        electrons = 4.4 * (frames - dark) / truth.pulse_energy.to_numpy()[:, None, None]
+        shift_x = truth.displacement_x.to_numpy() if number == 2 else 0 * x
+        shift_y = truth.displacement_y.to_numpy() if number == 2 else 0 * y
+        at_x, at_y = (
+            np.rint(x + shift_x).astype(int)[inner],
+            np.rint(y + shift_y).astype(int)[inner],
+        )
+        seen = electrons.mean(axis=0)[at_y, at_x]
+        expected = truth.expected_electrons.sel(camera=number).mean("trigger").to_numpy()[inner]
+        npt.assert_allclose(np.median((seen / expected)[clear]), 1, atol=0.01)
+
+
+def test_bubbles_are_dark_in_the_frame_and_masked_in_truth_nc(written, truth):
+    frames = read_frames(written / "run", 1)
+    mask = truth.bubble.to_numpy() > 0
+    assert 0 < mask.mean() < 0.01
+    inside = mask & (truth.expected_electrons.sel(camera=1).to_numpy() > 3000)
+    core = inside.copy()
+    for axis, step in ((1, 1), (1, -1), (2, 1), (2, -1)):  # a pixel inside the meniscus
+        core &= np.roll(mask, step, axis) & np.roll(mask, 2 * step, axis)
+    assert core.any()
+    assert np.median(frames[core]) < 0.3 * np.median(frames[~mask])
+
+
+# single files
+
+
+def test_pages_are_lossless_and_their_bytes_repeat(tmp_path):
+    pages = np.random.default_rng(1).integers(0, 4096, (3, 20, 30)).astype(np.uint16)
+    for name in ("one", "two"):
+        write_pages(tmp_path / name / "pages.tif", pages)
+    npt.assert_array_equal(tifffile.imread(tmp_path / "one" / "pages.tif"), pages)
+    one, two = ((tmp_path / name / "pages.tif").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+def test_readings_of_the_profile_scatter_by_the_stated_uncertainty(tmp_path):
+    rig = RigSettings(cmm_noise=0.2)
+    wedge = Wedge(rig)
+    write_profile(tmp_path / "p.csv", wedge, np.random.default_rng(2))
+    x, film, std = np.loadtxt(tmp_path / "p.csv", delimiter=",", skiprows=1, unpack=True)
+    error = film - wedge.profile(x / rig.pitch)
+    npt.assert_array_equal(std, 0.2)
+    npt.assert_allclose(error.std(), 0.2, rtol=4 / np.sqrt(2 * x.size))
+    assert abs(error.mean()) < 4 * 0.2 / np.sqrt(x.size)
+
+
+def test_energy_meter_follows_the_pulses_to_half_a_per_cent(tmp_path):
+    rig = RigSettings(cycles=20)
+    triggers = list_triggers(rig)
+    energy = np.random.default_rng(3).normal(1, 0.05, 1000)
+    write_encoder_log(tmp_path / "e.csv", triggers, rig, energy, np.random.default_rng(4))
+    log = np.genfromtxt(tmp_path / "e.csv", delimiter=",", names=True)
+    reading = log["laser_mJ"] / (50 * energy) - 1
+    npt.assert_allclose(reading.std(), 0.005, rtol=4 / np.sqrt(2000))
+    assert abs(reading.mean()) < 4 * 0.005 / np.sqrt(1000)
+    assert np.all(np.diff(log["time_s"]) > 0)
+
+
+def test_settings_of_the_joint_reach_run_toml():
+    rig = RigSettings(crank=6.0, load=300.0, pin_radius=33.0, width=640, gain=3.3)
+    settings = tomllib.loads(run_toml(rig, list_triggers(rig)))
+    assert settings["mechanism"]["crank"] == "6 cm"
+    assert settings["joint"]["load"] == "300 N"
+    assert settings["joint"]["pin_radius"] == "33 mm"
+    assert settings["optics"]["pixel_pitch"] == "30 um"
+    assert settings["camera2"]["gain"] == "3.3 electron/DN"
+    assert settings["encoder"]["triggers_per_cycle"] == list_triggers(rig).reading.size
+
+
+def test_flats_rise_level_by_level(written):
+    """Three levels of eight pages at 0.25, 0.5 and 0.8 of full scale, seen through the lens."""
+    for number in (1, 2):
+        dark = tifffile.imread(written / "run" / f"camera{number}_dark.tif").mean(axis=0)
+        flat = tifffile.imread(written / "run" / f"camera{number}_flat.tif")
+        levels = flat.reshape(3, 8, 80, 96).mean(axis=1) - dark
+        bright = np.percentile(levels, 99, axis=(1, 2)) / 4095  # the middle of the lens
+        assert bright == pytest.approx([0.25, 0.5, 0.8], rel=0.03)

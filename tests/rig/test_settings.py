@@ -1,0 +1,62 @@
+"""Settings of the rig: derived quantities and refusals."""
+
+import numpy as np
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.rig import RigSettings
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"width": 8},
+        {"cycles": 0},
+        {"light": 0.0},
+        {"spacing": 0.0},
+        {"crank": 30.0},
+        {"pin_radius": 34.0},
+        {"wedge": (5.0, 1.0)},
+        {"scale": (2.0, 1.0)},
+        {"rotation": -20.0},
+        {"distortion": 11.0},
+        {"flat_levels": ()},
+        {"crank": 27.0},
+        {"film_floor": 0.0},
+    ],
+)
+def test_a_rig_that_cannot_work_is_refused(wrong):
+    with pytest.raises(ModelError):
+        RigSettings(**wrong)
+
+
+def test_pitch_divides_the_field_among_the_columns():
+    assert RigSettings().pitch == pytest.approx(0.06)
+    assert RigSettings(width=640).pitch == pytest.approx(0.03)
+
+
+def test_relative_radius_gives_the_curvature_of_the_thesis():
+    """1/R of pin and bushing is 0.2053 um/mm2."""
+    assert 1e3 / RigSettings().relative_radius == pytest.approx(0.2053, rel=3e-4)
+
+
+@pytest.mark.parametrize(("width", "height"), [(320, 256), (96, 80), (64, 200)])
+def test_region_is_clear_of_the_edges_and_scales_with_the_picture(width, height):
+    rig = RigSettings(width=width, height=height)
+    (left, right), (top, bottom) = rig.region
+    assert 0 < left < right < rig.field_width
+    assert 0 < top < bottom < height * rig.pitch
+    assert (right - left) / rig.field_width == pytest.approx(11 / 19.2, abs=1e-3)
+
+
+def test_middle_and_corner_are_in_pixel_centres():
+    rig = RigSettings(width=41, height=33)
+    assert rig.centre == (20, 16)
+    assert rig.half_diagonal == pytest.approx(np.hypot(20, 16))
+
+
+def test_a_refusal_names_the_limit():
+    with pytest.raises(ModelError, match="at least 32 x 32 pixels, got 16 x 64"):
+        RigSettings(width=16, height=64)
+    with pytest.raises(ModelError, match=r"at most at 10 degrees, got 12\."):
+        RigSettings(spacing=12.0)

@@ -1,0 +1,96 @@
+"""One photograph: both cameras receive the same pulse of the same object."""
+
+import numpy as np
+import numpy.testing as npt
+
+from erlif.rig import RigSettings
+from erlif.rig.camera import displacement
+from erlif.rig.film import Bubbles
+from erlif.rig.scene import Grains
+from erlif.rig.setup import STREAMS, Shot, build_setup, photograph, random_stream
+
+
+def test_one_bright_grain_appears_displaced_in_camera_2():
+    rig = RigSettings(
+        width=96, height=80, bubbles=0, speckle_size=2.0, dust=0, response_spread=0, hot_fraction=0
+    )
+    setup = build_setup(0, rig)
+    brightness = np.zeros_like(setup.grains.brightness)
+    margin = setup.grains.margin
+    dark = Grains(setup.grains.x, setup.grains.y, brightness.copy(), margin)
+    brightness[margin + 25, margin + 60] = 4.0
+    bright = Grains(setup.grains.x, setup.grains.y, brightness, margin)
+    at_x, at_y = setup.grains.x[margin + 25, margin + 60], setup.grains.y[margin + 25, margin + 60]
+    drift = (0.4, -0.7)
+    no_bubbles = Bubbles(*np.empty((3, 0)))
+    with_grain, without = (
+        photograph(
+            setup,
+            Shot(lambda x, y: np.full(x.shape, 6.0), no_bubbles, grains, 1.0, drift),
+            np.random.default_rng(1),
+        )
+        for grains in (bright, dark)
+    )
+    y, x = np.indices((80, 96))
+    near = np.hypot(x - at_x, y - at_y) < 14
+    found = []
+    for number in (0, 1):
+        light = with_grain[number].astype(float) - without[number]
+        light = np.where(near & (light > 0.1 * light.max()), light, 0)
+        found.append(((x * light).sum() / light.sum(), (y * light).sum() / light.sum()))
+    npt.assert_allclose(found[0], (at_x, at_y), atol=0.08)
+    dx, dy = displacement(np.array([[at_x]]), np.array([[at_y]]), rig)
+    npt.assert_allclose(
+        np.subtract(found[1], found[0]), (dx[0, 0] + drift[0], dy[0, 0] + drift[1]), atol=0.12
+    )
+
+
+def test_streams_depend_on_seed_purpose_and_number_alone():
+    first = {
+        (seed, name, number): random_stream(seed, name, number).integers(2**62)
+        for seed in (0, 1)
+        for name in STREAMS
+        for number in (0, 1)
+    }
+    assert len(set(first.values())) == len(first)
+    assert random_stream(1, "grains").integers(2**62) == first[1, "grains", 0]
+
+
+def test_light_follows_exposure_beam_and_film():
+    rig = RigSettings(width=64, height=48)
+    setup, brighter = build_setup(0, rig), build_setup(0, RigSettings(width=64, height=48, light=2))
+    x, y = setup.x, setup.y
+    film = np.full(x.shape, 500.0)  # beyond saturation
+    axis_x = np.array([rig.centre[0] + 0.04 * 64])
+    axis_y = np.array([rig.centre[1] - 0.03 * 48])
+    for number, electrons in ((1, 11000.0), (2, 11500.0)):
+        npt.assert_allclose(setup.light(number, film[0, :1], axis_x, axis_y), electrons, rtol=1e-9)
+        npt.assert_allclose(
+            brighter.light(number, film, x, y), 2 * setup.light(number, film, x, y), rtol=1e-12
+        )
+
+
+def test_grains_cover_every_object_point_of_camera_2():
+    """The lattice extends beyond the largest displacement, offset and shake."""
+    rig = RigSettings(width=96, height=80, shift=(15.0, -3.0), vibration=0.5)
+    setup = build_setup(0, rig)
+    dx, dy = displacement(setup.x, setup.y, rig)
+    assert setup.grains.margin > max(np.abs(dx).max(), np.abs(dy).max()) + 6 * 0.5
+    margin = setup.grains.margin
+    assert setup.grains.x.shape == (80 + 2 * margin, 96 + 2 * margin)
+
+
+def test_an_empty_film_leaves_the_dark_frame():
+    rig = RigSettings(width=64, height=48, hot_fraction=0.0, column_pattern=0.0)
+    setup = build_setup(3, rig)
+    shot = Shot(
+        film=lambda x, y: np.zeros(x.shape),
+        bubbles=Bubbles(*np.empty((3, 0))),
+        grains=setup.grains,
+        energy=1.0,
+        drift=(0.0, 0.0),
+    )
+    for frame in photograph(setup, shot, np.random.default_rng(1)):
+        std = np.hypot(rig.read_noise / rig.gain, 12**-0.5)
+        npt.assert_allclose(frame.mean(), rig.offset, atol=4 * std / np.sqrt(frame.size))
+        npt.assert_allclose(frame.std(), std, rtol=4 / np.sqrt(2 * frame.size))

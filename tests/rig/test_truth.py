@@ -1,0 +1,75 @@
+"""truth.nc: the true film and the inputs of the simulation."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import xarray as xr
+from scenes.rig import QUICK, SMALL
+
+from erlif.rig import simulate
+from erlif.rig.camera import displacement
+from erlif.rig.film import list_triggers
+
+
+def test_truth_holds_the_inputs_of_the_simulation(truth):
+    assert dict(truth.film.sizes) == {"trigger": 50, "y": 80, "x": 96}
+    assert dict(truth.bubble.sizes) == {"frame": 50, "y": 80, "x": 96}
+    assert dict(truth.expected_electrons.sizes) == {"camera": 2, "trigger": 50, "y": 80, "x": 96}
+    assert all("units" in variable.attrs for variable in truth.data_vars.values())
+    assert truth.attrs["seed"] == 5
+    assert truth.attrs["rig_exponent"] == 0.62
+    npt.assert_allclose([truth.drift_x.mean(), truth.drift_y.mean()], 0, atol=1e-14)
+    assert 0.2 < truth.drift_x.std() < 0.4
+    npt.assert_allclose(
+        [truth.fixture_drift_x.mean(), truth.fixture_drift_y.mean()], [0.6, -0.4], atol=1e-14
+    )
+    npt.assert_allclose(truth.pulse_energy.std(), 0.03, rtol=0.35)
+
+
+def test_film_in_the_truth_is_gap_and_marks(truth):
+    smooth = truth.film.median("y").isel(trigger=13)
+    curvature = np.polyfit(truth.x, smooth, 2)[0] * 2
+    npt.assert_allclose(curvature, 0.2053, rtol=0.02)
+    change = truth.film.isel(trigger=13) - truth.film.isel(
+        trigger=0
+    )  # the marks stay where they are
+    npt.assert_allclose(change, truth.film_min[13] - truth.film_min[0], atol=3e-4)
+
+
+def test_settings_are_attributes_and_absent_ones_are_left_out(truth, tmp_path):
+    assert truth.attrs["rig_width"] == 96
+    assert truth.attrs["rig_write_zero"] == 1
+    npt.assert_array_equal(truth.attrs["rig_shift"], [4.0, -3.0])
+    npt.assert_allclose(truth.attrs["rig_pixel_pitch"], 19.2 / 96)
+    assert "rig_film_table" not in truth.attrs
+    films = (3.0, 4.0, 5.0, 5.0, 4.0, 3.0)
+    out = simulate(tmp_path, rig=replace(QUICK, film_table=films))
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as again:
+        npt.assert_array_equal(again.attrs["rig_film_table"], films)
+        npt.assert_array_equal(again.film_min, films)
+
+
+def test_motion_is_that_of_the_linkage(truth):
+    triggers = list_triggers(SMALL)
+    npt.assert_array_equal(truth.encoder_angle, triggers.reading)
+    npt.assert_array_equal(truth.rocker_angle, triggers.zero + triggers.reading)
+    npt.assert_array_equal(truth.rocker_speed, triggers.speed)
+    npt.assert_array_equal(truth["load"], triggers.load)
+    npt.assert_array_equal(truth.frame_trigger, np.arange(50))
+
+
+def test_geometry_is_that_of_the_cameras(truth):
+    y, x = np.indices((80, 96), dtype=float)
+    dx, dy = displacement(x, y, SMALL)
+    npt.assert_array_equal(truth.displacement_x, dx)
+    npt.assert_array_equal(truth.displacement_y, dy)
+    npt.assert_allclose(truth.x, np.arange(96) * 0.2, rtol=1e-12)
+
+
+def test_values_are_rounded_below_what_a_camera_resolves(truth):
+    """Film to 1/4096 um, signal to 1/2048 of its binary mantissa."""
+    film = truth.film.to_numpy().astype(float)
+    npt.assert_array_equal(film * 4096, np.rint(film * 4096))
+    mantissa, _ = np.frexp(truth.expected_electrons.to_numpy().astype(float))
+    npt.assert_array_equal(mantissa * 2048, np.rint(mantissa * 2048))

@@ -1,0 +1,33 @@
+"""Small simulations of the virtual rig and what reads them back, for the tests of the rig."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import tifffile
+
+from erlif.rig import RigSettings
+
+SMALL = RigSettings(
+    width=96, height=80, fixture_frames=3, dead_pixels=1, dark_pages=16, flat_pages=8
+)
+"""A whole cycle of 50 triggers on 96 x 80 pixels."""
+
+QUICK = RigSettings(width=64, height=48, spacing=8.0, fixture_frames=1, dark_pages=1, flat_pages=1)
+"""Six triggers on 64 x 48 pixels."""
+
+
+def read_frames(directory: Path, number: int) -> np.ndarray:
+    """All frames of one camera, (frame, y, x). [DN]"""
+    return np.stack(
+        [tifffile.imread(path) for path in sorted((directory / f"camera{number}").glob("*.tif"))]
+    )
+
+
+def digest(directory: Path) -> dict[str, str]:
+    """SHA-256 of every file by its path."""
+    return {
+        str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(directory.rglob("*"))
+        if path.is_file()
+    }
