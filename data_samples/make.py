@@ -12,6 +12,7 @@ from erlif.rig import RigSettings, simulate
 
 SEED = 2002
 RIG = RigSettings(width=320, height=256, film_reference=5.0, exponent=0.62, fixture_frames=8)
+"""Small pictures and few fixture frames keep the repository small."""
 
 here = Path(__file__).parent
 run, fixture = here / "straight_bushing", here.parent / "calibration" / "wedge"
