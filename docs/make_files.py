@@ -1,4 +1,4 @@
-"""Write docs/files.md and the JSON schemas in docs/schema again: ``python docs/make_files.py``.
+"""Write docs/files.md and the JSON schemas in docs/schema: ``python docs/make_files.py``.
 
 The pages of the settings come from the tables of `erlif.settings`; the variables of calibration.nc
 and film.nc stand below, and a test holds them to the files that erlif writes.

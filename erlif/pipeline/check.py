@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from erlif.calibration import check_bands, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Level, Note
+from erlif.core.timing import stage
 from erlif.ingest import (
     Fixture,
     FramePairs,
@@ -23,6 +25,8 @@ from erlif.ingest import (
 from erlif.pipeline.cameras import characterise_cameras
 from erlif.pipeline.film import describe_triggers
 from erlif.pipeline.joint import locate_run
+
+_logger = logging.getLogger(__name__)
 
 BRIGHT = 0.01
 """Share of saturated pixels in one frame above which the exposure is called too long."""
@@ -62,7 +66,8 @@ def check(directory: str | Path) -> list[Note]:
 
         for name, step in _steps(recording):
             subject = name
-            notes += step()
+            with stage(f"check of {name}", _logger):
+                notes += step()
     except ErlifError as error:
         notes.append(Note(Level.ERROR, subject, str(error)))
     return notes
@@ -169,7 +174,7 @@ def _check_profile(fixture: Fixture) -> Iterator[Note]:
     """Number of points and range of the measured profile."""
     profile = read_profile(fixture.directory / fixture.settings.fixture.profile)
     for note in profile.notes:
-        yield Note(Level.WARNING, "profile", str(note))
+        yield Note(note.level, "profile", str(note))
 
     low, high = profile.thickness.min(), profile.thickness.max()
     text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"

@@ -45,7 +45,7 @@ class _Draft:
     notes: list[Note] = field(default_factory=list)
 
     def set(self, key: str, value: Any, remark: str = "") -> None:
-        """Give a key its value, or `GAP`, and say where the value comes from."""
+        """Give a key its value, or `GAP`; the remark names the source of the value."""
         self.values[key] = value
         if remark:
             self.remarks[key] = remark
@@ -113,6 +113,7 @@ def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = Fals
 
     draft = _Draft()
     _draft_cameras(draft, survey)
+    draft.set("optics.x_axis", "sliding", "Check the direction: the files do not show it.")
     if fixture:
         _draft_profile(draft, survey)
     else:
@@ -358,6 +359,9 @@ def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:
 
 def _draft_profile(draft: _Draft, survey: Survey) -> None:
     """The profile of the fixture."""
+    # the default, pixel (0, 0), is hardly ever right, and no file shows the pixel that is
+    draft.set("fixture.origin", GAP, "Find this pixel in a frame; align = true refines it.")
+
     table = _find_table(survey, ("x_mm", "thickness_um"))
     if table is None:
         _report_missing_table(draft, survey, "profile", "x_mm, thickness_um")
@@ -370,9 +374,6 @@ def _draft_profile(draft: _Draft, survey: Survey) -> None:
         return
     low, high = float(profile.thickness.min()), float(profile.thickness.max())
     draft.note("profile", f"{table.path.name}, {table.rows} points from {low:.2f} to {high:.2f} um")
-    draft.remarks["fixture.origin"] = (
-        "Find the pixel of profile x = 0 in a frame; align = true refines it."
-    )
 
 
 def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:

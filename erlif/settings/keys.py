@@ -13,6 +13,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 import annotated_types
 from pydantic.fields import FieldInfo
 
+from erlif.core.units import parse_quantity
 from erlif.settings.tables import Form, Settings
 from erlif.settings.toml import toml_value
 
@@ -157,7 +158,9 @@ def _describe(name: str, field: FieldInfo) -> Key:
 
     default = None if field.is_required() else field.default
     if default is not None and form is not None and form.unit:
-        default = f"{default:g} {form.unit}"
+        # "0 deg" as a user writes it, rather than "0 rad" as it is kept
+        same = parse_quantity(form.example, form.unit) == default
+        default = form.example if same else f"{default:g} {form.unit}"
     elif isinstance(default, tuple):
         default = list(default)
 

@@ -41,3 +41,11 @@ def test_check_lists_level_subject_and_text(lab, command):
 
 def test_a_fixture_is_checked_with_its_profile(lab, command):
     assert "profile: " in command("check", lab.fixture).stdout.splitlines()[-1]
+
+
+def test_v_shows_the_parts_of_the_check_and_their_times(lab):
+    result = CliRunner().invoke(main, ["-v", "check", str(lab.fixture)])
+    lines = [line for line in result.stderr.splitlines() if "pipeline.check: " in line]
+    assert lines[0].endswith("check of counts: started")
+    assert "check of profile: finished after" in lines[-1]
+    assert not CliRunner().invoke(main, ["check", str(lab.fixture)]).stderr

@@ -59,7 +59,7 @@ def fill_gaps(path: Path, values: dict[str, str]) -> None:
 
 # from a simulated run to its film
 
-JOINT = {
+KNOWN = {
     "optics.pixel_pitch": '"150 um"',
     "mechanism.crank": '"5.5 cm"',
     "mechanism.coupler": '"44 cm"',
@@ -75,6 +75,7 @@ JOINT = {
     "joint.bushing.poissons_ratio": "0.37",
     "oil.viscosity": '"0.12 Pa s"',
     "oil.pressure_viscosity": '"20 1/GPa"',
+    "fixture.origin": "[0.0, 0.0]",
     "camera1.band": '"580 nm"',
     "camera2.band": '"610 nm"',
 }
@@ -86,9 +87,9 @@ def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(l
     (lab.run / "run.toml").unlink()
 
     printed = command("init", lab.run).stdout
-    assert f"{len(JOINT)} gaps are left" in printed
+    assert f"{len(KNOWN) - 1} gaps are left" in printed  # the origin is that of the fixture
     assert read(lab.run)["calibration"] == "../fixture/calibration.nc"
-    fill_gaps(lab.run / "run.toml", JOINT)
+    fill_gaps(lab.run / "run.toml", KNOWN)
 
     # optional keys, which the original has too
     noise = (('# gain = "4.4', 'gain = "4.4'), ('# read_noise = "9', 'read_noise = "9'))
@@ -101,13 +102,14 @@ def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(l
             xr.testing.assert_equal(found[name], expected[name])
 
 
-def test_a_fixture_without_settings_is_ready_once_two_gaps_are_filled(lab, command):
+def test_a_fixture_without_settings_is_ready_once_its_gaps_are_filled(lab, command):
     (lab.fixture / "fixture.toml").unlink()
     notes = erlif.init(lab.fixture, fixture=True)
     assert read(lab.fixture, "fixture.toml")["fixture"]["profile"] == "profile.csv"
     rows = len((lab.fixture / "profile.csv").read_text().splitlines()) - 1
     assert f"profile.csv, {rows} points" in "\n".join(map(str, notes))
-    fill_gaps(lab.fixture / "fixture.toml", JOINT)
+    assert read(lab.fixture, "fixture.toml")["fixture"]["origin"] == "??"
+    fill_gaps(lab.fixture / "fixture.toml", KNOWN)
     assert "error" not in command("check", lab.fixture).stdout
 
 
