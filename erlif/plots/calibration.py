@@ -38,6 +38,7 @@ _SHADE: dict[str, Any] = {
 }
 """Look of the calibrated range."""
 
+_TALL, _PANELS = 1.12, (2.1, 1)  # height by width, and ratio of curve to residuals
 _GRID = 400  # points of a curve
 
 
@@ -121,6 +122,7 @@ def fixture_profile(
 
 def _grid(calibration: Calibration) -> Array:
     """Thicknesses of a curve, over the calibrated range and all points. [um]"""
+    # points beyond the calibrated range are drawn too
     low, high = calibration.thickness_range
     if "curve_thickness" in calibration.curve:
         low = max(min(low, float(calibration.curve.curve_thickness.min())), 0.0)
@@ -157,6 +159,8 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     ('thickness [µm]', 'ratio 610 nm / 580 nm [1]')
     """
     ax = given_or_new(ax)
+
+    # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
     ratio, share = calibration.predict(t), _band(calibration, t)
     ax.axvspan(*calibration.thickness_range, **_SHADE, label="calibrated range")
@@ -246,6 +250,7 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     band = ax.fill_between(t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0)
     artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3), band]
 
+    # the departure is the logarithm of fit over model
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
         artists += ax.plot(
@@ -289,8 +294,8 @@ def calibration_figure(calibration: Calibration) -> Figure:
     >>> calibration_figure(example_calibration()).axes[0].get_title()
     'example wedge'
     """
-    figure = new_figure(ONE_COLUMN, 1.12 * ONE_COLUMN)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.1, 1))
+    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=_PANELS)
     ratio_against_thickness(calibration, ax=above)
     ratio_residuals(calibration, ax=below)
     above.set_xlabel("")

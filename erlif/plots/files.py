@@ -26,7 +26,7 @@ from erlif.pipeline import restore_images
 from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
-from erlif.plots.maps import image_height, map_sheet_figure, thickness_figure
+from erlif.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure
@@ -35,6 +35,7 @@ from erlif.settings import read_fixture_settings, read_run_settings
 logger = logging.getLogger(__name__)
 
 _KINDS = ("png", "pdf", "svg")
+_LABELS = 0.55  # inch above and below the image of the ratio, for title and labels
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
 
@@ -67,6 +68,8 @@ def find_run(film_path: Path, film: xr.Dataset, given: Path | None = None) -> Pa
     """
     if given is not None:
         return given
+
+    # another run.toml can lie beside a film that was moved; the name of the run decides
     beside = film_path.parent
     try:
         return beside if read_run_settings(beside).name == settings_of(film).name else None
@@ -135,6 +138,7 @@ class FigureSource:
         """The calibration, with its points if its file is at hand and is that of the film."""
         kept = calibration_of(self.film)
         for path in self._calibration_files():
+            # a calibration that was made again since is not the one of the film
             if not path.is_file():
                 continue
             try:
@@ -183,7 +187,8 @@ def _draw_fixture(source: FigureSource) -> Figure:
 
 @styled
 def _draw_ratio(source: FigureSource) -> Figure:
-    figure = new_figure(ONE_COLUMN, image_height(source.film, 0.75 * ONE_COLUMN) + 0.55)
+    height = image_height(source.film, MAP_WIDTH * ONE_COLUMN) + _LABELS
+    figure = new_figure(ONE_COLUMN, height)
     ax = figure.add_subplot()
     ratio_image(source.images, source.film, ax=ax)
     ax.set_title(describe_trigger(source.film, source.trigger))
@@ -214,6 +219,7 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
     if name in ("processed_images", "ratio_image"):
         if source.run_dir is None:
             return "it needs the frames, and the run directory is neither given nor beside the film"
+        # only the attempt shows whether the frames can be read; the images are kept for drawing
         try:
             source.images  # noqa: B018
         except (ErlifError, OSError) as error:

@@ -13,7 +13,7 @@ from matplotlib.image import AxesImage
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.files import describe_trigger, settings_of
-from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
+from erlif.plots.maps import MAP_WIDTH, bare_image, image_height, label_position, pixel_edges
 from erlif.plots.style import (
     FLAGGED,
     ONE_COLUMN,
@@ -26,6 +26,9 @@ from erlif.plots.style import (
     styled,
 )
 
+_WIDE = 0.37  # of two columns, for one of two images beside their colour bars
+_AROUND = 0.62  # inch above and below them, for title and labels
+_LABELS = 0.5  # inch above and below a single image
 _WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 
 
@@ -86,7 +89,9 @@ def band_images(
     >>> image.axes.get_title()
     'camera 1, 580 nm'
     """
-    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.5)
+    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
+
+    # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
     light = images.light.sel(camera=camera).values
     limits = _limits(light, images.flags.values == 0)
     image = _draw(light, limits, film, "corrected light [DN]", ax)
@@ -122,11 +127,12 @@ def band_images_figure(images: xr.Dataset, film: xr.Dataset, *, trigger: int) ->
     >>> title[0], title[-1]
     ('trigger 1', 'frame pair 1')
     """
-    figure = new_figure(TWO_COLUMNS, image_height(film, 0.37 * TWO_COLUMNS) + 0.62)
+    figure = new_figure(TWO_COLUMNS, image_height(film, _WIDE * TWO_COLUMNS) + _AROUND)
     left, right = figure.subplots(1, 2, sharey=True)
     band_images(images, film, camera=1, ax=left)
     band_images(images, film, camera=2, ax=right)
 
+    # both images have one axis along y
     right.set_ylabel("")
     letter(left, "a")
     letter(right, "b")
@@ -164,7 +170,7 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     >>> image.axes.child_axes[0].get_ylabel()
     'ratio 610 nm / 580 nm [1]; grey: flagged'
     """
-    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.5)
+    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
     valid = images.flags.values == 0
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)

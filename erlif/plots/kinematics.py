@@ -33,6 +33,7 @@ from erlif.plots.style import (
 from erlif.settings import RunSettings
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
+_TALL, _PANELS = 1.15, (1.35, 1)  # height by width, and ratio of film to speed
 _DASHES = (0, (3, 1.5))
 
 
@@ -221,7 +222,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     _label_crank(ax)
     ax.set_ylabel("film thickness [µm]")
-    ax.set_ylim(0, None)
+    ax.set_ylim(0, None)  # from contact, so that the film is seen in proportion
     frame_legend(ax, loc="lower center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
     return artists
 
@@ -243,6 +244,7 @@ def _mark_strokes(ax: Axes, film: xr.Dataset, value: Array, colour: str) -> None
 
 def _strokes_in_order(film: xr.Dataset) -> list[npt.NDArray[np.intp]]:
     """Triggers in the order of the crank, cut where the stroke changes."""
+    # a line from one stroke to the other would cross the dead point, where nothing was measured
     order = np.argsort(film.crank_angle.values)
     cuts = np.nonzero(np.diff(film.stroke.values[order]) != 0)[0] + 1
     return np.split(order, cuts)
@@ -275,18 +277,20 @@ def cycle_figure(film: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['film thickness [µm]', 'joint speed [rad/s]']
     """
-    figure = new_figure(ONE_COLUMN, 1.15 * ONE_COLUMN)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.35, 1))
+    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=_PANELS)
     film_over_cycle(film, ax=above)
     speed_over_cycle(film, ax=below)
     above.set_xlabel("")
 
+    # the speed changes its sign at the dead points
     cycle = linkage_cycle(film)
     turns = cycle.crank_angle[1:][np.diff(np.sign(cycle.speed)) != 0]
     for turn in turns:
         for ax in (above, below):
             ax.axvline(turn, color=MUTED, linewidth=0.5, linestyle=":", zorder=1)
 
+    # the markers of the strokes are those of both panels
     below.legend(loc="lower right", ncols=1)
     letter(above, "a")
     letter(below, "b")

@@ -39,12 +39,20 @@ from erlif.trend import average_across_sliding, rigid_gap
 
 Limits = tuple[float, float]
 
+MAP_WIDTH = 0.75
+"""Width of a map in a figure of one column, relative to the column; the colour bar has the rest."""
+
 _WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 _EVERY = 3  # the limits need no more than every third pixel along each axis
 _LEAST_SPAN = 1e-3  # um; a map of even thickness still needs a colour scale
 _SHEET_COLUMNS = (7, 10)  # fewest and most maps in a row of a sheet
 _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones are shown
 _SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
+_WIDE = 0.43  # of two columns, for a map beside its profile
+_AROUND = 1.05  # inch above and below it, for title, labels and legend
+_LABELS = 0.65  # inch above and below a single map
+_TITLE = 0.17  # inch for the angle above a map of a sheet
+_BAR = 0.75  # inch beside a sheet for its colour bar
 _ROOM = (0.42, 0.08)  # below and above a profile for text, in heights of the profile
 
 
@@ -130,8 +138,10 @@ def thickness_map(
     ((2.0, 8.0), 'x (sliding) [mm]')
     """
     check_trigger(film, trigger)
-    ax = given_or_new(ax, height=image_height(film, 0.75 * ONE_COLUMN) + 0.65)
+    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
     low, high = limits or common_limits(film, [trigger])
+
+    # pixels are not interpolated: what is drawn is what was measured
     image = ax.imshow(
         film.thickness.isel(trigger=trigger).values,
         cmap=colour_map("batlow"),
@@ -165,6 +175,7 @@ def thickness_map(
 
 def first_flag(flags: FlagImage) -> FlagImage:
     """Number the flag that is shown for each pixel: 0 valid, 1 the first of FLAG_COLOURS, ..."""
+    # from the last to the first, so that the first remains
     shown = np.zeros(flags.shape, np.uint8)
     for n, flag in reversed(list(enumerate(FLAG_COLOURS, 1))):
         shown[(flags & int(flag)) != 0] = n
@@ -315,12 +326,13 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     artists = _draw_profile(ax, profile, np.zeros_like(x) if gap is None else gap.thickness(x))
 
     artists.append(ax.axhline(0, color=RETURN, linewidth=0.8))
-    ax.set_ylabel("difference [µm]")
+    ax.set_ylabel("measured −\nrigid gap [µm]")
     return artists
 
 
 def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
     """Draw the profile less `base`, with its random band and the limits of its shared error."""
+    # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
     random = COVERAGE * profile.thickness_std.values
     shared = COVERAGE * profile.thickness_std_shared.values
@@ -367,13 +379,15 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     >>> from erlif.plots import example_film
     >>> figure = thickness_figure(example_film(), trigger=1)
     >>> [ax.get_ylabel() for ax in figure.axes]
-    ['y (axial) [mm]', 'film thickness [µm]', 'difference [µm]']
+    ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
-    figure = new_figure(TWO_COLUMNS, image_height(film, 0.43 * TWO_COLUMNS) + 1.05)
+    figure = new_figure(TWO_COLUMNS, image_height(film, _WIDE * TWO_COLUMNS) + _AROUND)
     panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
     thickness_map(film, trigger=trigger, ax=panels["m"])
     sliding_profile(film, trigger=trigger, ax=panels["p"])
     profile_residual(film, trigger=trigger, ax=panels["r"])
+
+    # the profile and the difference below it share the axis
     panels["p"].set_xlabel("")
     panels["p"].tick_params(labelbottom=False)
 
@@ -418,10 +432,10 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
     7
     """
     groups = _sheet_groups(film)
-    columns = _best_columns([members.size for _, members in groups])
+    columns = best_columns([members.size for _, members in groups])
     rows = [math.ceil(members.size / columns) for _, members in groups]
     left, right, bottom, top = pixel_edges(film)
-    height = (TWO_COLUMNS - 0.75) / columns * (bottom - top) / (right - left) + 0.17
+    height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
     figure = new_figure(TWO_COLUMNS, sum(rows) * height + 0.2)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
@@ -429,6 +443,7 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
     chosen = np.sort(np.concatenate([members for _, members in groups]))
     limits = common_limits(film, chosen.tolist()[:: max(1, chosen.size // 12)])
 
+    # each stroke starts a row; panels without a map are hidden
     first = 0
     for (name, members), count in zip(groups, rows, strict=True):
         grid = panels[first : first + count]
@@ -466,7 +481,7 @@ def _sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
     return [(name, members) for name, members in groups if members.size]
 
 
-def _best_columns(sizes: list[int]) -> int:
+def best_columns(sizes: list[int]) -> int:
     """Number of columns with the fewest gaps where every group starts a new row."""
     most = min(_SHEET_COLUMNS[1], max(sizes))
     fewest = min(_SHEET_COLUMNS[0], most)

@@ -27,6 +27,8 @@ from erlif.plots.style import (
 
 _LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
 _EDGES = {"overlap": "black", "poor": "#E4002B"}  # edges of these masks, and their colours
+_WIDE = 0.36  # of two columns, for one of two images beside their colour bars
+_DRIFT, _AROUND = 1.5, 0.8  # inch for the drift, and for titles and labels
 _ROOM = 0.22  # above the drift for the legend, in heights of the axis
 
 
@@ -60,6 +62,8 @@ def displacement_map(
     ax = given_or_new(ax)
     field = registration[f"displacement_{component}"].values.astype(float)
     mean = float(np.nanmean(field))
+
+    # white is the mean, so the scale is as long on either side
     reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
     image = ax.imshow(
         field - mean,
@@ -117,6 +121,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     artists: list[Artist] = []
     for name, colour, marker, face in (("x", OUTWARD, "o", OUTWARD), ("y", RETURN, "s", "white")):
         drift = frames[f"drift_{name}"].values
+        # without any drift, nanstd would warn
         spread = float(np.nanstd(drift)) if np.isfinite(drift).any() else np.nan
         artists += ax.plot(
             number,
@@ -161,9 +166,9 @@ def registration_figure(registration: xr.Dataset, frames: xr.Dataset) -> Figure:
     ['(a)', '(b)', '(c)']
     """
     height, width = registration.displacement_x.shape
-    tall = 0.36 * TWO_COLUMNS * height / width  # of the images, in inches
-    figure = new_figure(TWO_COLUMNS, tall + 2.3)
-    panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, 1.5))
+    tall = _WIDE * TWO_COLUMNS * height / width
+    figure = new_figure(TWO_COLUMNS, tall + _DRIFT + _AROUND)
+    panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
     displacement_map(registration, component="x", ax=panels["x"])
     displacement_map(registration, component="y", ax=panels["y"])
     drift_of_frames(frames, ax=panels["d"])

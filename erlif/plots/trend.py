@@ -29,6 +29,7 @@ from erlif.plots.style import (
 from erlif.trend import SLOWEST
 
 _LABEL = "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
+_TALL = 0.4  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
@@ -124,6 +125,7 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     if not (np.isfinite(power) and np.isfinite(scale)):
         return []
 
+    # a power is drawn over the triggers it was fitted to, not beyond them
     x = speed_over_load(film)[_used_in_fit(film)]
     ends = np.geomspace(x.min(), x.max(), 50)
     label = f"{label}, n = {power:.3f} ± {std:.3f}"
@@ -189,6 +191,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         )
         artists.append(bars.lines[0])
 
+    # theory depends on speed and load alone, so that its points in order make a curve
     order = np.argsort(x)
     regime = str(film.film_theory.attrs.get("regime", "steady"))
     for name, colour, dashes, label in (
@@ -211,6 +214,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 def _plain_ticks(ax: Axes) -> None:
     """Write the ticks of logarithmic axes as plain numbers, close enough to read a short range."""
     for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+        # the shorter the axis, the more ticks a decade needs
         decades = np.log10(limits[1] / limits[0])
         every: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
         steps = every if decades < 0.7 else (1.0, 2.0, 3.0, 5.0) if decades < 1.5 else (1.0,)
@@ -242,7 +246,7 @@ def speed_figure(film: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in speed_figure(example_film()).axes]
     ['film thickness [µm]', 'film thickness [µm]']
     """
-    figure = new_figure(TWO_COLUMNS, 0.4 * TWO_COLUMNS)
+    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)
     film_and_theory(film, ax=right)

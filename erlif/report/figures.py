@@ -37,6 +37,7 @@ def figures_section(source: FigureSource) -> str:
 
 def _embed(name: str, figure: Figure, caption: Caption, text: str) -> str:
     """Embed one figure, its image as base64 text."""
+    # lines stay sharp as SVG; an image of many pixels is much smaller as PNG
     image = figure_bytes(figure, kind=caption.kind, dpi=caption.dpi)
     encoded = base64.b64encode(image).decode("ascii")
     width = "two" if figure.get_figwidth() > 1.5 * ONE_COLUMN else "one"

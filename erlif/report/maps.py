@@ -86,6 +86,7 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
     >>> bool(error < 0.501e-3)
     True
     """
+    # one selection for all variables, so that they stay on one grid
     one = film[["thickness", "thickness_std", "thickness_std_shared", "flags"]].isel(
         trigger=trigger, y=slice(None, None, coding.stride), x=slice(None, None, coding.stride)
     )
@@ -108,6 +109,7 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
 
 def _encode_std(std: Array) -> FlagImage:
     """Codes of the blocks, on a logarithmic scale."""
+    # 0 stands for a block without valid pixels
     median = _block_median(std)
     with np.errstate(divide="ignore", invalid="ignore"):
         code = 1 + np.rint(_PER_OCTAVE * np.log2(median / _LEAST_STD))
@@ -159,6 +161,7 @@ def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> Decod
     >>> decode_map(text, shape=(12, 32), coding=coding).std.shape
     (3, 8)
     """
+    # the order of the planes is that of embed_map
     data = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
     pixels, blocks = shape[0] * shape[1], block_shape(shape)
     high, low, flags = (data[n * pixels : (n + 1) * pixels].reshape(shape) for n in range(3))

@@ -103,6 +103,7 @@ def _make_page(source: FigureSource) -> str:
         for key, title, content in sections
     )
 
+    # nothing of the time or the place of the report enters: the same film gives the same page
     name = escape(settings_of(film).name)
     version = escape(str(film.attrs.get("erlif_version", __version__)))
     return f"""<!DOCTYPE html>
@@ -138,6 +139,7 @@ def _resource(name: str) -> str:
 
 def _flag_shares(film: xr.Dataset) -> Array:
     """Share of valid pixels, then of each flag, in every map. (trigger, 1 + flag)"""
+    # map by map, because all maps of a long run do not fit into memory
     counts = []
     for trigger in range(film.sizes["trigger"]):
         flags = film.flags.isel(trigger=trigger).values

@@ -102,6 +102,7 @@ def _trend_line(film: xr.Dataset) -> str:
 def _theory_lines(film: xr.Dataset) -> list[str]:
     """Predicted film at the highest speed, and the reason for the regime."""
     theory = film.film_theory
+    # hydrodynamic theory is closest to its assumptions where the speed is highest
     top = int(np.argmax(np.abs(film.rocker_speed.values)))
     speed, load = float(film.sliding_speed[top]), float(film["load"][top])
     formula = float(film.film_hamrock_dowson[top])
@@ -153,6 +154,7 @@ def describe_calibration(calibration: Calibration) -> str:
 
     low, high = calibration.thickness_range
     add("calibrated range", f"{low:.2f} to {high:.2f} um")
+    # the calibration shifts all pixels alike, which no average reduces
     places = np.array([low + share * (high - low) for share in _AT])
     errors = calibration.thickness_std(places)
     shares = [f"{100 * e / t:.2f} % at {t:.1f} um" for t, e in zip(places, errors, strict=True)]
@@ -164,5 +166,5 @@ def describe_calibration(calibration: Calibration) -> str:
         share = 100 * np.expm1(calibration.departure.predict(film))
         text = f"{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
         add("departure from the model", text)
-    lines += [f"  note: {note}" for note in calibration.notes]
+    lines += [f"  {note.level.value}: {note}" for note in calibration.notes]
     return "\n".join(lines)

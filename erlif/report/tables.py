@@ -36,6 +36,7 @@ def with_error(value: float, std: float, unit: str = "") -> str:
         return _UNKNOWN
     if not (math.isfinite(std) and std > 0):
         return f"{value:.4g} {unit}".strip()
+    # two digits of the error, however large the value
     digits = max(0, 1 - math.floor(math.log10(std)))
     return f"{value:.{digits}f} ± {std:.{digits}f} {unit}".strip().replace("-", "−")
 
@@ -116,6 +117,7 @@ def results_table(film: xr.Dataset, valid: float) -> str:
         rows.append(("Film parameter Λ", with_span(film.film_parameter.values)))
     rows.append(("Load", f"{with_span(film['load'].values)} N"))
 
+    # limits of the theory are sentences, too long for a cell
     caption = "Results (± is one standard deviation, random and shared)"
     notes = str(film.film_theory.attrs.get("notes", "")).split("\n")
     limits = " ".join(escape(note) for note in notes if note)
@@ -196,6 +198,7 @@ def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> str:
         ("Standard deviation of the map", f"{std:.3f} px (median)"),
     ]
 
+    # drift is a length; frames without a common texture have none
     drift = np.hypot(frames.drift_x.values, frames.drift_y.values)
     if np.isfinite(drift).any():
         rms, most = math.sqrt(float(np.nanmean(drift**2))), float(np.nanmax(drift))
@@ -241,6 +244,7 @@ def trigger_table(film: xr.Dataset, valid: Array) -> str:
 
     rows = []
     for k in range(film.sizes["trigger"]):
+        # columns of text from the log are not part of the table
         one = {
             str(name): float(film[name].values[k])
             for name in film

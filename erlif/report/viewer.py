@@ -56,6 +56,8 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
     region = region_of(film)
     sliding = settings_of(film).optics.x_axis == "sliding"
+
+    # a sample of maps is enough for one colour scale of all
     count = film.sizes["trigger"]
     limits = common_limits(film, range(0, count, max(1, count // _SAMPLES)))
 
@@ -89,6 +91,7 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
 
 def _palette() -> str:
     """Colours of the map in six hexadecimal digits each."""
+    # the figures have the same colours
     colours = np.asarray(colour_map("batlow")(np.linspace(0, 1, _COLOURS)))[:, :3]
     whole = (255 * colours).round().astype(int)
     return "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in whole.tolist())

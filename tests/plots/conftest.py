@@ -8,6 +8,7 @@ import xarray as xr
 from scenes import film as scene
 
 from erlif.calibration import Calibration
+from erlif.core.notes import Level, Note
 from erlif.files import open_film
 
 
@@ -49,7 +50,7 @@ def calibration():
         curve,
         1.1,
         "known wedge",
-        ("a note",),
+        (Note(Level.NOTE, "camera1", "dark 64.0 DN"),),
     )
 
 

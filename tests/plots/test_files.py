@@ -8,6 +8,7 @@ import shutil
 import numpy as np
 import numpy.testing as npt
 import pytest
+from matplotlib.figure import Figure
 from scenes import film as scene
 
 from erlif import plots
@@ -227,3 +228,51 @@ def test_unknown_format_is_refused_before_the_work(film_path, tmp_path):
     with pytest.raises(OutputError, match="gif"):
         plots.write_figures(film_path, tmp_path / "figures", formats=("gif",))
     assert not (tmp_path / "figures").exists()
+
+
+def test_chosen_trigger_is_drawn(film_path, film, tmp_path, monkeypatch):
+    """Figures of one trigger show the one that is asked for."""
+    shown = []
+    monkeypatch.setattr(
+        plot_files,
+        "DRAWN",
+        {"thickness_map": lambda source: shown.append(source.trigger) or Figure()},
+    )
+    plots.write_figures(film_path, tmp_path, trigger=4, formats=("pdf",))
+    assert shown == [4]
+
+
+def test_ratio_is_titled_with_its_trigger(film_path, film):
+    source = source_of(film_path, film)
+    (ax,) = DRAWN["ratio_image"](source).axes
+    assert ax.get_title().startswith(f"trigger {source.trigger}, ")
+    drawn = ax.images[0].get_array()
+    valid = source.images.flags.values == 0
+    npt.assert_allclose(np.log(drawn[valid]), source.images.log_ratio.values[valid], rtol=1e-5)
+
+
+def test_profile_is_drawn_with_the_range_of_its_calibration(film_path, film, fixture_dir):
+    source = source_of(film_path, film, fixture_dir=fixture_dir)
+    (ax,) = DRAWN["fixture_profile"](source).axes
+    (shade,) = ax.patches
+    npt.assert_allclose([shade.get_y(), shade.get_y() + shade.get_height()], [0.2, 16.0])
+    (points,) = (box.lines[0] for box in ax.containers)
+    npt.assert_allclose(points.get_ydata(), 0.8 * points.get_xdata(), atol=0.005)
+
+
+def test_groups_stay_in_memory_when_the_file_is_gone(film_path, film, tmp_path):
+    copy = shutil.copy(film_path, tmp_path / "film.nc")
+    source = source_of(copy, film)
+    frames = source.group("frames")
+    copy.unlink()
+    assert frames.drift_x.sizes["frame"] == scene.TRIGGERS
+
+
+def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):
+    """A film in zarr has the figures of one in netCDF."""
+    film = plots.example_film()
+    path = tmp_path / "film.zarr"
+    film.to_zarr(path, consolidated=False, zarr_format=3)
+    few(monkeypatch, "speed_against_angle", "map_sheet")
+    written = plots.write_figures(path, tmp_path / "figures", formats=("png",))
+    assert [path.stem for path in written] == ["speed_against_angle", "map_sheet"]

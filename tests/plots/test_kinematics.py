@@ -140,3 +140,30 @@ def test_cycle_without_valid_films_shows_the_speed(film):
         np.isnan(line.get_ydata()).all() for line in above.lines if line.get_label()[0] != "_"
     )
     npt.assert_allclose(below.lines[0].get_ydata().max(), 2.552104, rtol=1e-5)
+
+
+def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):
+    """The rod is inclined by arcsin(-a/l sin t); the crank pin turns against it (Mukras 2008)."""
+    slider = with_settings(
+        ('kind = "crank-rocker"', 'kind = "slider-crank"'),
+        ('rocker = "0.26 m"', ""),
+        ('ground = "0.51 m"', ""),
+        ('mounted_on = "rocker"', 'mounted_on = "crank"'),
+    )
+    cycle = linkage_cycle(slider)
+    t, step = np.radians(cycle.crank_angle), 1e-5
+    omega = 114 * np.pi / 30
+
+    def rod(angle):
+        return np.arcsin(-0.055 / 0.44 * np.sin(angle))
+
+    expected = omega * (1 - (rod(t + step) - rod(t - step)) / (2 * step))
+    npt.assert_allclose(cycle.speed, expected, rtol=1e-6)
+    assert cycle.speed.min() > 0
+    # a joint that turns one way only has no line at speed zero
+    horizontal = [
+        line
+        for line in plots.speed_over_cycle(slider)[0].axes.lines
+        if set(line.get_ydata()) == {0}
+    ]
+    assert horizontal == []

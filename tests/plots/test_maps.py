@@ -14,6 +14,7 @@ from erlif import plots
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.plots.maps import (
+    best_columns,
     common_limits,
     first_flag,
     flag_swatch,
@@ -241,7 +242,7 @@ def test_residual_is_the_profile_less_the_rigid_gap(film):
     npt.assert_allclose(residual.get_ydata(), line.get_ydata() - gap.get_ydata(), atol=1e-12)
     npt.assert_allclose(above.get_ydata(), -below.get_ydata())  # the shared error lies about zero
     npt.assert_array_equal(zero.get_ydata(), 0)
-    assert residual.axes.get_ylabel() == "difference [µm]"
+    assert residual.axes.get_ylabel() == "measured −\nrigid gap [µm]"
 
 
 def test_figure_joins_map_profile_and_residual(film):
@@ -301,3 +302,42 @@ def test_sheet_of_one_stroke_has_one_group(film):
     figure = plots.map_sheet_figure(outward)
     labels = {ax.get_ylabel() for ax in figure.axes if ax.images} - {""}
     assert labels == {"outward"}
+
+
+def test_large_maps_of_a_sheet_are_thinned_to_what_print_resolves(film):
+    """Every second pixel of 480 columns; the place of the image stays that of the film."""
+    wide = film.isel(x=np.resize(np.arange(scene.COLUMNS), 480), y=slice(0, 6))
+    wide = wide.assign_coords(x=scene.PITCH * np.arange(480))
+    image = plots.map_sheet_figure(wide).axes[0].images[0]
+    assert image.get_array().shape == (3, 240)
+    npt.assert_allclose(image.get_extent(), pixel_edges(wide))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "columns"), [([24, 26], 9), ([7, 7], 7), ([3], 3), ([10, 10], 10), ([16, 16], 8)]
+)
+def test_rows_of_a_sheet_leave_few_gaps(sizes, columns):
+    """24 and 26 maps leave 3 and 1 places in rows of 9; no other width from 7 to 10 has fewer."""
+    assert best_columns(sizes) == columns
+
+
+def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, with_settings):
+    """A film that is mirrored at its diagonal has the same profile along y as along x before."""
+    turned = with_settings(
+        ('x_axis = "sliding"', 'x_axis = "axial"'),
+        ("x = [3.0, 13.0]", "x = [1.0, 11.0]"),
+        ("y = [1.0, 11.0]", "y = [3.0, 13.0]"),
+    )
+    turned = turned.rename({"x": "y", "y": "x"}).transpose("trigger", "y", "x")
+    line, *_ = plots.sliding_profile(film, trigger=1)
+    other, *_ = plots.sliding_profile(turned, trigger=1)
+    npt.assert_allclose(other.get_ydata(), line.get_ydata())
+    assert other.axes.get_xlabel() == "y (sliding) [mm]"
+
+
+def test_curves_of_a_profile_differ_in_look(film):
+    line, band, above, below, gap = plots.sliding_profile(film, trigger=1)
+    assert line.get_color() != gap.get_color()
+    assert above.get_linestyle() == below.get_linestyle() != line.get_linestyle()
+    assert band.get_alpha() < 1
+    assert below.get_label().startswith("_")  # one key for both limits

@@ -146,3 +146,23 @@ def test_figure_has_both_panels_even_without_a_film(film):
     for one in (film, scene.without_valid_pixels(film)):
         figure = plots.speed_figure(one)
         assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
+
+
+@pytest.mark.parametrize(("decades", "fewest"), [(0.3, 3), (1.2, 3), (4.0, 4)])
+def test_axis_of_any_length_has_ticks_to_read(changed, decades, fewest):
+    """Ticks follow the range: every digit over part of a decade, decades over many."""
+    factor = np.geomspace(1, 10**decades, scene.TRIGGERS)
+    for name in ("film_min", "film_mean"):
+        changed[name] = changed[name].copy(data=factor)
+    ax = plots.film_against_speed(changed)[0].axes
+    ax.get_figure().draw_without_rendering()
+    low, high = ax.get_ylim()
+    inside = [tick for tick in ax.get_yticks() if low <= tick <= high]
+    assert fewest <= len(inside) <= 12
+
+
+def test_load_of_each_trigger_enters_the_axis(changed):
+    """Half the load is twice the speed over load."""
+    changed["load"] = changed["load"].copy(data=np.full(scene.TRIGGERS, scene.LOAD / 2))
+    x, _ = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
+    npt.assert_allclose(x, 2 * np.sort(SPEED_OVER_LOAD), rtol=1e-6)

@@ -10,6 +10,7 @@ from scenes import film as scene
 
 from erlif import plots
 from erlif.calibration.departure import Departure
+from erlif.core.notes import Level, Note
 from erlif.report import describe_calibration, summarise
 
 
@@ -104,5 +105,6 @@ def test_spline_is_described_by_its_range(calibration):
 
 
 def test_notes_of_a_calibration_are_listed(calibration):
-    text = describe_calibration(replace(calibration, notes=("one", "two")))
-    assert text.splitlines()[-2:] == ["  note: one", "  note: two"]
+    notes = (Note(Level.NOTE, "camera1", "one"), Note(Level.WARNING, "", "two"))
+    text = describe_calibration(replace(calibration, notes=notes))
+    assert text.splitlines()[-2:] == ["  note: camera1: one", "  warning: two"]
