@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from scenes.registration import Scene, drifting_frames, expose, smooth_map
+from scipy import ndimage
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import (
@@ -140,6 +141,16 @@ def test_pixels_without_weight_do_not_move_the_drift(truth):
     npt.assert_allclose((found.dx, found.dy), (3, 2), atol=0.05)
 
 
+def test_smallest_frame_has_a_drift():
+    """64 by 64 px are sixteen cells, the fewest on which chance can be judged."""
+    noise = np.random.default_rng(15).normal(size=(64, 68))
+    wall = (1000 + 300 * ndimage.gaussian_filter(noise, 1.5)).astype(np.float32)
+    flat = np.zeros((64, 64), np.float32)
+    level = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    found = estimate_drift(level, wall[:, 2:-2], wall[:, :-4])
+    npt.assert_allclose((found.dx, found.dy), (2, 0), atol=0.02)
+
+
 def test_frame_that_does_not_fit_is_refused(truth):
     camera_map = known_map(truth)
     stranger = Scene(SHAPE, 77).photograph(smooth_map(SHAPE))
@@ -220,6 +231,11 @@ def test_opposite_edges_of_the_frame_are_kept_apart():
     left[30, 30] = right[30, 31] = 0.5
     npt.assert_array_equal(whole_pixels(left, right), (1, 0))
     npt.assert_array_equal(whole_pixels(left.T, right.T), (0, 1))
+    # the last columns count too
+    first, second = np.zeros((64, 64), np.float32), np.zeros((64, 64), np.float32)
+    first[20, 61] = second[20, 63] = 1.0
+    npt.assert_array_equal(whole_pixels(first, second), (2, 0))
+    npt.assert_array_equal(whole_pixels(first.T, second.T), (0, 2))
 
 
 @pytest.mark.parametrize("binning", [1, 2, 4])
