@@ -53,10 +53,17 @@ def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) 
 
     Examples
     --------
-    The film thickness behind the logarithm of the ratio is that of the map:
+    The ratio of a film that `erlif.process` made in its run directory:
 
-    >>> images = restore_images("film.nc", "run", trigger=2)  # doctest: +SKIP
-    >>> maps = measure_thickness(images, calibration_of(film))  # doctest: +SKIP
+    >>> images = restore_images("run/film.nc", "run", trigger=2)  # doctest: +SKIP
+    >>> images.log_ratio.dims, images.light.dims  # doctest: +SKIP
+    (('y', 'x'), ('camera', 'y', 'x'))
+
+    The film is needed for the displacement and the drift of camera 2:
+
+    >>> restore_images("nowhere.nc", "run", trigger=2)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    erlif.core.errors.OutputError: Expected a film file; nowhere.nc does not exist...
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
     stored = _read_stored(film_path, trigger)
