@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "docs" / "gallery"))
 os.environ["PYTHONPATH"] = os.pathsep.join(
-    (str(ROOT / "docs" / "gallery"), os.environ.get("PYTHONPATH", ""))
+    (str(ROOT), str(ROOT / "docs" / "gallery"), os.environ.get("PYTHONPATH", ""))
 )  # for the kernel of the tutorial
 
 from erlif.core.version import __version__  # noqa: E402
