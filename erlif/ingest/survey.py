@@ -46,6 +46,9 @@ LARGEST_TABLE = 64 * 2**20
 SAMPLED_PAGES = 12
 """Pages of a camera whose counts are read for the bit depth."""
 
+FEW_LEVELS = 16
+"""Distinct counts up to which an image is too uniform to show bits that are never set."""
+
 USUAL_DEPTHS = (12, 14, 16)
 """Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits."""
 
@@ -319,8 +322,7 @@ def _describe_set(
     files: Sequence[Path], directory: Path
 ) -> tuple[ImageSet, list[tuple[Page, tuple[int, ...]]]]:
     """Headers of the files, and the readable grey pages with their shapes."""
-    pages, kinds, faults = [], Counter[str](), []
-    count = 0
+    pages, kinds, faults, count = [], Counter[str](), [], 0
     for path in files:
         name = os.path.relpath(path, directory)
         found = find_pages(directory, glob.escape(name), "frames")
@@ -330,6 +332,7 @@ def _describe_set(
             if place not in found.faults:
                 kinds[str(kind)] += 1
                 pages.append((page, kind.shape))
+
     usual = tuple(kind for kind, _ in kinds.most_common())
     pattern = _find_pattern(files, directory)
     return ImageSet(tuple(files), pattern, count, usual, tuple(faults)), pages
@@ -339,6 +342,8 @@ def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
     """The shortest pattern that matches these files and no others."""
     if len(files) == 1:
         return glob.escape(files[0].relative_to(directory).as_posix())
+
+    # what the names share: folder, beginning, end and suffix
     common = Path(os.path.commonpath([path.parent for path in files])).relative_to(directory)
     start = glob.escape(common.as_posix()) + "/" if common.parts else ""
     suffixes = sorted({path.suffix for path in files})
@@ -347,6 +352,8 @@ def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
     prefix = glob.escape(_common_start([path.name for path in files]).rstrip("0123456789"))
     folders = glob.escape(_common_start([path.parent.name for path in files]))
     ending = glob.escape(_common_start([path.stem[::-1] for path in files])[::-1])
+
+    # from the plainest to the most special; darks and flats may lie among the frames
     candidates = [
         f"{start}*{end}",
         f"{start}{prefix}*{end}",
@@ -380,8 +387,8 @@ def _sample_counts(
     pages: Sequence[tuple[Page, tuple[int, ...]]], directory: Path
 ) -> CountsSample | None:
     """Largest count, unused bits and bit depth of some pages."""
-    highest, used, read, wide = 0, 0, 0, False
-    top: Counter[int] = Counter()
+    highest, used, levels, read, wide = 0, 0, 0, 0, False
+    top: Counter[int] = Counter()  # number of pixels at the largest count of a page
     for page, shape in pages:
         try:
             counts = read_page(page, directory, shape)
@@ -389,15 +396,19 @@ def _sample_counts(
             continue
         highest = max(highest, int(counts.max()))
         used |= int(np.bitwise_or.reduce(counts, axis=None))
+        levels = max(levels, np.unique(counts).size)
         wide = wide or counts.dtype.itemsize > 1
         top[int(counts.max())] += int((counts == counts.max()).sum())
         read += 1
     if not read or not used:
         return None
 
-    # one bit more or less may be chance; two and more low bits that are never set are padding
+    # Two or more low bits that are never set are padding; one may be chance, and so may several in
+    # an image of few levels.
     unused = (used & -used).bit_length() - 1
-    unused = unused if unused >= 2 else 0
+    if unused < 2 or levels <= FEW_LEVELS:
+        unused = 0
+
     bits = (highest >> unused).bit_length()
     depth = next(depth for depth in (USUAL_DEPTHS if wide else (8,)) if bits <= depth)
     full_scale = ((1 << depth) - 1) << unused

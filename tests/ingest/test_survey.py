@@ -139,25 +139,28 @@ def test_frames_that_no_single_pattern_matches_have_none(tmp_path):
     assert survey_directory(tmp_path).cameras[0].frames.pattern is None
 
 
+def graded(highest, *, many=False):
+    """Counts of many levels; `many` pixels at the highest one, or a single pixel."""
+    counts = np.linspace(3, highest - 5, 64 * 80).astype(np.uint16)
+    counts[-40 if many else -1 :] = highest
+    return counts.reshape(64, 80)
+
+
 @pytest.mark.parametrize(
     ("counts", "depth", "unused", "certain"),
     [
-        (np.uint8([[250, 3], [7, 9]]), 8, 0, False),
-        (np.uint16([[900, 64], [65, 66]]), 12, 0, False),
-        (np.uint16([[4095, 4095], [65, 66]]), 12, 0, True),
-        (np.uint16([[4096, 64], [65, 67]]), 14, 0, False),
-        (np.uint16([[65535, 65535], [65, 66]]), 16, 0, True),
-        (np.uint16([[4095, 4095], [65, 66]]) << 4, 12, 4, True),
-        (np.uint16([[16383, 64], [65, 66]]) << 2, 14, 2, False),
+        (graded(250).astype(np.uint8), 8, 0, False),
+        (graded(900), 12, 0, False),
+        (graded(4095, many=True), 12, 0, True),
+        (graded(4096), 14, 0, False),
+        (graded(65535, many=True), 16, 0, True),
+        (graded(4095, many=True) << 4, 12, 4, True),
+        (graded(16383) << 2, 14, 2, False),
+        (np.full((64, 80), 1024, np.uint16), 12, 0, False),  # too uniform to show padding
     ],
 )
 def test_the_bit_depth_follows_from_the_largest_counts(tmp_path, counts, depth, unused, certain):
-    photograph(
-        tmp_path,
-        "cam1.tif",
-        "cam2.tif",
-        image=np.tile(counts, (32, 40)) if certain else np.pad(counts, 30, mode="minimum"),
-    )
+    photograph(tmp_path, "cam1.tif", "cam2.tif", image=counts)
     found = survey_directory(tmp_path).cameras[0].counts
     assert (found.bit_depth, found.unused_bits, found.full_scale_seen) == (depth, unused, certain)
     assert found.highest == counts.max()

@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 
 import pytest
 
@@ -49,3 +50,19 @@ def test_the_schema_knows_neither_null_nor_lost_references(kind):
     assert "$defs" not in text
     for name in re.findall(r"#/definitions/(\w+)", text):
         assert name in json_schema(kind)["definitions"]
+
+
+@pytest.mark.parametrize(("name", "kind"), [("run", RunSettings), ("fixture", FixtureSettings)])
+def test_an_editor_accepts_settings_of_the_rig_and_marks_gaps_and_unknown_keys(
+    small_rig, name, kind
+):
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft7Validator(json_schema(kind))
+    jsonschema.Draft7Validator.check_schema(json_schema(kind))
+    written = tomllib.loads((small_rig.directory / name / f"{name}.toml").read_text())
+    assert list(validator.iter_errors(written)) == []
+
+    written["optics"] |= {"pixel_pitch": "?? um", "pitch": "60 um"}
+    gap, unknown = sorted(validator.iter_errors(written), key=lambda error: len(error.path))[::-1]
+    assert list(gap.path) == ["optics", "pixel_pitch"]
+    assert "'pitch' was unexpected" in unknown.message
