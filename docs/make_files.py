@@ -64,8 +64,8 @@ FILM = (
         MAP,
         "float32",
         "um",
-        "Standard deviation of the thickness of a pixel, random part: photons, reading, darks, flats "
-        "and interpolation.",
+        "Standard deviation of the thickness of a pixel, random part: photons, reading, darks, "
+        "flats and interpolation.",
     ),
     Variable(
         "thickness_std_shared",

@@ -30,8 +30,10 @@ class _ElapsedFormatter(logging.Formatter):
     """Seconds since the start of the program, stage and text."""
 
     def format(self, record: logging.LogRecord) -> str:
-        module = record.name.removeprefix("erlif.")
-        text = f"{record.relativeCreated / 1e3:8.2f} s  {module}: {record.getMessage()}"
+        # the stages themselves are logged by "erlif", their decisions by their modules
+        module = record.name.removeprefix("erlif").removeprefix(".")
+        place = f"{module}: " if module else ""
+        text = f"{record.relativeCreated / 1e3:8.2f} s  {place}{record.getMessage()}"
         if record.exc_info:
             text = f"{text}\n{self.formatException(record.exc_info)}"
         return text

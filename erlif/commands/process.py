@@ -39,6 +39,7 @@ def process(
     from erlif import pipeline
     from erlif.report import summarise
 
+    # a name that promises another format is refused before the work starts
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
@@ -52,6 +53,8 @@ def process(
             workers=workers,
             progress=progress,
         )
+
+    # the film stays open while it is summarised: its maps are read when they are used
     with film:
         click.echo(summarise(film))
     click.echo(f"written: {output}")

@@ -7,7 +7,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-_logger = logging.getLogger(__name__)
+_logger = logging.getLogger("erlif")
+"""Stages are logged for the program as a whole, unless a module names its own logger."""
 
 
 @contextmanager

@@ -45,6 +45,8 @@ QUANTITY_PATTERN = (
 def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`."""
     schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
+    # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
+    # derive from the float, since the file holds text.
     return (
         BeforeValidator(lambda text: parse_quantity(text, unit)),
         *bounds,
@@ -87,6 +89,7 @@ FileName = Annotated[
 class Settings(BaseModel):
     """A table of a settings file: frozen, and closed to keys it does not know."""
 
+    # a misspelt key must not pass unnoticed, and NaN must not reach the physics
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
@@ -354,7 +357,7 @@ class ThicknessOptions(Settings):
         examples=[{"x": [4, 15], "y": [2, 13]}],
     )
     least_signal: Electrons = Field(
-        100.0,
+        100.0,  # 10 % of shot noise in one pixel
         description="Signal below which a pixel is flagged dim.",
         validate_default=False,
         examples=["100 electron"],
@@ -397,6 +400,7 @@ class RunSettings(Settings):
     camera2: CameraSettings
     optics: OpticsSettings
     encoder: EncoderSettings
+    # "kind" selects the form of the table, so that a fault is reported for that form alone
     mechanism: Annotated[CrankRockerSettings | SliderCrankSettings, Field(discriminator="kind")]
     joint: JointSettings
     oil: OilSettings

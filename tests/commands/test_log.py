@@ -41,5 +41,5 @@ def test_a_stage_shows_its_start_and_its_duration(capsys):
     with stage("registration"):
         pass
     started, finished = capsys.readouterr().err.splitlines()
-    assert started.endswith("registration: started")
+    assert started.endswith(" s  registration: started")
     assert "registration: finished after 0.0" in finished
