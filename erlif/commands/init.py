@@ -19,13 +19,14 @@ def init(directory: Path, fixture: bool, overwrite: bool) -> None:
 
     Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
     Every other required value becomes a marked gap, "??", with its unit and meaning. A JSON schema
-    is written beside it, with which editors complete and check the file.
+    is written beside it, with which editors complete and check the file. The example takes the
+    files of `erlif simulate rehearsal`.
 
     \b
     Example:
-      erlif init measurements/run_7
-      erlif init measurements/wedge --fixture
-      erlif check measurements/run_7
+      erlif init rehearsal/run --overwrite
+      erlif init rehearsal/fixture --fixture --overwrite
+      erlif check rehearsal/run
     """
     from erlif.pipeline import init as write_settings
     from erlif.settings import read_fixture_settings, read_run_settings

@@ -11,19 +11,19 @@ import erlif
 import erlif.pipeline
 from erlif.commands.main import main
 
-COMMANDS = ["simulate", "check", "calibrate", "process", "figures", "report", "budget", "sources"]
+COMMANDS = sorted(main.commands)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_help_shows_an_example(command, name):
-    text = command(name, "--help").stdout
-    assert re.search(rf"Example:\s+erlif {name} ", text)
-    assert f"erlif {name} " in command("--help").stdout or name in (
-        "check",
-        "report",
-        "budget",
-        "sources",
-    )
+def test_help_of_each_command_shows_an_example(command, name):
+    assert re.search(rf"Example:\s+erlif {name}\b", command(name, "--help").stdout)
+
+
+def test_help_lists_every_command_and_the_way_from_simulation_to_figures(command):
+    text = command("--help").stdout
+    assert all(re.search(rf"^  {name} ", text, re.MULTILINE) for name in COMMANDS)
+    for name in ("simulate", "calibrate", "process", "figures"):
+        assert f"erlif {name} " in text
 
 
 def test_importing_erlif_loads_nothing_heavy():
