@@ -24,7 +24,7 @@ from erlif.calibration.departure import (
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
-from erlif.calibration.pose import Freedom, Pose
+from erlif.calibration.pose import FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.core.arrays import Array, Mask
@@ -138,17 +138,39 @@ def fit_calibration(
         text = f"{int((~kept).sum())} of {kept.size} points lie far off the curve and were left out"
         notes.append(Note(Level.NOTE, "", text))
 
-    # scatter above the stated noise, and correlated errors, widen all error bars
+    calibration = _make_curve(settled, found, bands=bands, fixture=fixture)
     best = fit if candidate is None else candidate
+
+    # the calibrated range follows from the slope of the finished curve
+    covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
+    if covered.limited:
+        notes.append(_describe_limit(points, covered))
+    notes += _describe_unresolved(calibration)
+    moved = freedom.displacement @ best.displacement
+    return replace(
+        calibration,
+        thickness_range=(covered.low, covered.high),
+        curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
+        notes=(*profile.notes, *notes),
+    )
+
+
+def _make_curve(
+    settled: _Settled, found: FoundPose | None, *, bands: tuple[float, float], fixture: str
+) -> Calibration:
+    """The calibration without range and points, with the error bars of the actual scatter."""
+    fit, candidate = settled.fit, settled.candidate
     noise, departure = fit.reduced_chi_square, None
     if candidate is not None:
-        noise = candidate.noise(int(kept.sum()), len(fit.covariance))
+        noise = candidate.noise(int(fit.kept.sum()), len(fit.covariance))
         departure = candidate.departure
+
+    # scatter above the stated noise, and correlated errors, widen all error bars
     scale = max(1.0, noise) * settled.inflation
     if departure is not None:
         departure = replace(departure, covariance=scale * departure.covariance)
     K, p, q = (float(value) for value in fit.parameters)
-    calibration = Calibration(
+    return Calibration(
         ratio_at_zero=K,
         attenuation_camera1=p,
         attenuation_camera2=q,
@@ -160,28 +182,6 @@ def fit_calibration(
         fixture=fixture,
         departure=departure,
         pose=found,
-    )
-
-    # the calibrated range follows from the slope of the finished curve
-    covered = _calibrated_range(calibration, best.true_thickness[kept], points, kept, frames)
-    if covered.limited:
-        notes.append(
-            Note(
-                Level.NOTE,
-                "",
-                f"the profile reaches {points.thickness.max():.1f} um, but beyond "
-                f"{covered.high:.1f} um the noise of a single pixel of one frame exceeds "
-                f"{_USEFUL:.0%} of the thickness, or what this light allows: the calibrated range "
-                "ends there",
-            )
-        )
-    notes += _describe_unresolved(calibration)
-    moved = freedom.displacement @ best.displacement
-    return replace(
-        calibration,
-        thickness_range=(covered.low, covered.high),
-        curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
-        notes=(*profile.notes, *notes),
     )
 
 
@@ -389,6 +389,17 @@ def _calibrated_range(
     useful = relative <= max(_USEFUL, _DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
     return _Range(low, thickest, thickest < grid[-1])
+
+
+def _describe_limit(points: Points, covered: _Range) -> Note:
+    """Note on a range that ends below the thickest film of the fixture."""
+    return Note(
+        Level.NOTE,
+        "",
+        f"the profile reaches {points.thickness.max():.1f} um, but beyond {covered.high:.1f} um "
+        f"the noise of a single pixel of one frame exceeds {_USEFUL:.0%} of the thickness, or what "
+        "this light allows: the calibrated range ends there",
+    )
 
 
 def _describe_unresolved(calibration: Calibration) -> list[Note]:

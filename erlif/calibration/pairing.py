@@ -78,29 +78,13 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
     """
     position = profile.position.reshape(len(profile.position), -1)
     pixels = _assign_pixels(ratios, position, pose)
-    cell, place, total = pixels.cell, pixels.place, len(position)
+    cell, total = pixels.cell, len(position)
     count = np.bincount(cell, minlength=total)
     used = count >= _MINIMUM_PIXELS
     notes = _describe_coverage(pixels, used)
 
-    # the mean of a cell belongs to its centre of gravity and is carried to the CMM point
     cells = _robust_cell_mean(cell, pixels.log_ratio, total)
-    mean = cells.mean
-    centre = (
-        np.stack([np.bincount(cell, axis, total) for axis in place.T], axis=1)
-        / np.maximum(count, 1)[:, None]
-    )
-    if position.shape[1] == 1:
-        gradient = _gradient_along(position, centre, mean, used)
-        mean = mean + np.einsum("ij,ij->i", gradient, position - centre)
-    else:
-        form = _form_about(position, centre, mean, used)
-        gradient, curvature = form.gradient, form.curvature
-        off = place - position[cell]
-        bend = np.einsum("ij,ij->i", gradient[cell], off) + 0.5 * np.einsum(
-            "ij,ijk,ik->i", off, curvature[cell], off
-        )
-        mean = mean - np.bincount(cell, bend, total) / np.maximum(count, 1)
+    mean, gradient = _carry_to_points(cells.mean, pixels, position, used)
 
     # the scatter within a cell counts where it exceeds the stated variance
     total_var, fixed_var = (
@@ -117,11 +101,8 @@ def pair_profile_with_image(ratios: RatioImages, profile: Profile, pose: Pose) -
         notes.append(Note(Level.NOTE, "", text))
         uncertainty = np.full(total, math.nan)
 
-    # the image determines the turn of a line by the slope of the ratio across it
     if position.shape[1] == 1:
-        keep = cells.keep
-        beside = pixels.log_ratio - gradient[cell, 0] * (place[:, 0] - position[cell, 0])
-        across = _slope_across(cell[keep], pixels.across[keep], beside[keep], total)
+        across = _slope_across(pixels, gradient, position, cells.keep)
         thickness_gradient = gradient_of_thickness(position, profile.thickness, uncertainty)
     else:
         unknown = np.full(total, math.nan)
@@ -256,8 +237,15 @@ class _Across(NamedTuple):
     """Standard deviation of the slope, (cell,). [1/mm]"""
 
 
-def _slope_across(cell: Cells, across: Array, values: Array, cells: int) -> _Across:
-    """Slope of the values across the profile in each cell, from the scatter about it its error."""
+def _slope_across(pixels: _Pixels, gradient: Array, position: Array, keep: Mask) -> _Across:
+    """Slope of the ratio across a line in each cell; the image determines the turn by it.
+
+    The slope along the line is removed first. The error comes from the scatter about the slope.
+    """
+    cells = len(position)
+    along = gradient[pixels.cell, 0] * (pixels.place[:, 0] - position[pixels.cell, 0])
+    cell, across, values = pixels.cell[keep], pixels.across[keep], (pixels.log_ratio - along)[keep]
+
     count = np.maximum(np.bincount(cell, minlength=cells), 1)
     middle, mean = (np.bincount(cell, each, cells) / count for each in (across, values))
     off, rest = across - middle[cell], values - mean[cell]
@@ -269,6 +257,31 @@ def _slope_across(cell: Cells, across: Array, values: Array, cells: int) -> _Acr
         )
         std = np.sqrt(scatter / spread)
     return _Across(middle, slope, std)
+
+
+class _Carried(NamedTuple):
+    mean: Array
+    """Ratio at the CMM point, (cell,)."""
+    gradient: Array
+    """Its gradient, (cell, axis). [1/mm]"""
+
+
+def _carry_to_points(mean: Array, pixels: _Pixels, position: Array, used: Mask) -> _Carried:
+    """Carry the mean of each cell from its centre of gravity to the CMM point."""
+    cell, place, total = pixels.cell, pixels.place, len(position)
+    count = np.maximum(np.bincount(cell, minlength=total), 1)
+    centre = np.stack([np.bincount(cell, axis, total) for axis in place.T], axis=1) / count[:, None]
+    if position.shape[1] == 1:
+        gradient = _gradient_along(position, centre, mean, used)
+        return _Carried(mean + np.einsum("ij,ij->i", gradient, position - centre), gradient)
+
+    # the cells of a surface are wide: the curvature within them counts too
+    form = _form_about(position, centre, mean, used)
+    off = place - position[cell]
+    bend = np.einsum("ij,ij->i", form.gradient[cell], off) + 0.5 * np.einsum(
+        "ij,ijk,ik->i", off, form.curvature[cell], off
+    )
+    return _Carried(mean - np.bincount(cell, bend, total) / count, form.gradient)
 
 
 def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> Array:

@@ -83,65 +83,74 @@ def read_profile(path: Path) -> Profile:
     array([0. , 3.5])
     """
     table = _read_table(path)
-    header, values, name = table.header, table.values, path.name
-    surface = "y_mm" in header
-    stated = header[-1] == "uncertainty_um"
+    stated = table.header[-1] == "uncertainty_um"
     notes: list[Note] = []
+    values, axes = _find_axes(table, path.name, notes)
+    values = _sort_and_merge(values, axes, path.name, notes, stated=stated)
 
-    # too short a table is refused below, with the count that remains after averaging
-    if len(values) >= MINIMUM_POINTS:
-        along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
-        if along <= _LINE * across:
-            raise CalibrationError(
-                f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at "
-                "all points. A scan along y is given with y_mm as x_mm, and direction in "
-                "fixture.toml turned by 90 deg."
-            )
-        # a CMM keeps y of a line scan to its own error only
-        if surface and across <= _LINE * along:
-            notes.append(
-                Note(
-                    Level.NOTE,
-                    name,
-                    f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left "
-                    "out and the film assumed constant across the profile",
-                )
-            )
-            values, surface = np.delete(values, 1, axis=1), False
+    if len(values) < MINIMUM_POINTS:
+        raise CalibrationError(
+            f"Expected at least {MINIMUM_POINTS} points in {path.name}; got {len(values)}. Measure "
+            "the profile more closely."
+        )
+    uncertainty = values[:, -1] if stated else None
+    if uncertainty is not None and np.any(uncertainty <= 0):
+        raise CalibrationError(
+            f"Expected positive values of uncertainty_um in {path.name}; "
+            f"row {int(np.argmax(uncertainty <= 0)) + 2} has none. "
+            "Leave the column out if the uncertainty is not known."
+        )
+    position = values[:, :2] if axes == 2 else values[:, 0]
+    return Profile(position, values[:, axes], uncertainty, tuple(notes))
 
-    axes = 2 if surface else 1
+
+def _find_axes(table: _Table, name: str, notes: list[Note]) -> tuple[Array, int]:
+    """Columns without a constant y, and the number of axes: one for a line, two for a surface."""
+    values, surface = table.values, "y_mm" in table.header
+    if len(values) < MINIMUM_POINTS:
+        return values, 1 + surface  # refused later, with the count that remains after averaging
+
+    along, across = float(np.ptp(values[:, 0])), float(np.ptp(values[:, 1])) if surface else 0.0
+    if along <= _LINE * across:
+        raise CalibrationError(
+            f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at all "
+            "points. A scan along y is given with y_mm as x_mm, and direction in fixture.toml "
+            "turned by 90 deg."
+        )
+    if not surface:
+        return values, 1
+    if across > _LINE * along:
+        return values, 2
+
+    # a CMM keeps y of a line scan to its own error only
+    text = (
+        f"a line profile along x_mm, at y_mm {values[:, 1].mean():.4g}; y_mm was left out and the "
+        "film assumed constant across the profile"
+    )
+    notes.append(Note(Level.NOTE, name, text))
+    return np.delete(values, 1, axis=1), 1
+
+
+def _sort_and_merge(
+    values: Array, axes: int, name: str, notes: list[Note], *, stated: bool
+) -> Array:
+    """Rows in the order of x_mm, repeated positions averaged."""
     order = np.lexsort(values[:, :axes].T[::-1])
-    if np.any(order != np.arange(len(order))) and not surface:
+    if np.any(order != np.arange(len(order))) and axes == 1:
         text = "the points are not in the order of x_mm; they were sorted"
         notes.append(Note(Level.WARNING, name, text))
         values = values[order]
 
     places, group = np.unique(values[:, :axes], axis=0, return_inverse=True)
-    if len(places) < len(values):
-        text = (
-            f"{len(values) - len(places)} points repeat a position; repeated points were averaged"
-        )
-        notes.append(Note(Level.WARNING, name, text))
-        count = np.bincount(group)
-        merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
-        if stated:
-            merged[:, -1] /= np.sqrt(count)
-        values = merged
-
-    if len(values) < MINIMUM_POINTS:
-        raise CalibrationError(
-            f"Expected at least {MINIMUM_POINTS} points in {name}; got {len(values)}. Measure the "
-            "profile more closely."
-        )
-    uncertainty = values[:, -1] if stated else None
-    if uncertainty is not None and np.any(uncertainty <= 0):
-        raise CalibrationError(
-            f"Expected positive values of uncertainty_um in {name}; "
-            f"row {int(np.argmax(uncertainty <= 0)) + 2} has none. "
-            "Leave the column out if the uncertainty is not known."
-        )
-    position = values[:, :2] if surface else values[:, 0]
-    return Profile(position, values[:, axes], uncertainty, tuple(notes))
+    if len(places) == len(values):
+        return values
+    text = f"{len(values) - len(places)} points repeat a position; repeated points were averaged"
+    notes.append(Note(Level.WARNING, name, text))
+    count = np.bincount(group)
+    merged = np.stack([np.bincount(group, column) / count for column in values.T], axis=1)
+    if stated:
+        merged[:, -1] /= np.sqrt(count)
+    return merged
 
 
 class _Table(NamedTuple):

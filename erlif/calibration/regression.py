@@ -1,7 +1,7 @@
 """Fit of the reabsorption model to thickness and ratio by orthogonal distance regression.
 
 Both the thickness by the CMM and the ratio carry errors, so each point is moved along both axes
-(Boggs, Byrd & Schnabel 1987, as implemented in ODRPACK). A pose with free combinations is fitted
+(Boggs, Byrd and Schnabel 1987, as implemented in ODRPACK). A pose with free combinations is fitted
 with the parameters.
 """
 
@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from odrpack import odr_fit
+from odrpack import OdrResult, odr_fit
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
@@ -124,42 +124,9 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
 
 
 def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom) -> Fit:
-    """One regression over the kept points, from the best of several starting points."""
-    t, y = points.thickness[kept], points.log_ratio[kept]
+    """One regression over the kept points, with the covariance of its parameters."""
+    solution = _regress(points, thickness_std, kept, freedom)
     displacement = freedom.displacement[kept]
-
-    def model(x: Array, beta: Array) -> Array:
-        q = math.exp(beta[2])
-        p = q + math.exp(beta[1])
-        film = x + displacement @ beta[3:]
-        return np.asarray(
-            log_band_ratio(
-                film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q
-            )
-        )
-
-    # the parameters are ln K, ln(p - q) and ln q: all are positive and p exceeds q
-    lowest, highest = _ATTENUATION_BOUNDS
-    reach = np.full(freedom.size, _DISPLACEMENT_BOUND)
-    low = np.array([-_LOG_RATIO_BOUND, lowest, lowest, *-reach])
-    high = np.array([_LOG_RATIO_BOUND, highest, highest, *reach])
-    solution = None
-    for start in _starts(t, y):
-        beta = np.array([*start, *np.zeros(freedom.size)])
-        trial = odr_fit(
-            model,
-            t,
-            y,
-            np.clip(beta, low, high),
-            weight_x=thickness_std[kept] ** -2.0,
-            weight_y=points.log_ratio_std[kept] ** -2.0,
-            bounds=(low, high),
-            maxit=_ITERATIONS,
-        )
-        if solution is None or trial.sum_square < solution.sum_square:
-            solution = trial
-    assert solution is not None
-
     beta = solution.beta
     K, q = math.exp(beta[0]), math.exp(beta[2])
     moved = displacement @ beta[3:]
@@ -181,6 +148,45 @@ def _fit_once(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom
     design = np.column_stack([fit.gradient(true_thickness[kept]).T, slope[:, None] * displacement])
     design /= np.hypot(points.log_ratio_std[kept], slope * thickness_std[kept])[:, None]
     return replace(fit, covariance=np.asarray(np.linalg.inv(design.T @ design)))
+
+
+def _regress(points: Points, thickness_std: Array, kept: Mask, freedom: Freedom) -> OdrResult:
+    """The best of the regressions from several starting points.
+
+    Its parameters are ln K, ln(p - q) and ln q, so that all are positive and p exceeds q, then
+    the displacement.
+    """
+    t, y = points.thickness[kept], points.log_ratio[kept]
+    displacement = freedom.displacement[kept]
+
+    def model(x: Array, beta: Array) -> Array:
+        q = math.exp(beta[2])
+        p = q + math.exp(beta[1])
+        film = x + displacement @ beta[3:]
+        return np.asarray(
+            log_band_ratio(
+                film, ratio_at_zero=math.exp(beta[0]), attenuation_camera1=p, attenuation_camera2=q
+            )
+        )
+
+    lowest, highest = _ATTENUATION_BOUNDS
+    reach = np.full(freedom.size, _DISPLACEMENT_BOUND)
+    low = np.array([-_LOG_RATIO_BOUND, lowest, lowest, *-reach])
+    high = np.array([_LOG_RATIO_BOUND, highest, highest, *reach])
+    trials = [
+        odr_fit(
+            model,
+            t,
+            y,
+            np.clip(np.array([*start, *np.zeros(freedom.size)]), low, high),
+            weight_x=thickness_std[kept] ** -2.0,
+            weight_y=points.log_ratio_std[kept] ** -2.0,
+            bounds=(low, high),
+            maxit=_ITERATIONS,
+        )
+        for start in _starts(t, y)
+    ]
+    return min(trials, key=lambda trial: float(trial.sum_square))
 
 
 def _starts(thickness: Array, log_ratio: Array) -> list[list[float]]:
