@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from contextlib import suppress
 from dataclasses import replace
@@ -25,6 +26,8 @@ from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.results import FrameResult, describe_frame_notes, mean_drift
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
+
+_logger = logging.getLogger(__name__)
 
 
 def calibrate(
@@ -63,9 +66,9 @@ def calibrate(
     profile = read_profile(fixture.directory / settings.fixture.profile)
     prepared = prepare_chain(fixture, progress)
 
-    with stage("ratio"):
+    with stage("ratio", _logger):
         ratio, frames = combine_all(prepared.chain, progress)
-    with stage("fit"):
+    with stage("fit", _logger):
         calibration = fit_calibration(
             ratio,
             profile,
@@ -78,6 +81,12 @@ def calibrate(
             fixture=settings.name,
         )
 
+    _logger.info(
+        "calibrated range %.2f to %.2f um, reduced chi-square %.2f, %d frame pairs",
+        *calibration.thickness_range,
+        calibration.reduced_chi_square,
+        len(frames),
+    )
     return replace(
         calibration,
         input_hashes=hash_inputs(fixture),
@@ -144,7 +153,7 @@ def find_calibration(
     path = run.directory / run.settings.calibration
     if path.exists() or not (path.parent / "fixture.toml").is_file():
         return open_calibration(path)
-    with stage("calibration"):
+    with stage("calibration", _logger):
         made = calibrate(path.parent, progress=progress)
     with suppress(OutputError):  # a fixture directory that cannot be written is no obstacle
         save_calibration(made, path)

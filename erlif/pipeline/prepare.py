@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
+
+import numpy as np
 
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
@@ -14,6 +17,8 @@ from erlif.pipeline.noise import NoiseCompletion, complete_noise
 from erlif.pipeline.register import register_cameras
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
+
+_logger = logging.getLogger(__name__)
 
 
 def prepare_chain(
@@ -41,20 +46,38 @@ def prepare_chain(
         If the cameras cannot be registered, or the stored map no longer fits.
     """
     settings = recording.settings
-    with stage("darks and flats"):
+    with stage("darks and flats", _logger):
         measured, declared = measure_cameras(recording), declared_noise(recording)
         cameras = make_references(measured, declared=declared)
+        for note in cameras.notes:
+            _logger.info("%s", note)
 
     correct = FrameCorrection(recording.pairs, cameras.references, settings.thickness.least_signal)
-    with stage("registration"):
+    with stage("registration", _logger):
         camera_map = register_cameras(
             correct, settings.registration, stored=stored, progress=progress
         )
 
+        _logger.info(
+            "%s; rms displacement %.2f px, correlation of the textures %.2f",
+            camera_map.model,
+            np.sqrt(np.nanmean(camera_map.displacement_x**2 + camera_map.displacement_y**2)),
+            camera_map.quality,
+        )
+
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
-    with stage("sharpness and noise"):
+    with stage("sharpness and noise", _logger):
         chain = replace(chain, blur=compare_sharpness(chain))
-        return complete_noise(chain, cameras, measured=measured, declared=declared)
+        _logger.info(
+            "difference of blur variance %.4f px2 along x, %.4f px2 along y, %s",
+            chain.blur.x,
+            chain.blur.y,
+            "removed from the ratio" if chain.blur.significant else "not significant",
+        )
+        completed = complete_noise(chain, cameras, measured=measured, declared=declared)
+        for note in completed.notes[len(cameras.notes) :]:
+            _logger.info("%s", note)
+        return completed
 
 
 def prepare_with_map(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, check_bands, record_calibration
@@ -37,6 +39,8 @@ from erlif.pipeline.swap import refuse_swapped_cameras
 from erlif.pipeline.triggers import TriggerTask, run_triggers
 from erlif.registration import move_map
 from erlif.settings import to_toml
+
+_logger = logging.getLogger(__name__)
 
 
 def process(
@@ -120,9 +124,11 @@ def process_run(
     cycle = locate_run(run)
     frames_of = group_frames(cycle, run.pairs)
     triggers = describe_triggers(run, cycle)
+    _log_run(run, cycle)
 
     calibration = find_calibration(run, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
+    _log_calibration(calibration)
     hashes = hash_inputs(run)
 
     with PartialFilm(output, identify_work(run, calibration, hashes)) as unfinished:
@@ -133,7 +139,7 @@ def process_run(
         refuse_swapped_cameras(chain, calibration)
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        with stage("film"):
+        with stage("film", _logger):
             task = trigger_task(run, chain, calibration)
             results = run_triggers(task, frames_of, unfinished, workers=workers, progress=progress)
 
@@ -146,8 +152,9 @@ def process_run(
             "frames": describe_frames(run, cycle, results, drift),
             "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
         }
-        with stage("writing"):
+        with stage("writing", _logger):
             write_film(output, film, groups, unfinished, MAPS)
+        _log_film(film, output)
         unfinished.discard()
 
 
@@ -176,3 +183,46 @@ def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str])
         json.dumps(sorted(run.pairs.skipped)),
     ]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def _log_run(run: Run, cycle: xr.Dataset) -> None:
+    """Log what was found in the directory."""
+    rows, columns = run.pairs.shape
+    _logger.info(
+        "%d frame pairs of %d x %d pixels, %d left out",
+        len(run.pairs.usable),
+        columns,
+        rows,
+        len(run.pairs.skipped),
+    )
+    _logger.info(
+        "%d triggers in %d cycle(s), joint speed up to %.3f rad/s",
+        int(cycle.trigger.max()) + 1,
+        int(cycle.cycle.max()) + 1,
+        float(np.abs(cycle.rocker_speed).max()),
+    )
+
+
+def _log_calibration(calibration: Calibration) -> None:
+    """Log which calibration is used."""
+    low, high = calibration.thickness_range
+    _logger.info(
+        "calibration %r of %s, calibrated range %.2f to %.2f um",
+        calibration.fixture,
+        calibration.date or "unknown date",
+        low,
+        high,
+    )
+
+
+def _log_film(film: xr.Dataset, output: Path) -> None:
+    """Log the result in one line."""
+    _logger.info(
+        "minimum film thickness %.2f to %.2f um, speed exponent %.3f ± %.3f",
+        float(film.film_min.min()),
+        float(film.film_min.max()),
+        float(film.speed_exponent),
+        float(film.speed_exponent_std),
+    )
+    if output.is_file():
+        _logger.info("%s written, %.1f MB", output, output.stat().st_size / 1e6)
