@@ -35,10 +35,12 @@ def test_bands_are_of_equal_size_within_a_row():
 
 
 def test_short_ranges_are_not_shared_out():
-    assert len(bands_of(2 * ROWS_PER_THREAD - 1, 8)) == 1
-    assert len(bands_of(2 * ROWS_PER_THREAD, 8)) == 2
-    assert len(bands_of(5 * ROWS_PER_THREAD, 8)) == 5
-    assert len(bands_of(5 * ROWS_PER_THREAD, 3)) == 3
+    """Each thread gets at least 16 rows."""
+    assert ROWS_PER_THREAD == 16
+    assert len(bands_of(31, 8)) == 1
+    assert len(bands_of(32, 8)) == 2
+    assert len(bands_of(80, 8)) == 5
+    assert len(bands_of(80, 3)) == 3
 
 
 def test_an_empty_range_calls_the_kernel_once_with_nothing_to_do():

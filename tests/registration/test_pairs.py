@@ -224,6 +224,7 @@ def test_chosen_frames_are_evenly_spaced(count, most):
 def test_wanted_frames_are_read_in_order(as_callable):
     source = pairs_of(6)
     frames = open_frames((lambda: iter(source)) if as_callable else source, SETTINGS)
+    assert frames.count == 6
     assert numbers(frames.pick([1, 3, 4])) == [1, 3, 4]
     assert numbers(frames.pick(range(6))) == list(range(6))
 

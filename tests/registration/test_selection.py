@@ -105,7 +105,9 @@ def test_candidates_go_from_coarse_to_fine():
     assert counts == sorted(counts)
 
 
-def test_a_fine_ladder_has_no_polynomials():
+def test_a_fine_ladder_goes_on_to_32_elements_without_polynomials():
+    assert LADDER == (1, 2, 3, 4, 6, 8)
+    assert FINE_LADDER == (12, 16, 20, 24, 32)
     models = candidates((0.0, 1280.0, 0.0, 1024.0), FINE_LADDER)
     assert [max(model.elements) for model in models] == list(FINE_LADDER)
 

@@ -72,6 +72,12 @@ def test_the_mask_has_the_shape_of_the_frame(shape):
     assert steep.dtype == bool
 
 
+def test_light_below_a_thousandth_of_a_count_is_dark_and_not_steep():
+    """The logarithm ends at 0.001 counts: noise about zero has no steepness."""
+    assert not is_steep(light(0.06, level=1e-6)).any()
+    assert is_steep(light(0.06, level=1.0)).any()
+
+
 def test_missing_pixels_do_not_change_their_block():
     holes = light(0.06)
     rng = np.random.default_rng(2)
