@@ -21,6 +21,7 @@ from erlif.registration.solution import (
     solve_local,
 )
 from erlif.registration.surface import affine_surface, equations, solve_surface
+from erlif.registration.uncertainty import surface_covariance, surface_std
 from erlif.registration.views import Views, expected_rms
 
 SHAPE = (128, 160)
@@ -155,6 +156,18 @@ def test_a_plane_is_known_best_in_the_middle(still):
     corners = std[[0, 0, -1, -1], [0, -1, 0, -1]]
     assert 1.5 < corners.mean() / std.min() < 4
     assert 1e-4 < std.min() < 0.02
+
+
+def test_the_uncertainty_of_a_surface_is_interpolated_between_exact_values(still):
+    """Exact at the corners; between the places of a grid of 81 by 65, a parabola's error."""
+    model = Model((1, 1), 2)
+    cells, surface = fitted(still, translation(), model)
+    std = describe_surface(cells, surface, model, SHAPE).std
+    covariance = surface_covariance(cells, model, surface.box)
+    x, y = np.arange(160.0), np.arange(128.0)
+    exact = surface_std(covariance, model, surface.box, x, y)
+    npt.assert_allclose(std[::127, ::159], exact[::127, ::159], rtol=1e-5)
+    npt.assert_allclose(std, exact, rtol=5e-3)
 
 
 # windows ----------------------------------------------------------------------------------------
