@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import correlate1d
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 
 CELL: Final = 8
 """Side of the cells whose sums are fitted. [px]"""
@@ -35,7 +35,7 @@ _RIDGE: Final = 1e-6  # relative; keeps the fit solvable where hardly a pixel co
 _NOTHING: Final = 1e-12  # absolute; the same where no pixel counts
 
 
-def local_light(image: AnyArray, weight: AnyArray) -> AnyArray:
+def local_light(image: AnyArray, weight: AnyArray) -> Image:
     """Fit a quadratic about every place and return its value there.
 
     Parameters
@@ -66,7 +66,7 @@ def local_light(image: AnyArray, weight: AnyArray) -> AnyArray:
     d = np.arange(-reach, reach + 1) / sigma
     taps = [np.exp(-0.5 * d**2) * d**n for n in range(_ORDERS)]
 
-    def moment(cells: AnyArray, along_x: int, along_y: int) -> AnyArray:
+    def moment(cells: Array, along_x: int, along_y: int) -> Array:
         rows = correlate1d(cells, taps[along_x], axis=1, mode="constant")
         return np.asarray(correlate1d(rows, taps[along_y], axis=0, mode="constant"))
 
@@ -86,7 +86,7 @@ def local_light(image: AnyArray, weight: AnyArray) -> AnyArray:
     return np.asarray(along_y @ fitted @ along_x.T, np.float32)
 
 
-def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[AnyArray, AnyArray]:
+def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
     """Divide an image by its smooth light.
 
     Parameters
@@ -118,7 +118,7 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[AnyArray, AnyArr
     return texture, lit.astype(np.float32)
 
 
-def _from_cells(cells: int, pixels: int) -> AnyArray:
+def _from_cells(cells: int, pixels: int) -> Array:
     """Matrix (pixel, cell) of the cubic spline from the cell centres to the pixels of one axis.
 
     Pixels beyond the last centres are extrapolated.
@@ -127,7 +127,7 @@ def _from_cells(cells: int, pixels: int) -> AnyArray:
     return np.asarray(CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
 
 
-def _cell_sums(image: AnyArray) -> AnyArray:
+def _cell_sums(image: AnyArray) -> Array:
     """Sums over the cells; a cell that the border cuts is filled up with zeros."""
     rows, cols = -(-image.shape[0] // CELL), -(-image.shape[1] // CELL)
     padded = np.zeros((rows * CELL, cols * CELL))

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 
 BLOCK: Final = 32
 """Side of a block. [px]"""
@@ -62,23 +62,23 @@ REFITS: Final = 3
 class Blocks(NamedTuple):
     """Blocks that overlap enough."""
 
-    centres: AnyArray
+    centres: Array
     """(block, 2): x and y. [px]"""
 
-    vectors: AnyArray
+    vectors: Array
     """(block, 2): offset (x, y) of camera 2. [px]"""
 
-    strength: AnyArray
+    strength: Array
     """(block,): height of the correlation peak over its scatter by chance. [1]"""
 
 
 class Agreement(NamedTuple):
     """An affine field of vectors, ``matrix @ x + offset``, and how many blocks share it."""
 
-    matrix: AnyArray
+    matrix: Array
     """(2, 2). [1]"""
 
-    offset: AnyArray
+    offset: Array
     """(2,). [px]"""
 
     part: float
@@ -156,7 +156,7 @@ def _match_blocks(
                     out[r, c, j, i] = total / np.sqrt(saa * sbb)
 
 
-def match_blocks(a: AnyArray, b: AnyArray, weight: AnyArray, reach: int) -> Blocks:
+def match_blocks(a: Image, b: Image, weight: Image, reach: int) -> Blocks:
     """Match the blocks of camera 1 to camera 2.
 
     Parameters
@@ -203,7 +203,7 @@ def match_blocks(a: AnyArray, b: AnyArray, weight: AnyArray, reach: int) -> Bloc
     return Blocks(centres[usable], vectors[usable], strength)
 
 
-def _fractions(scores: AnyArray, j: AnyArray, i: AnyArray) -> AnyArray:
+def _fractions(scores: AnyArray, j: AnyArray, i: AnyArray) -> Array:
     """Fraction (row, column, 2), x first, of the peak of each block by a parabola. [px]
 
     0 for a peak on the rim of the search, whose neighbours are not all known.
@@ -225,7 +225,7 @@ def _fractions(scores: AnyArray, j: AnyArray, i: AnyArray) -> AnyArray:
     return fractions
 
 
-def agree(centres: AnyArray, vectors: AnyArray, strength: AnyArray) -> Agreement:
+def agree(centres: Array, vectors: Array, strength: Array) -> Agreement:
     """Find the affine field that most blocks agree with.
 
     Triples of blocks are drawn, strong ones more often, from a generator of fixed seed. Then least

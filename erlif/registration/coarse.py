@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from scipy import fft
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration.blocks import FEWEST, agree, match_blocks
 from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
@@ -94,10 +94,10 @@ AT_THE_LIMIT: Final = 0.98
 class Start:
     """An affine displacement d(x) = matrix @ x + offset, x from the origin of the full frame."""
 
-    matrix: AnyArray
+    matrix: Array
     """(2, 2), x first. [1]"""
 
-    offset: AnyArray
+    offset: Array
     """(2,), x first. [px]"""
 
     agreement: float
@@ -118,10 +118,10 @@ class Peak:
     significance: float
     """Height over the scatter of the correlation. [1]"""
 
-    linear: AnyArray
+    linear: Array
     """(2, 2): camera 2 = linear @ (camera 1 - centre) + centre + shift. [1]"""
 
-    shift: AnyArray
+    shift: Array
     """(2,), x first. [binned px]"""
 
 
@@ -140,7 +140,7 @@ def _textures(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[An
 
 
 def _turned(
-    coefficients: AnyArray, bad: AnyArray, linear: AnyArray, shift: AnyArray, shape: tuple[int, int]
+    coefficients: AnyArray, bad: AnyArray, linear: Array, shift: Array, shape: tuple[int, int]
 ) -> tuple[AnyArray, AnyArray]:
     """Texture and weight of camera 2 at ``linear @ (x - centre) + centre + shift``; 0 outside."""
     h, w = shape
@@ -177,21 +177,21 @@ def _bank() -> Iterator[AnyArray]:
 
 
 @dataclass(frozen=True)
-class _Coarse:
+class CoarsePair:
     """The two coarse textures, ready to be compared under any affine map."""
 
-    a: AnyArray
+    a: Image
     """Texture of camera 1 and, as ``wa``, its weight."""
-    wa: AnyArray
+    wa: Image
 
-    b: AnyArray
+    b: Image
     """Texture of camera 2 and, as ``wb``, its weight."""
-    wb: AnyArray
+    wb: Image
 
-    coefficients: AnyArray
+    coefficients: Image
     """Spline coefficients of ``b``."""
 
-    bad: AnyArray
+    bad: Mask
     """Pixels of camera 2 without weight; of size 0 if there are none."""
 
     factor: int
@@ -202,27 +202,39 @@ class _Coarse:
         """Rows and columns of camera 1. [binned px]"""
         return self.a.shape[0], self.a.shape[1]
 
-    def turned(self, linear: AnyArray, shift: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def turned(self, linear: Array, shift: Array) -> tuple[AnyArray, AnyArray]:
         """Texture and weight of camera 2 under an affine map."""
         return _turned(self.coefficients, self.bad, linear, shift, self.shape)
 
-    def with_second(self, moving: AnyArray, weight: AnyArray | None) -> _Coarse:
+    def with_second(self, moving: AnyArray, weight: AnyArray | None) -> CoarsePair:
         """The same camera 1 with another image of camera 2."""
         b, wb = _textures(moving, weight, self.factor)
-        return _coarse(self.a, self.wa, b, wb, self.factor)
+        return coarse_pair(self.a, self.wa, b, wb, self.factor)
 
 
-def _coarse(a: AnyArray, wa: AnyArray, b: AnyArray, wb: AnyArray, factor: int) -> _Coarse:
-    """Clip the textures and prepare camera 2 for interpolation."""
+def coarse_pair(a: AnyArray, wa: AnyArray, b: AnyArray, wb: AnyArray, factor: int) -> CoarsePair:
+    """Clip the textures and prepare camera 2 for interpolation.
+
+    Parameters
+    ----------
+    a, wa, b, wb : array, (y, x), float32
+        Textures of camera 1 and camera 2 with their weights. [1]
+    factor : int
+        Binning of the frames.
+
+    Returns
+    -------
+    CoarsePair
+    """
     a, b = np.clip(a, -CLIPPED, CLIPPED), np.clip(b, -CLIPPED, CLIPPED)
     bad = NOTHING_BAD if wb.all() else wb == 0
-    return _Coarse(a, wa, b, wb, spline_coefficients(b), bad, factor)
+    return CoarsePair(a, wa, b, wb, spline_coefficients(b), bad, factor)
 
 
-class _Correlator:
+class Correlator:
     """Cross-correlation of camera 1 with camera 2, turned in any way, at every offset at once."""
 
-    def __init__(self, coarse: _Coarse, search: float) -> None:
+    def __init__(self, coarse: CoarsePair, search: float) -> None:
         h, w = self.shape = coarse.a.shape
         self.search = search
 
@@ -291,7 +303,7 @@ def _gaussian(frequency: AnyArray, blur: float) -> AnyArray:
     return np.asarray(np.exp(-0.5 * (2 * np.pi * frequency * blur) ** 2), np.float32)
 
 
-def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
+def _refine(coarse: CoarsePair, peak: Peak) -> Start | None:
     """Match blocks about a peak, twice, and keep the affine map if enough of them agree."""
     centre = _centre(coarse.shape)
     linear, shift = peak.linear, peak.shift
@@ -320,7 +332,7 @@ def _refine(coarse: _Coarse, peak: Peak) -> Start | None:
 NO_PEAK: Final = Peak(0.0, np.eye(2), np.zeros(2))
 
 
-def _search_unturned(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None, Peak]:
+def _search_unturned(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | None, Peak]:
     """Try the frame as it is, without the bank of rotations and scales."""
     best = NO_PEAK
     for blur in (SHARP, BROAD):
@@ -338,7 +350,7 @@ def _search_unturned(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | 
 
 
 def _peaks_of_bank(
-    coarse: _Coarse, correlator: _Correlator, *, everywhere: bool = False
+    coarse: CoarsePair, correlator: Correlator, *, everywhere: bool = False
 ) -> list[Peak]:
     """The peak for each rotation and scale of the bank, the highest first."""
     peaks = []
@@ -350,7 +362,7 @@ def _peaks_of_bank(
     return peaks
 
 
-def _search_bank(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None, Peak]:
+def _search_bank(coarse: CoarsePair, correlator: Correlator) -> tuple[Start | None, Peak]:
     """Try the bank of rotations and scales."""
     peaks = _peaks_of_bank(coarse, correlator)
     for peak in peaks[:BEST_OF_BANK]:
@@ -362,7 +374,7 @@ def _search_bank(coarse: _Coarse, correlator: _Correlator) -> tuple[Start | None
     return None, peaks[0]
 
 
-SEARCHES: Final[tuple[Callable[[_Coarse, _Correlator], tuple[Start | None, Peak]], ...]] = (
+SEARCHES: Final[tuple[Callable[[CoarsePair, Correlator], tuple[Start | None, Peak]], ...]] = (
     _search_unturned,
     _search_bank,
 )
@@ -402,10 +414,10 @@ def find_start(
     factor = coarse_binning((height, width))
     a, wa = _textures(reference, weight_reference, factor)
     b, wb = _textures(moving, weight_moving, factor)
-    coarse = _coarse(a, wa, b, wb, factor)
+    coarse = coarse_pair(a, wa, b, wb, factor)
     _check_light(coarse)
 
-    correlator = _Correlator(coarse, settings.search)
+    correlator = Correlator(coarse, settings.search)
     best = NO_PEAK
     for search in SEARCHES:
         start, peak = search(coarse, correlator)
@@ -425,7 +437,7 @@ def find_start(
     )
 
 
-def _check_light(coarse: _Coarse) -> None:
+def _check_light(coarse: CoarsePair) -> None:
     """Refuse frames without light, and name the camera."""
     for camera, weight in ((1, coarse.wa), (2, coarse.wb)):
         if not (weight > 0).mean() > LIT:
@@ -440,7 +452,7 @@ def _refuse_turned(
     moving: AnyArray,
     weight_moving: AnyArray | None,
     settings: RegistrationSettings,
-    coarse: _Coarse,
+    coarse: CoarsePair,
 ) -> None:
     """Raise the error that names the orientation of camera 2, if it fits in another one."""
     for search in SEARCHES:
@@ -451,7 +463,7 @@ def _refuse_turned(
                 weight = np.ascontiguousarray(orient(weight, other))
 
             trial = coarse.with_second(turned, weight)
-            start, peak = search(trial, _Correlator(trial, settings.search))
+            start, peak = search(trial, Correlator(trial, settings.search))
             agreement = 0.0 if start is None else start.agreement
             if agreement < AGREEMENT_TURNED or peak.significance < SIGNIFICANT:
                 continue
@@ -465,7 +477,7 @@ def _refuse_turned(
 
 
 def _refuse_distant(
-    settings: RegistrationSettings, coarse: _Coarse, correlator: _Correlator
+    settings: RegistrationSettings, coarse: CoarsePair, correlator: Correlator
 ) -> None:
     """Raise the error that names the offset of camera 2, if it fits beyond the search range."""
     best = _peaks_of_bank(coarse, correlator, everywhere=True)[0]

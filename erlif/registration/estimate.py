@@ -98,7 +98,7 @@ def register(
 
 def register_frames(
     pairs: Pairs, *, settings: RegistrationSettings | None = None
-) -> tuple[CameraMap, AnyArray]:
+) -> tuple[CameraMap, Array]:
     """Find the fixed map of a run and the drift of each of its frames.
 
     Parameters
@@ -241,7 +241,7 @@ class Fit:
     cells: Cells
     """The last sums, moved to the surface."""
 
-    sums: AnyArray
+    sums: Array
     """The last sums as they were taken, (row, column, 11)."""
 
     slope: float
@@ -301,7 +301,7 @@ def fit_surface(views: Views, surface: Surface) -> Fit:
     return Fit(surface, model, cells, seen.sums, slope, quality, unresolved)
 
 
-def check_correlation(sums: AnyArray) -> float:
+def check_correlation(sums: Array) -> float:
     """Correlation coefficient of the textures, refused if it could be chance.
 
     Parameters

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from scipy import ndimage
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.registration.bands import in_bands
 from erlif.registration.interpolation import FAST
 
@@ -144,14 +144,14 @@ def _cell_sums(
 
 
 def cell_sums(
-    a: AnyArray,
-    weight: AnyArray,
-    b: AnyArray,
+    a: Image,
+    weight: Image,
+    b: Image,
     step: int,
     *,
-    scale: AnyArray | None = None,
+    scale: Array | None = None,
     threads: int = 1,
-) -> AnyArray:
+) -> Array:
     """Sums of the Gauss-Newton equations over square cells.
 
     Parameters
@@ -203,23 +203,23 @@ def cell_sums(
     return sums[:rows]
 
 
-def cell_centres(size: int, step: int) -> AnyArray:
+def cell_centres(size: int, step: int) -> Array:
     """Coordinates of the cell centres along an axis of ``size`` pixels. [px]"""
-    return np.arange(max(size // step, 1)) * step + (step - 1) / 2
+    return np.asarray(np.arange(max(size // step, 1)) * step + (step - 1) / 2, np.float64)
 
 
-def merge_cells(sums: AnyArray, factor: int) -> AnyArray:
+def merge_cells(sums: Array, factor: int) -> Array:
     """Add up blocks of ``factor`` by ``factor`` cells; cut blocks at the far edges are kept."""
     rows, cols, n = sums.shape
     padded = np.zeros((-(-rows // factor) * factor, -(-cols // factor) * factor, n))
     padded[:rows, :cols] = sums
-    merged: AnyArray = padded.reshape(
+    merged: Array = padded.reshape(
         padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, n
     ).sum((1, 3))
     return merged
 
 
-def without_noise(sums: AnyArray, slope: float = 1.0) -> AnyArray:
+def without_noise(sums: Array, slope: float = 1.0) -> Array:
     """Reduce the gradient products to the texture that both cameras share.
 
     The gradient of the mean image holds half the noise of each camera, which makes its products
@@ -252,13 +252,13 @@ def without_noise(sums: AnyArray, slope: float = 1.0) -> AnyArray:
     return cleaned
 
 
-def correlation(sums: AnyArray) -> float:
+def correlation(sums: Array) -> float:
     """Correlation coefficient of the two textures over everything that was summed. [1]"""
     ab, aa, bb = (float(sums[..., k].sum()) for k in (AB, AA, BB))
     return ab / float(np.sqrt(aa * bb)) if aa > 0 and bb > 0 else 0.0
 
 
-def solve_shift(sums: AnyArray) -> tuple[float, float]:
+def solve_shift(sums: Array) -> tuple[float, float]:
     """Displacement ``(dx, dy)`` that one translation of everything summed still needs. [px]
 
     (0, 0) where the texture does not determine both components.
@@ -270,7 +270,7 @@ def solve_shift(sums: AnyArray) -> tuple[float, float]:
     return (gyy * bx - gxy * by) / det, (gxx * by - gxy * bx) / det
 
 
-def move_sums(sums: AnyArray, delta_x: AnyArray | float, delta_y: AnyArray | float) -> AnyArray:
+def move_sums(sums: Array, delta_x: Array | float, delta_y: Array | float) -> Array:
     """Sums as they would be after a further displacement of every cell, to first order.
 
     Parameters

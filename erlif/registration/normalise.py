@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from scipy import ndimage
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Image
 from erlif.registration.bands import in_bands
 from erlif.registration.interpolation import FAST
 
@@ -83,7 +83,7 @@ def bin_image(
             out_weight[y, x] = np.float32(1) if ok else np.float32(0)
 
 
-def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[AnyArray, AnyArray]:
+def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image, Image]:
     """Average an image over blocks.
 
     Parameters
@@ -214,7 +214,7 @@ def _flatten(
 
 def normalise(
     image: AnyArray, weight: AnyArray | None = None, *, reach: float = REACH, threads: int = 1
-) -> tuple[AnyArray, AnyArray]:
+) -> tuple[Image, Image]:
     """Divide out the local mean and the local rms, which leaves the texture.
 
     The local statistics are Gaussian averages of those of small cells: an average over cells of
@@ -287,7 +287,7 @@ def normalise(
     return out, out_weight
 
 
-def _average(cells: AnyArray, weight: AnyArray, sigma: float) -> AnyArray:
+def _average(cells: Image, weight: Image, sigma: float) -> Image:
     """Weighted Gaussian average, edges mirrored; the mean of all where no weight is near."""
 
     def blurred(values: AnyArray) -> AnyArray:

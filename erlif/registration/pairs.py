@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration.bands import in_bands
 from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
@@ -36,10 +36,10 @@ class Pair:
     moving: AnyArray
     """Camera 2, (y, x), uint16 or float32. [counts]"""
 
-    weight_reference: AnyArray | None = None
+    weight_reference: Image | None = None
     """0 for pixels of camera 1 that must not count, float32; None if all count. [1]"""
 
-    weight_moving: AnyArray | None = None
+    weight_moving: Image | None = None
     """The same for camera 2. [1]"""
 
 
@@ -118,7 +118,7 @@ def _contiguous(image: AnyArray) -> AnyArray:
     return np.ascontiguousarray(image)
 
 
-def _weight(image: AnyArray, weight: AnyArray | None) -> AnyArray | None:
+def _weight(image: AnyArray, weight: AnyArray | None) -> Image | None:
     """The weight in single precision; made from the image where that is not finite."""
     if weight is None and image.dtype.kind == "f" and not np.isfinite(image).all():
         weight = np.isfinite(image)
@@ -129,19 +129,19 @@ def _weight(image: AnyArray, weight: AnyArray | None) -> AnyArray | None:
 class Textures:
     """A pair of frames without illumination, ready to be matched."""
 
-    a: AnyArray
+    a: Image
     """Texture of camera 1, (y, x), mean 0, rms about 1. [1]"""
 
-    weight: AnyArray
+    weight: Image
     """Its weight, 0 where the texture is unknown. [1]"""
 
-    b: AnyArray
+    b: Image
     """Texture of camera 2 on its own pixels, (y, x). [1]"""
 
-    weight_b: AnyArray
+    weight_b: Image
     """Its weight. [1]"""
 
-    def spline(self, threads: int) -> tuple[AnyArray, AnyArray]:
+    def spline(self, threads: int) -> tuple[Image, Mask]:
         """Spline coefficients of camera 2, and its pixels without weight as a mask."""
         bad = NOTHING_BAD if (self.weight_b > 0).all() else self.weight_b == 0
         return spline_coefficients(self.b, threads=threads), bad
@@ -166,12 +166,12 @@ def textures(pair: Pair, binning: int, threads: int) -> Textures:
 
 
 def laid_over(
-    spline: tuple[AnyArray, AnyArray],
-    dx: AnyArray,
-    dy: AnyArray,
+    spline: tuple[Image, Mask],
+    dx: Image,
+    dy: Image,
     drift: tuple[float, float],
     threads: int,
-) -> AnyArray:
+) -> Image:
     """Read the texture of camera 2 at the pixels of camera 1.
 
     Parameters

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import Array
 from erlif.registration.matching import (
     BX,
     BY,
@@ -72,7 +72,7 @@ class Model:
     """Total degree of the polynomials on one element; None for the splines themselves."""
 
     @property
-    def basis(self) -> AnyArray | None:
+    def basis(self) -> Array | None:
         """Restriction of the spline coefficients, if any."""
         return None if self.degree is None else degree_basis(self.degree)
 
@@ -115,7 +115,7 @@ def moved_to(cells: Cells, surface: Surface) -> Cells:
     return Cells(sums, cells.x, cells.y, dx, dy, cells.weight)
 
 
-def disagreement(cells: Cells, factor: int) -> AnyArray:
+def disagreement(cells: Cells, factor: int) -> Array:
     """How much the tiles of ``factor`` by ``factor`` cells ask for a displacement of their own.
 
     Parameters

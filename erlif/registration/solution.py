@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap, MapKind
@@ -47,13 +47,13 @@ UNKNOWN_STD: Final = 1e3
 class Solution:
     """A dense displacement with its standard deviation, on every pixel of camera 1."""
 
-    dx: AnyArray
+    dx: Image
     """(y, x), along x. [px]"""
 
-    dy: AnyArray
+    dy: Image
     """(y, x), along y. [px]"""
 
-    std: AnyArray
+    std: Image
     """(y, x), standard deviation of one component. [px]"""
 
     kind: MapKind
@@ -101,7 +101,7 @@ def describe_surface(
     return Solution(dx, dy, std, MapKind.SURFACE, str(model))
 
 
-def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -> Solution:
+def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> Solution:
     """Find one displacement for each window, in passes that start from the surface.
 
     Parameters
@@ -124,7 +124,7 @@ def solve_local(views: Views, surface: Surface, slope: float, scale: AnyArray) -
     base_x, base_y = surface.on_pixels(views.shape)
     y, x = (cell_centres(n, settings.step) for n in views.shape)
 
-    def dense(field: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def dense(field: Array) -> tuple[Image, Image]:
         return (
             base_x + local.to_pixels(field[0], y, x, views.shape),
             base_y + local.to_pixels(field[1], y, x, views.shape),
@@ -219,9 +219,7 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def find_overlap(
-    dx: AnyArray, dy: AnyArray, std: AnyArray, height: int, width: int, overlap: AnyArray
-) -> None:
+def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int, overlap: Mask) -> None:
     """Mark the pixels whose point camera 2 sees; the fields become NaN far beyond its frame.
 
     ``height`` and ``width`` are those of camera 2. The arrays are changed in place.

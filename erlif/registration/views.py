@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.registration.drift import follow_drift
 from erlif.registration.matching import (
@@ -41,7 +41,7 @@ NEIGHBOURS: Final = 3
 """Side of the median of the expected rms. [merged cells]"""
 
 
-def make_cells(sums: AnyArray, step: int, surface: Surface, *, binning: int = 1) -> Cells:
+def make_cells(sums: Array, step: int, surface: Surface, *, binning: int = 1) -> Cells:
     """Attach to cell sums where they were taken.
 
     Parameters
@@ -87,7 +87,7 @@ def make_cells(sums: AnyArray, step: int, surface: Surface, *, binning: int = 1)
     return Cells(scaled, x, y, here_x, here_y, weight)
 
 
-def expected_rms(sums: AnyArray) -> AnyArray:
+def expected_rms(sums: Array) -> Array:
     """Rms difference of the textures to be expected in each cell.
 
     Parameters
@@ -114,13 +114,13 @@ def expected_rms(sums: AnyArray) -> AnyArray:
 class Summed(NamedTuple):
     """Sums over the frames at a dense displacement."""
 
-    sums: AnyArray
+    sums: Array
     """(row, column, 11)"""
 
     spectra: Spectra | None
     """Spectra of the textures; None if they are filtered already."""
 
-    mean_drift: AnyArray
+    mean_drift: Array
     """(2,), x first: what the displacement must be moved by for the sums to hold. [px]"""
 
 
@@ -128,7 +128,7 @@ class Summed(NamedTuple):
 class Seen:
     """Everything summed over the chosen frames at one surface."""
 
-    sums: AnyArray
+    sums: Array
     """(row, column, 11)"""
 
     spectra: Spectra | None
@@ -170,7 +170,7 @@ class Views:
         b, wb = whiten(plain.b, plain.weight_b, grid, threads=self.settings.threads)
         return Textures(a, wa, b, wb)
 
-    def _each(self, dx: AnyArray, dy: AnyArray) -> Iterator[tuple[int, Textures]]:
+    def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, Textures]]:
         """Number and textures of the frames that have a drift, which the first pass measures."""
         if self._single is not None:
             yield 0, self._single
@@ -188,7 +188,7 @@ class Views:
             yield number, view
         self._drift_known = True
 
-    def sums(self, dx: AnyArray, dy: AnyArray, scale: AnyArray | None) -> Summed:
+    def sums(self, dx: Image, dy: Image, scale: Array | None) -> Summed:
         """Go through the frames once and add up their sums.
 
         Parameters
@@ -208,7 +208,7 @@ class Views:
             If in none of the frames the cameras share texture.
         """
         threads = self.settings.threads
-        total: AnyArray | None = None
+        total: Array | None = None
         spectra: Spectra | None = None
         for number, view in self._each(dx, dy):
             here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
@@ -237,13 +237,13 @@ class Views:
         self.drift -= mean
         return Summed(total, spectra, mean)
 
-    def look(self, surface: Surface, *, scale: AnyArray | None = None) -> Seen:
+    def look(self, surface: Surface, *, scale: Array | None = None) -> Seen:
         """Go through the frames once, laid over each other by the surface and each one's drift."""
         dx, dy = surface.on_pixels(self.shape)
         total, spectra, mean = self.sums(dx, dy, scale)
         return Seen(total, spectra, surface.moved(float(mean[0]), float(mean[1])))
 
-    def cells(self, sums: AnyArray, surface: Surface, slope: float) -> Cells:
+    def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made, free of the noise of the gradients."""
         merged = without_noise(merge_cells(sums, self.merge), slope)
         return make_cells(merged, self.settings.step * self.merge, surface)

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from scipy import fft
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array, Image
 
 SIDE: Final = 64
 """Side of the blocks whose spectra are averaged. [px]"""
@@ -42,13 +42,13 @@ TAPER_WIDTH: Final = 2
 class Spectra:
     """Sums of block spectra; frequencies (y, x) as in ``rfft2``."""
 
-    first: AnyArray
+    first: Array
     """Power of camera 1."""
 
-    second: AnyArray
+    second: Array
     """Power of camera 2."""
 
-    cross: AnyArray
+    cross: Array
     """Real part of the cross spectrum; aligned textures are in phase."""
 
     blocks: int
@@ -63,7 +63,7 @@ class Spectra:
         )
 
 
-def measure_spectra(a: AnyArray, weight: AnyArray, b: AnyArray) -> Spectra:
+def measure_spectra(a: Image, weight: Image, b: Image) -> Spectra:
     """Spectra of the aligned textures in overlapping Hann windows (Welch, 1967).
 
     Parameters
@@ -124,16 +124,16 @@ def _tapered(blocks: AnyArray, sound: AnyArray, taper: AnyArray) -> AnyArray:
 class Filter:
     """A radial filter: its amplitude on equidistant spatial frequencies."""
 
-    amplitude: AnyArray
+    amplitude: Array
     """Factor of each frequency, at most 1. [1]"""
 
     spacing: float
     """Distance of the frequencies. [cycles/px]"""
 
-    coherence: AnyArray
+    coherence: Array
     """Squared coherence at the same frequencies. [1]"""
 
-    def on_grid(self, shape: tuple[int, int]) -> AnyArray:
+    def on_grid(self, shape: tuple[int, int]) -> Image:
         """Amplitude at the frequencies of ``rfft2`` of an image of that shape; float32."""
         ky = np.abs(fft.fftfreq(shape[0]))[:, None].astype(np.float32)
         kx = fft.rfftfreq(shape[1])[None, :].astype(np.float32)
@@ -146,7 +146,7 @@ class Filter:
         low = k.astype(np.int32)
         k -= low
         base = values[low]
-        result: AnyArray = base + k * (values[low + 1] - base)
+        result: Image = base + k * (values[low + 1] - base)
         return result
 
 
@@ -248,8 +248,8 @@ def padded_size(shape: tuple[int, ...]) -> tuple[int, int]:
 
 
 def whiten(
-    texture: AnyArray, weight: AnyArray, amplitude: AnyArray, *, threads: int = 1
-) -> tuple[AnyArray, AnyArray]:
+    texture: Image, weight: Image, amplitude: Image, *, threads: int = 1
+) -> tuple[Image, Image]:
     """Filter a texture.
 
     Parameters

@@ -7,7 +7,14 @@ from scenes.registration import Scene, smooth_map
 
 from erlif.core.errors import RegistrationError
 from erlif.registration import RegistrationSettings, orient
-from erlif.registration.coarse import Start, coarse_binning, combined_orientation, find_start
+from erlif.registration.coarse import (
+    Correlator,
+    Start,
+    coarse_binning,
+    coarse_pair,
+    combined_orientation,
+    find_start,
+)
 from erlif.registration.settings import ORIENTATIONS
 
 SHAPE = (256, 320)
@@ -107,6 +114,53 @@ def test_a_few_bright_specks_do_not_decide(views):
         specks[rng.integers(0, 256, 40), rng.integers(0, 320, 40)] = 4095
         frames.append(specks)
     assert error_of(find_start(*frames, None, None, RegistrationSettings()), views) < 1.0
+
+
+# the cross-correlation ----------------------------------------------------------------------------
+
+
+def noise_pair(offset=(0, 0), *, weight=None):
+    """White noise under two cameras, camera 2 moved by whole pixels around the frame."""
+    a = np.random.default_rng(5).standard_normal(SMALL).astype(np.float32)
+    ones = np.ones(SMALL, np.float32)
+    b = np.roll(a, offset[::-1], (0, 1))
+    return coarse_pair(a, ones, b, ones if weight is None else weight, 1)
+
+
+def test_the_height_of_a_peak_is_the_root_of_the_number_of_pixels():
+    """Sum of n squares over the scatter of a sum of n products, both of unit variance."""
+    pair = noise_pair()
+    significance, offset = Correlator(pair, 0.27).peak(pair.b, 0.0)
+    npt.assert_allclose(significance, np.sqrt(96 * 112), rtol=0.05)
+    npt.assert_array_equal(offset, 0)
+
+
+@pytest.mark.parametrize("offset", [(7, 0), (-5, 0), (0, 9), (12, -20)])
+def test_the_peak_lies_at_the_offset_of_camera_2(offset):
+    pair = noise_pair(offset)
+    npt.assert_array_equal(Correlator(pair, 0.27).peak(pair.b, 0.7)[1], offset)
+
+
+def test_a_peak_beyond_the_search_range_is_found_only_everywhere():
+    pair = noise_pair((34, 0))
+    correlator = Correlator(pair, 0.27)
+    assert correlator.peak(pair.b, 0.0)[0] < 7
+    significance, offset = correlator.peak(pair.b, 0.0, everywhere=True)
+    npt.assert_array_equal(offset, [34, 0])
+    npt.assert_allclose(significance, np.sqrt(96 * (112 - 34)), rtol=0.1)
+
+
+def test_offsets_at_which_hardly_any_pixel_is_shared_do_not_count():
+    """Only 60 rows of camera 2 are known: they alone make the peak; without any there is none."""
+    weight = np.ones(SMALL, np.float32)
+    weight[60:] = 0
+    pair = noise_pair(weight=weight)
+    known = coarse_pair(pair.a, pair.wa, pair.b * weight, weight, 1)
+    significance, offset = Correlator(known, 0.27).peak(known.b, 0.0)
+    npt.assert_array_equal(offset, 0)
+    npt.assert_allclose(significance, np.sqrt(60 * 112), rtol=0.1)
+    blind = coarse_pair(pair.a, pair.wa, pair.b, 0 * weight, 1)
+    assert Correlator(blind, 0.27).peak(blind.b, 0.0)[0] == 0
 
 
 # binning ----------------------------------------------------------------------------------------
