@@ -93,14 +93,15 @@ def test_block_that_the_fit_followed_counts_more():
     scores = np.zeros((*SHAPE, 2))
     scores[:4, :4] = 1.0  # a block of 32 px
     model = Model((1, 1), 3)
-    cells = cells_with(scores)
+    cells, corner = cells_with(scores), cells_with(scores)
+    for texture in (cells, corner):
+        texture.sums[..., GXY] += 5  # mostly along one diagonal
     covariance = surface_covariance(cells, model, BOX)
 
     # the same sandwich with dense matrices
     system = equations(cells, model.elements, box=BOX)
     both = np.kron(np.eye(2), degree_basis(3))
     inverse = both @ np.linalg.inv(both.T @ system.matrix @ both) @ both.T
-    corner = cells_with(scores)
     corner.weight[4:] = corner.weight[:, 4:] = 0
     block = equations(corner, model.elements, box=BOX)
     leverage = np.trace(block.matrix @ inverse)
@@ -147,6 +148,9 @@ def test_blocks_are_an_eighth_of_a_small_frame_and_no_smaller_than_a_cell():
     cells = cells_with(np.zeros((16, 24, 2)))
     block = blocks_of(cells, Model((1, 1)), small)
     assert len(np.unique(block)) == 8 * 12  # of 16 px
+    upright = cells_with(np.zeros((24, 16, 2)))
+    block = blocks_of(upright, Model((1, 1)), (0.0, 128.0, 0.0, 192.0))
+    assert len(np.unique(block)) == 12 * 8
     coarse = cells_with(np.zeros((4, 6, 2)), step=32)
     assert len(np.unique(blocks_of(coarse, Model((1, 1)), small))) == 4 * 6
 
