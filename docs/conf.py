@@ -141,7 +141,7 @@ MODELS = (
 
 
 def exported(name: str) -> list[str]:
-    """Functions and classes that a module exports, by ``__all__`` or, without one, all public ones."""
+    """Functions and classes of a module's ``__all__``, or all public ones where there is none."""
     module = import_module(name)
     names = getattr(module, "__all__", None)
     if names is None:

@@ -34,8 +34,7 @@ plt.show()
 # a factor of ten, but no average reduces it.
 
 region = chosen.sel(x=slice(4, 15), y=slice(2, 13))
-print(
-    f"mean film of the region: {float(chosen.film_mean):.3f} ± {float(chosen.film_mean_std):.3f} um"
-)
+mean, std = float(chosen.film_mean), float(chosen.film_mean_std)
+print(f"mean film of the region: {mean:.3f} ± {std:.3f} um")
 print(f"typical pixel:           {float(region.thickness_std.median()):.3f} um random")
 print(f"                         {float(region.thickness_std_shared.median()):.3f} um shared")

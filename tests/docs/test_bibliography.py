@@ -1,4 +1,4 @@
-"""Literature: whatever the code and the documents cite by author and year is in the bibliography."""
+"""Literature: works that code and documents cite by author and year are in the bibliography."""
 
 import re
 from pathlib import Path
