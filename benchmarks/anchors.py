@@ -75,13 +75,28 @@ def exported(package: Path) -> set[tuple[Path, str]]:
     return found
 
 
+def find_undocumented(package: Path) -> list[str]:
+    """Exported functions without a Returns section or an example that runs, with their lines."""
+    found = []
+    for path, name in sorted(exported(package)):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if not isinstance(node, ast.FunctionDef) or node.name != name:
+                continue
+            text = ast.get_docstring(node) or ""
+            nothing = node.returns is None or ast.unparse(node.returns) in ("None", "NoReturn")
+            if not nothing and "Returns\n" not in text and "Yields\n" not in text:
+                found.append(f"{path}:{node.lineno}: {name} has no Returns")
+            if ">>> " not in text:
+                found.append(f"{path}:{node.lineno}: {name} has no example")
+    return found
+
+
 def measure(package: Path, tests: Path | None, *, places: bool) -> None:
     """Print the figures of one package."""
     lengths, walls, wide, comments, code = [], [], [], 0, 0
     words: list[str] = []
     total_words = 0
-    chosen = exported(package)
-    without_returns, without_example = [], []
+    undocumented = find_undocumented(package)
     for path in sorted(package.rglob("*.py")):
         source = path.read_text(encoding="utf-8")
         lines = source.splitlines()
@@ -106,13 +121,6 @@ def measure(package: Path, tests: Path | None, *, places: bool) -> None:
                 not lines[n - 1].strip() or "#" in lines[n - 1] for n in inside
             ):
                 walls.append(f"{path}:{node.lineno}: {node.name}")
-            if (path, node.name) in chosen and node.col_offset == 0:
-                text = ast.get_docstring(node) or ""
-                empty = node.returns is None or ast.unparse(node.returns) in ("None", "NoReturn")
-                if not empty and "Returns\n" not in text and "Yields\n" not in text:
-                    without_returns.append(f"{path}:{node.lineno}: {node.name}")
-                if ">>> " not in text:
-                    without_example.append(f"{path}:{node.lineno}: {node.name}")
     long = sum(length >= WALL for length in lengths)
     ninth = quantiles(lengths, n=10)[-1] if len(lengths) > 1 else float("nan")
     print(f"{package.name}: {len(lengths)} functions, {code} lines of code")
@@ -121,8 +129,9 @@ def measure(package: Path, tests: Path | None, *, places: bool) -> None:
     print(f"  comments per 100 lines of code: {100 * comments / code:.1f}")
     print(f"  lines over {WIDTH} columns: {len(wide)}")
     print(f"  words a laboratory does not write: {1e4 * len(words) / total_words:.1f} per 10,000")
-    print(f"  exported functions: {len(chosen)}, without Returns {len(without_returns)},", end="")
-    print(f" without example {len(without_example)}")
+    returns = sum(place.endswith("Returns") for place in undocumented)
+    print(f"  exported functions: {len(exported(package))}, without Returns {returns},", end="")
+    print(f" without example {len(undocumented) - returns}")
     if tests is not None:
         untested = measure_tests(package, tests)
         print(f"  modules without a test file of their name: {len(untested)}")
@@ -133,8 +142,7 @@ def measure(package: Path, tests: Path | None, *, places: bool) -> None:
             ("walls", walls),
             ("wide", wide),
             ("words", words),
-            ("no Returns", without_returns),
-            ("no example", without_example),
+            ("undocumented", undocumented),
             ("no test file", untested),
         ):
             for place in found:
