@@ -18,13 +18,13 @@ _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
-    "budget": "erlif.pipeline",
-    "calibrate": "erlif.pipeline",
-    "check": "erlif.pipeline",
-    "init": "erlif.pipeline",
+    "budget": "erlif.pipeline.budget",
+    "calibrate": "erlif.pipeline.fixture",
+    "check": "erlif.pipeline.check",
+    "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
-    "process": "erlif.pipeline",
+    "process": "erlif.pipeline.run",
     "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
     "summarise": "erlif.report",
@@ -101,7 +101,11 @@ if TYPE_CHECKING:
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.files import open_film
-    from erlif.pipeline import budget, calibrate, check, init, process
+    from erlif.pipeline.budget import budget
+    from erlif.pipeline.check import check
+    from erlif.pipeline.fixture import calibrate
+    from erlif.pipeline.init import init
+    from erlif.pipeline.run import process
     from erlif.report import summarise
     from erlif.rig import simulate
 

@@ -32,7 +32,7 @@ def budget(
     Example:
       erlif budget data_samples/straight_bushing --trigger 12
     """
-    from erlif.pipeline import budget as make_budget
+    from erlif.pipeline.budget import budget as make_budget
     from erlif.report import render_budget
 
     with show_progress() as progress:

@@ -22,7 +22,7 @@ def check(directory: Path) -> None:
     Example:
       erlif check data_samples/straight_bushing
     """
-    from erlif.pipeline import check as check_directory
+    from erlif.pipeline.check import check as check_directory
 
     notes = check_directory(directory)
     for note in notes:

@@ -28,7 +28,7 @@ def init(directory: Path, fixture: bool, overwrite: bool) -> None:
       erlif init rehearsal/fixture --fixture --overwrite
       erlif check rehearsal/run
     """
-    from erlif.pipeline import init as write_settings
+    from erlif.pipeline.init import init as write_settings
     from erlif.settings import read_fixture_settings, read_run_settings
 
     notes = write_settings(directory, fixture=fixture, overwrite=overwrite)

@@ -10,7 +10,14 @@ from pathlib import Path
 
 from erlif.core.errors import OutputError
 
-OWN_FORMATS = (b"\x89HDF\r\n\x1a\n", b"\x89PNG\r\n\x1a\n", b"%PDF", b"<!DOCTYP", b"<!doctyp")
+OWN_FORMATS = (
+    b"\x89HDF\r\n\x1a\n",
+    b"\x89PNG\r\n\x1a\n",
+    b"%PDF",
+    b"<?xml ve",  # SVG
+    b"<!DOCTYP",
+    b"<!doctyp",
+)
 """First bytes of the formats that erlif writes."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from erlif.core.arrays import Image
 from erlif.core.errors import CalibrationError
 from erlif.pipeline.chain import FrameChain
 from erlif.registration import compare_with_inverse
+
+_logger = logging.getLogger(__name__)
 
 _FRAMES = 3
 """Frames whose ratios are compared."""
@@ -68,6 +71,11 @@ def _check_map(chain: FrameChain, calibration: Calibration) -> None:
     if calibration.camera_map is None or chain.camera_map.stored:
         return
     comparison = compare_with_inverse(calibration.camera_map, chain.camera_map)
+    _logger.info(
+        "map of the run: %.2f px from the calibration's, %.2f px from its inverse",
+        comparison.misfit,
+        comparison.misfit_inverse,
+    )
     if comparison.inverted:
         raise CalibrationError(
             "Expected the cameras in the order of the calibration; the displacement between them "

@@ -110,7 +110,7 @@ def _list_triggers(triggers: Triggers) -> Iterator[_Variable]:
     dims = ("trigger",)
     rocker = triggers.zero + triggers.reading
     ground, side = "from the ground link", "from the ground link, rocker side positive"
-    gap = "least film of the smooth gap in the region of interest"
+    gap = "minimum film thickness of the smooth gap in the region of interest"
     yield _Variable("film_min", dims, triggers.film_min, "um", gap)
     yield _Variable("encoder_angle", dims, triggers.reading, "degree", "encoder reading")
     yield _Variable("rocker_angle", dims, rocker, "degree", ground)

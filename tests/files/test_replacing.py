@@ -1,6 +1,7 @@
 """Outputs that are either complete or still the previous ones."""
 
 import pytest
+from matplotlib.figure import Figure
 
 from erlif.core.errors import OutputError
 from erlif.files import refuse_existing, replacing
@@ -40,6 +41,13 @@ def test_an_existing_output_is_refused_unless_it_may_be_replaced(tmp_path):
     path.write_bytes(b"\x89HDF\r\n\x1a\nrest")
     with pytest.raises(OutputError, match="--overwrite"):
         refuse_existing(path, overwrite=False)
+    refuse_existing(path, overwrite=True)
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_a_figure_of_every_format_may_be_replaced(tmp_path, suffix):
+    path = tmp_path / f"figure.{suffix}"
+    Figure().savefig(path)
     refuse_existing(path, overwrite=True)
 
 
