@@ -73,6 +73,7 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "min_reported_time": 10,
     "abort_on_example_error": True,
+    "run_stale_examples": True,  # figures follow erlif, not only their scripts
     "plot_gallery": True,
     "image_srcset": ["2x"],
 }
