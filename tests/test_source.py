@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import re
 import sys
@@ -71,3 +72,28 @@ def test_every_module_has_a_test_file_of_its_name():
         ).exists()
     ]
     assert not untested
+
+
+def fields_of(node):
+    return [
+        entry.target.id
+        for entry in node.body
+        if isinstance(entry, ast.AnnAssign) and not entry.target.id.startswith("_")
+    ]
+
+
+def is_record(node):
+    """Whether a class is a public dataclass or named tuple."""
+    kinds = [ast.unparse(entry) for entry in (*node.decorator_list, *node.bases)]
+    record = any("dataclass" in kind or kind == "NamedTuple" for kind in kinds)
+    return record and not node.name.startswith("_")
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=short)
+def test_help_shows_every_field_of_a_public_record(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef) and is_record(node):
+            text = ast.get_docstring(node) or ""
+            missing = [name for name in fields_of(node) if f"\n{name} : " not in text]
+            assert not missing, f"{node.name} has no description of {', '.join(missing)}"

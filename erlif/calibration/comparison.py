@@ -38,32 +38,47 @@ _POSITIONS = ("curve_x", "curve_y")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Difference of a calibration from an earlier one."""
+    """Difference of a calibration from an earlier one.
+
+    Attributes
+    ----------
+    thickness : Array
+        Films of the range that both cover, (film,). [um]
+    difference : Array
+        Difference of the logarithm of the ratio, new less earlier, (film,). [1]
+    difference_std : Array
+        Its standard deviation, (film,). [1]
+    film_change : Array
+        Thickness by the new calibration less that by the earlier one, from the same ratio,
+        (film,). [um]
+    film_change_std : Array
+        Its standard deviation, (film,). [um]
+    own_std : Array
+        Standard deviation of a thickness due to the new calibration alone, (film,). [um]
+    probability : float
+        Probability of a difference as large by chance. [1]
+    bends : bool
+        Whether the ratio changed by more at some films than at others.
+    same_profile : bool | None
+        Whether both rest on the same CMM readings; None where that is not recorded.
+    paired : bool
+        Whether the ratios were compared point by point, so that the error of the readings
+        cancels.
+    earlier : str
+        Name and date of the earlier calibration.
+    """
 
     thickness: Array
-    """Films of the range that both cover, (film,). [um]"""
     difference: Array
-    """Difference of the logarithm of the ratio, new less earlier, (film,). [1]"""
     difference_std: Array
-    """Its standard deviation, (film,). [1]"""
     film_change: Array
-    """Thickness by the new calibration less that by the earlier one, from the same ratio, (film,).
-    [um]"""
     film_change_std: Array
-    """Its standard deviation, (film,). [um]"""
     own_std: Array
-    """Standard deviation of a thickness due to the new calibration alone, (film,). [um]"""
     probability: float
-    """Probability of a difference as large by chance. [1]"""
     bends: bool
-    """Whether the ratio changed by more at some films than at others."""
     same_profile: bool | None
-    """Whether both rest on the same CMM readings; None where that is not recorded."""
     paired: bool
-    """Whether the ratios were compared point by point, so that the error of the readings
-    cancels."""
     earlier: str
-    """Name and date of the earlier calibration."""
 
     @property
     def significant(self) -> bool:

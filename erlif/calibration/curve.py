@@ -32,41 +32,60 @@ class Calibration:
     """The reabsorption model fitted to a fixture, with the departure from it where one was found.
 
     Made by `fit_calibration` and `open_calibration` only, so it is always complete.
+
+    Attributes
+    ----------
+    ratio_at_zero : float
+        K, ratio camera 2 / camera 1 of a vanishing film. [1]
+    attenuation_camera1 : float
+        p, attenuation in the band of camera 1. [1/um]
+    attenuation_camera2 : float
+        q, attenuation in the band of camera 2. [1/um]
+    covariance : Array
+        Covariance of K, p and q, in this order, (3, 3).
+    thickness_range : tuple[float, float]
+        Calibrated range. [um]
+    bands : tuple[float, float]
+        Filter bands of camera 1 and 2. [nm]
+    curve : xr.Dataset
+        The fitted points: curve_thickness [um], curve_ratio, curve_ratio_std, curve_residual
+        [1], curve_x and, for a surface, curve_y [mm]; each (bin).
+    reduced_chi_square : float
+        Scatter of the points in units of the stated variance. [1]
+    fixture : str
+        Name of the fixture.
+    notes : tuple[Note, ...]
+        What was found about fit, profile and cameras.
+    input_hashes : dict[str, str]
+        SHA-256 of every input by its name.
+    date : str
+        Day on which the fixture was photographed.
+    camera_map : CameraMap | None
+        Map from camera 1 to camera 2 on the fixture, for runs of the same rig.
+    departure : Departure | None
+        Spline added to the logarithm of the modelled ratio, where the data require one.
+    pose : FoundPose | None
+        Refined pose of the fixture, if it was refined.
+    profile_file : str
+        Name of the CMM profile among `input_hashes`; empty where it is not recorded.
     """
 
     ratio_at_zero: float
-    """K, ratio camera 2 / camera 1 of a vanishing film. [1]"""
     attenuation_camera1: float
-    """p, attenuation in the band of camera 1. [1/um]"""
     attenuation_camera2: float
-    """q, attenuation in the band of camera 2. [1/um]"""
     covariance: Array
-    """Covariance of K, p and q, in this order, (3, 3)."""
     thickness_range: tuple[float, float]
-    """Calibrated range. [um]"""
     bands: tuple[float, float]
-    """Filter bands of camera 1 and 2. [nm]"""
     curve: xr.Dataset = field(repr=False)
-    """The fitted points: curve_thickness [um], curve_ratio, curve_ratio_std, curve_residual [1],
-    curve_x and, for a surface, curve_y [mm]; each (bin)."""
     reduced_chi_square: float
-    """Scatter of the points in units of the stated variance. [1]"""
     fixture: str
-    """Name of the fixture."""
     notes: tuple[Note, ...] = ()
-    """What was found about fit, profile and cameras."""
     input_hashes: dict[str, str] = field(default_factory=dict, repr=False)
-    """SHA-256 of every input by its name."""
     date: str = ""
-    """Day on which the fixture was photographed."""
     camera_map: CameraMap | None = field(default=None, repr=False)
-    """Map from camera 1 to camera 2 on the fixture, for runs of the same rig."""
     departure: Departure | None = field(default=None, repr=False)
-    """Spline added to the logarithm of the modelled ratio, where the data require one."""
     pose: FoundPose | None = field(default=None, repr=False)
-    """Refined pose of the fixture, if it was refined."""
     profile_file: str = field(default="", repr=False)
-    """Name of the CMM profile among `input_hashes`; empty where it is not recorded."""
 
     @property
     def covered_range(self) -> tuple[float, float]:
@@ -278,18 +297,27 @@ def _read_notes(attrs: Mapping[Any, Any]) -> tuple[Note, ...]:
 
 @dataclass(frozen=True)
 class InverseTable:
-    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio."""
+    """Thickness, slope and calibration error on an even grid of the logarithm of the ratio.
+
+    Attributes
+    ----------
+    start : float
+        Logarithm of the ratio at the first entry. [1]
+    step : float
+        Distance of the entries in the logarithm of the ratio. [1]
+    thickness : Array
+        Film thickness, (entry,). [um]
+    per_log_ratio : Array
+        Derivative of the thickness by the logarithm of the ratio, (entry,). [um]
+    calibration_std : Array
+        Standard deviation of the thickness due to the calibration, (entry,). [um]
+    """
 
     start: float
-    """Logarithm of the ratio at the first entry. [1]"""
     step: float
-    """Distance of the entries in the logarithm of the ratio. [1]"""
     thickness: Array
-    """Film thickness, (entry,). [um]"""
     per_log_ratio: Array
-    """Derivative of the thickness by the logarithm of the ratio, (entry,). [um]"""
     calibration_std: Array
-    """Standard deviation of the thickness due to the calibration, (entry,). [um]"""
 
     @classmethod
     def of(cls, calibration: Calibration, entries: int = 20001) -> InverseTable:

@@ -41,14 +41,21 @@ _NEIGHBOURS = 20  # points from which on their correlation is estimated
 
 @dataclass(frozen=True)
 class Departure:
-    """Cubic spline added to the logarithm of the modelled ratio; constant beyond its ends."""
+    """Cubic spline added to the logarithm of the modelled ratio; constant beyond its ends.
+
+    Attributes
+    ----------
+    knots : Array
+        Knots, the end ones fourfold, (function + 4,). [um]
+    coefficients : Array
+        Coefficients of the B-splines, (function,). [1]
+    covariance : Array
+        Covariance of the coefficients, (function, function); independent of K, p and q. [1]
+    """
 
     knots: Array
-    """Knots, the end ones fourfold, (function + 4,). [um]"""
     coefficients: Array
-    """Coefficients of the B-splines, (function,). [1]"""
     covariance: Array
-    """Covariance of the coefficients, (function, function); independent of K, p and q. [1]"""
 
     def basis(self, thickness: npt.ArrayLike, *, derivative: bool = False) -> Array:
         """B-splines, or their slopes [1/um], at each thickness [um], (function, ...)."""
@@ -109,18 +116,27 @@ class Departure:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A spline fitted to the residuals of the model."""
+    """A spline fitted to the residuals of the model.
+
+    Attributes
+    ----------
+    departure : Departure
+        The spline.
+    displacement : Array
+        Change of the pose fitted together with it, (combination,). [mm]
+    chi_square : float
+        Chi-square of model and spline.
+    freedom : float
+        Degrees of freedom that the spline takes.
+    true_thickness : Array
+        Film thickness from CMM and ratio together, (point,). [um]
+    """
 
     departure: Departure
-    """The spline."""
     displacement: Array
-    """Change of the pose fitted together with it, (combination,). [mm]"""
     chi_square: float
-    """Chi-square of model and spline."""
     freedom: float
-    """Degrees of freedom that the spline takes."""
     true_thickness: Array
-    """Film thickness from CMM and ratio together, (point,). [um]"""
 
     @property
     def inner_knots(self) -> int:
@@ -134,19 +150,28 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """Result of the comparison of model and splines."""
+    """Result of the comparison of model and splines.
+
+    Attributes
+    ----------
+    candidate : Candidate | None
+        The spline to use; None where the model stands alone.
+    evidence : float
+        Difference of the Bayesian criterion in favour of the best spline.
+    chance : float
+        Probability that chance alone makes the residuals of the model as smooth.
+    smooth : Candidate
+        The spline from which `chance` was computed.
+    falling : bool
+        Whether the most flexible spline was rejected because the ratio would fall with
+        thickness.
+    """
 
     candidate: Candidate | None
-    """The spline to use; None where the model stands alone."""
     evidence: float
-    """Difference of the Bayesian criterion in favour of the best spline."""
     chance: float
-    """Probability that chance alone makes the residuals of the model as smooth."""
     smooth: Candidate
-    """The spline from which `chance` was computed."""
     falling: bool
-    """Whether the most flexible spline was rejected because the ratio would fall with
-    thickness."""
 
 
 def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | None:
@@ -277,12 +302,18 @@ def _place_knots(fit: Fit, thickness: Array, inner_knots: int) -> Array:
 
 
 class Correlation(NamedTuple):
-    """Correlation of neighbouring residuals along a line."""
+    """Correlation of neighbouring residuals along a line.
+
+    Attributes
+    ----------
+    coefficient : float
+        Correlation coefficient of neighbours. [1]
+    significance : float
+        The coefficient in standard deviations of independent residuals. [1]
+    """
 
     coefficient: float
-    """Correlation coefficient of neighbours. [1]"""
     significance: float
-    """The coefficient in standard deviations of independent residuals. [1]"""
 
     @property
     def inflation(self) -> float:

@@ -25,14 +25,21 @@ _MOSTLY = 0.5  # share of an element of the pose from which on it counts as dete
 
 
 class Placement(NamedTuple):
-    """The profile at its refined pose."""
+    """The profile at its refined pose.
+
+    Attributes
+    ----------
+    points : Points
+        CMM points and ratio, paired at the refined pose.
+    freedom : Freedom
+        Combinations of offset, scale and turn that stay free in the fit that follows.
+    found : FoundPose
+        The refined pose, its change and its uncertainty.
+    """
 
     points: Points
-    """CMM points and ratio, paired at the refined pose."""
     freedom: Freedom
-    """Combinations of offset, scale and turn that stay free in the fit that follows."""
     found: FoundPose
-    """The refined pose, its change and its uncertainty."""
 
 
 class _TurnedProfile(NamedTuple):

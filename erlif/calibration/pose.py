@@ -26,14 +26,21 @@ _MAXIMUM_KNOTS = 5  # as many as the spline of `erlif.calibration.departure` may
 
 @dataclass(frozen=True)
 class Pose:
-    """Position of the pixels of camera 1 on the profile."""
+    """Position of the pixels of camera 1 on the profile.
+
+    Attributes
+    ----------
+    origin : tuple[float, float]
+        Pixel (x, y) at profile x = 0 (y = 0). [px]
+    direction : float
+        Turn from image x to profile x, positive towards image y (down). [rad]
+    pixel_pitch : float
+        Distance of neighbouring pixels on the profile. [mm]
+    """
 
     origin: tuple[float, float]
-    """Pixel (x, y) at profile x = 0 (y = 0). [px]"""
     direction: float
-    """Turn from image x to profile x, positive towards image y (down). [rad]"""
     pixel_pitch: float
-    """Distance of neighbouring pixels on the profile. [mm]"""
 
     def place(self, column: Array, row: Array) -> tuple[Array, Array]:
         """Positions of pixels along and across the profile. [mm]"""
@@ -77,16 +84,24 @@ class Pose:
 
 @dataclass(frozen=True)
 class FoundPose:
-    """A pose refined against the image."""
+    """A pose refined against the image.
+
+    Attributes
+    ----------
+    pose : Pose
+        The refined pose.
+    change : Array
+        Change from the given pose, (4,), about the middle of the profile. [mm, mm, 1, rad]
+    covariance : Array
+        Covariance of the change, (4, 4); 0 in directions left as given.
+    determined : Mask
+        Which of the four the data determine, at least for the most part, (4,).
+    """
 
     pose: Pose
-    """The refined pose."""
     change: Array
-    """Change from the given pose, (4,), about the middle of the profile. [mm, mm, 1, rad]"""
     covariance: Array
-    """Covariance of the change, (4, 4); 0 in directions left as given."""
     determined: Mask
-    """Which of the four the data determine, at least for the most part, (4,)."""
 
     @property
     def standard_deviations(self) -> Array:
@@ -157,19 +172,27 @@ class FoundPose:
 
 @dataclass(frozen=True)
 class Freedom:
-    """Changes of a pose that the film determines, as combinations of offset, scale and turn."""
+    """Changes of a pose that the film determines, as combinations of offset, scale and turn.
+
+    Attributes
+    ----------
+    displacement : Array
+        Change of the film under each point by a unit of each combination, (point, combination).
+        [um/mm]
+    combinations : Array
+        Change of the pose by a unit of each combination, (4, combination). [mm, mm, 1, rad; per
+        mm]
+    middle : Array
+        Position that scale and turn leave in place, (2,). [mm]
+    shares : Array
+        Share of offset along and across, scale and turn that lies in the combinations, (4,): 1
+        is determined by the data, 0 is left as given.
+    """
 
     displacement: Array
-    """Change of the film under each point by a unit of each combination, (point, combination).
-    [um/mm]"""
     combinations: Array
-    """Change of the pose by a unit of each combination, (4, combination).
-    [mm, mm, 1, rad; per mm]"""
     middle: Array
-    """Position that scale and turn leave in place, (2,). [mm]"""
     shares: Array
-    """Share of offset along and across, scale and turn that lies in the combinations, (4,):
-    1 is determined by the data, 0 is left as given."""
 
     @classmethod
     def none(cls, points: Points) -> Freedom:
@@ -263,12 +286,18 @@ def _smooth_functions(thickness: Array) -> Array:
 
 
 class Turn(NamedTuple):
-    """Turn of a line profile found in the image."""
+    """Turn of a line profile found in the image.
+
+    Attributes
+    ----------
+    angle : float
+        Change of direction; 0 where the given one stays. [rad]
+    std : float
+        Standard deviation of the change; NaN where the given direction stays. [rad]
+    """
 
     angle: float
-    """Change of direction; 0 where the given one stays. [rad]"""
     std: float
-    """Standard deviation of the change; NaN where the given direction stays. [rad]"""
 
 
 AS_GIVEN = Turn(0.0, math.nan)

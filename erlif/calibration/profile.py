@@ -29,16 +29,24 @@ _LINE = 1e-3  # extent across by extent along, below which a scan is a line
 
 @dataclass(frozen=True)
 class Profile:
-    """Thickness of a fixture by a coordinate measuring machine."""
+    """Thickness of a fixture by a coordinate measuring machine.
+
+    Attributes
+    ----------
+    position : Array
+        Position along the profile, (point,), or on the surface, (point, 2). [mm]
+    thickness : Array
+        Film thickness, (point,). [um]
+    uncertainty : Array | None
+        Standard deviation of each thickness, (point,); None where the file states none. [um]
+    notes : tuple[Note, ...]
+        What was corrected when the file was read.
+    """
 
     position: Array
-    """Position along the profile, (point,), or on the surface, (point, 2). [mm]"""
     thickness: Array
-    """Film thickness, (point,). [um]"""
     uncertainty: Array | None
-    """Standard deviation of each thickness, (point,); None where the file states none. [um]"""
     notes: tuple[Note, ...] = ()
-    """What was corrected when the file was read."""
 
     @cached_property
     def surface_gradient(self) -> Array:

@@ -38,23 +38,34 @@ _ITERATIONS = 200
 
 @dataclass(frozen=True)
 class Fit:
-    """The model fitted to the points that were kept."""
+    """The model fitted to the points that were kept.
+
+    Attributes
+    ----------
+    parameters : Array
+        K [1], p and q [1/um], (3,).
+    displacement : Array
+        Remaining change of the pose in its free combinations, (combination,). [mm]
+    covariance : Array
+        Covariance of parameters and displacement for the stated noise, (3 + combination, 3 +
+        combination).
+    chi_square : float
+        Sum of squared distances in units of the stated standard deviations.
+    kept : Mask
+        Points that are no outliers, (point,).
+    thickness_std : Array
+        Standard deviation of the CMM, stated or estimated from the scatter, (point,). [um]
+    true_thickness : Array
+        Film thickness from CMM and ratio together, (point,). [um]
+    """
 
     parameters: Array
-    """K [1], p and q [1/um], (3,)."""
     displacement: Array
-    """Remaining change of the pose in its free combinations, (combination,). [mm]"""
     covariance: Array
-    """Covariance of parameters and displacement for the stated noise,
-    (3 + combination, 3 + combination)."""
     chi_square: float
-    """Sum of squared distances in units of the stated standard deviations."""
     kept: Mask
-    """Points that are no outliers, (point,)."""
     thickness_std: Array
-    """Standard deviation of the CMM, stated or estimated from the scatter, (point,). [um]"""
     true_thickness: Array
-    """Film thickness from CMM and ratio together, (point,). [um]"""
 
     @property
     def reduced_chi_square(self) -> float:

@@ -20,16 +20,24 @@ MANTISSA_BITS = 23
 
 @dataclass(frozen=True)
 class MapVariable:
-    """A variable (trigger, y, x) that is written trigger by trigger."""
+    """A variable (trigger, y, x) that is written trigger by trigger.
+
+    Attributes
+    ----------
+    name : str
+        Name in the file.
+    dtype : str
+        Type in the file, "float32" or "uint8".
+    attrs : Mapping[str, Any]
+        Attributes in the file, units among them.
+    bits : int
+        Bits of the mantissa that are kept.
+    """
 
     name: str
-    """Name in the file."""
     dtype: str
-    """Type in the file, "float32" or "uint8"."""
     attrs: Mapping[str, Any]
-    """Attributes in the file, units among them."""
     bits: int = MANTISSA_BITS
-    """Bits of the mantissa that are kept."""
 
 
 def round_bits(values: Image, bits: int) -> Image:

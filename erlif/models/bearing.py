@@ -1024,50 +1024,75 @@ class JointDesign:
 
     Each field is one number. A check whose optional fields are None is left out. A field that is
     NaN, infinite or out of range raises `erlif.core.errors.ModelError`.
+
+    Attributes
+    ----------
+    load : float
+        Load on the joint. [N]
+    pin_diameter : float
+        Diameter of the pin. [m]
+    bushing_width : float
+        Width of the bushing. [m]
+    seat_width : float
+        Width of each of the two seats. [m]
+    play : float
+        Bore less pin diameter. [m]
+    housing_bore : float
+        Diameter of the bore of the housing eye. [m]
+    housing_diameter : float
+        Outer diameter of the housing eye. [m]
+    pin_yield : float
+        Yield stress of the pin. [Pa]
+    bushing_yield : float
+        Yield stress of the bushing. [Pa]
+    housing_yield : float
+        Yield stress of the housing. [Pa]
+    bushing_hardness : float
+        Hardness of the bushing. [Pa]
+    seat_hardness : float
+        Hardness of the seats. [Pa]
+    youngs_modulus : float
+        Young's modulus of pin and bushing. [Pa]
+    safety : float
+        Safety factor. [1]
+    lateral_play : float
+        Play between bushing and seats, both sides together. [m]
+    hole_diameter : float
+        Diameter of a lubrication hole across the pin, at most 0.2 pin diameters; 0 for none.
+        [m]
+    half_swing : float | None
+        Half of the angle from end to end of a swing. [rad]
+    period : float | None
+        Time of a swing forth and back. [s]
+    friction : float | None
+        Friction coefficient. [1]
+    lock_lever : float | None
+        Distance of the lock screw from the pin axis. [m]
+    pv_limit : float | None
+        Limit of pressure times velocity of the pair of materials. [W/m2]
     """
 
     load: float
-    """Load on the joint. [N]"""
     pin_diameter: float
-    """Diameter of the pin. [m]"""
     bushing_width: float
-    """Width of the bushing. [m]"""
     seat_width: float
-    """Width of each of the two seats. [m]"""
     play: float
-    """Bore less pin diameter. [m]"""
     housing_bore: float
-    """Diameter of the bore of the housing eye. [m]"""
     housing_diameter: float
-    """Outer diameter of the housing eye. [m]"""
     pin_yield: float
-    """Yield stress of the pin. [Pa]"""
     bushing_yield: float
-    """Yield stress of the bushing. [Pa]"""
     housing_yield: float
-    """Yield stress of the housing. [Pa]"""
     bushing_hardness: float
-    """Hardness of the bushing. [Pa]"""
     seat_hardness: float
-    """Hardness of the seats. [Pa]"""
     youngs_modulus: float
-    """Young's modulus of pin and bushing. [Pa]"""
     safety: float
-    """Safety factor. [1]"""
     lateral_play: float = 0.0
-    """Play between bushing and seats, both sides together. [m]"""
     hole_diameter: float = 0.0
-    """Diameter of a lubrication hole across the pin, at most 0.2 pin diameters; 0 for none. [m]"""
     half_swing: float | None = None
-    """Half of the angle from end to end of a swing. [rad]"""
     period: float | None = None
-    """Time of a swing forth and back. [s]"""
     friction: float | None = None
-    """Friction coefficient. [1]"""
     lock_lever: float | None = None
-    """Distance of the lock screw from the pin axis. [m]"""
     pv_limit: float | None = None
-    """Limit of pressure times velocity of the pair of materials. [W/m2]"""
 
     def __post_init__(self) -> None:
         given = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -1114,18 +1139,27 @@ class JointDesign:
 
 @dataclass(frozen=True)
 class DesignCheck:
-    """One limit of the design."""
+    """One limit of the design.
+
+    Attributes
+    ----------
+    name : str
+        What is checked.
+    equation : str
+        Equation or section of Strand (2005).
+    utilisation : float
+        Demand over capacity; above 1 the limit is exceeded. [1]
+    statement : str
+        Demand and capacity in the units of a drawing.
+    recommended : bool
+        True for a range that experience recommends, False for a limit of strength.
+    """
 
     name: str
-    """What is checked."""
     equation: str
-    """Equation or section of Strand (2005)."""
     utilisation: float
-    """Demand over capacity; above 1 the limit is exceeded. [1]"""
     statement: str
-    """Demand and capacity in the units of a drawing."""
     recommended: bool = False
-    """True for a range that experience recommends, False for a limit of strength."""
 
     @property
     def holds(self) -> bool:
@@ -1135,12 +1169,18 @@ class DesignCheck:
 
 @dataclass(frozen=True)
 class DesignReport:
-    """All limits of a joint, and figures that have no limit."""
+    """All limits of a joint, and figures that have no limit.
+
+    Attributes
+    ----------
+    checks : tuple[DesignCheck, ...]
+        The limits, in order of falling utilisation.
+    figures : tuple[str, ...]
+        Lateral shift and force; lock force, sliding speed and heat where the joint gives them.
+    """
 
     checks: tuple[DesignCheck, ...]
-    """The limits, in order of falling utilisation."""
     figures: tuple[str, ...]
-    """Lateral shift and force; lock force, sliding speed and heat where the joint gives them."""
 
     @property
     def governing(self) -> DesignCheck:

@@ -301,12 +301,18 @@ def sinusoidal_pressure(load_per_length: Values, *, pin_diameter: Values) -> Val
 
 
 class LineContact(NamedTuple):
-    """Hertzian contact along a line."""
+    """Hertzian contact along a line.
+
+    Attributes
+    ----------
+    half_width : Values
+        Half width b of the contact. [m]
+    pressure : Values
+        Maximum pressure p0. [Pa]
+    """
 
     half_width: Values
-    """Half width b of the contact. [m]"""
     pressure: Values
-    """Maximum pressure p0. [Pa]"""
 
 
 @broadcasting
@@ -360,12 +366,18 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
 
 
 class RelativeRadii(NamedTuple):
-    """Reduced radii of two curved bodies at their point of contact."""
+    """Reduced radii of two curved bodies at their point of contact.
+
+    Attributes
+    ----------
+    radius : Values
+        The larger reduced radius R'. [m]
+    radius_across : Values
+        The smaller reduced radius R''. [m]
+    """
 
     radius: Values
-    """The larger reduced radius R'. [m]"""
     radius_across: Values
-    """The smaller reduced radius R''. [m]"""
 
 
 @broadcasting
@@ -444,16 +456,24 @@ def relative_radii(
 
 @dataclass(frozen=True)
 class EllipticalContact:
-    """Hertzian contact over an ellipse."""
+    """Hertzian contact over an ellipse.
+
+    Attributes
+    ----------
+    a : Values
+        Semi-axis in the direction of the larger reduced radius. [m]
+    b : Values
+        Semi-axis across it. [m]
+    pressure : Values
+        Maximum pressure. [Pa]
+    approach : Values
+        Approach of the two bodies. [m]
+    """
 
     a: Values
-    """Semi-axis in the direction of the larger reduced radius. [m]"""
     b: Values
-    """Semi-axis across it. [m]"""
     pressure: Values
-    """Maximum pressure. [Pa]"""
     approach: Values
-    """Approach of the two bodies. [m]"""
 
 
 @broadcasting
@@ -750,12 +770,18 @@ def persson_pressure(
 
 
 class ConformalContact(NamedTuple):
-    """Contact of a pin in a bushing of the same material."""
+    """Contact of a pin in a bushing of the same material.
+
+    Attributes
+    ----------
+    half_angle : Values
+        Half of the arc of contact. [rad]
+    pressure : Values
+        Maximum pressure, on the line of load. [Pa]
+    """
 
     half_angle: Values
-    """Half of the arc of contact. [rad]"""
     pressure: Values
-    """Maximum pressure, on the line of load. [Pa]"""
 
 
 @broadcasting
@@ -877,16 +903,24 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
 
 @dataclass(frozen=True)
 class WinklerContact:
-    """Contact of a rigid shaft with a bushing of independent springs."""
+    """Contact of a rigid shaft with a bushing of independent springs.
+
+    Attributes
+    ----------
+    half_angle : Values
+        Half of the arc of contact. [rad]
+    eccentricity : Values
+        Distance of the shaft axis from the bushing axis. [m]
+    pressure : Values
+        Maximum pressure, on the line of load. [Pa]
+    torque_ratio : Values
+        Friction torque over friction coefficient times load times shaft radius, mu*. [1]
+    """
 
     half_angle: Values
-    """Half of the arc of contact. [rad]"""
     eccentricity: Values
-    """Distance of the shaft axis from the bushing axis. [m]"""
     pressure: Values
-    """Maximum pressure, on the line of load. [Pa]"""
     torque_ratio: Values
-    """Friction torque over friction coefficient times load times shaft radius, mu*. [1]"""
 
 
 @broadcasting

@@ -383,26 +383,38 @@ class LineContactFilm:
     """Film of a line contact, the four asymptotes it was chosen from, and its limits.
 
     All film thicknesses are in m; gV and gE are dimensionless.
+
+    Attributes
+    ----------
+    film : Values
+        Film thickness, the largest of the four asymptotes. [m]
+    regime : Values
+        Name of the largest asymptote, from `FILM_REGIMES`; empty where the film is NaN.
+    isoviscous_rigid : Values
+        Film thickness by `isoviscous_rigid_film`. [m]
+    piezoviscous_rigid : Values
+        Film thickness by `piezoviscous_rigid_film`. [m]
+    isoviscous_elastic : Values
+        Film thickness by `isoviscous_elastic_film`. [m]
+    piezoviscous_elastic : Values
+        Film thickness by `dowson_higginson_film`. [m]
+    gV : Values
+        Viscosity parameter G W^1.5 U^-0.5. [1]
+    gE : Values
+        Elasticity parameter W U^-0.5. [1]
+    notes : tuple[str, ...]
+        Limits of the formulas, to be stated beside the film thickness.
     """
 
     film: Values
-    """Film thickness, the largest of the four asymptotes. [m]"""
     regime: Values
-    """Name of the largest asymptote, from `FILM_REGIMES`; empty where the film is NaN."""
     isoviscous_rigid: Values
-    """Film thickness by `isoviscous_rigid_film`. [m]"""
     piezoviscous_rigid: Values
-    """Film thickness by `piezoviscous_rigid_film`. [m]"""
     isoviscous_elastic: Values
-    """Film thickness by `isoviscous_elastic_film`. [m]"""
     piezoviscous_elastic: Values
-    """Film thickness by `dowson_higginson_film`. [m]"""
     gV: Values  # noqa: N815
-    """Viscosity parameter G W^1.5 U^-0.5. [1]"""
     gE: Values  # noqa: N815
-    """Elasticity parameter W U^-0.5. [1]"""
     notes: tuple[str, ...]
-    """Limits of the formulas, to be stated beside the film thickness."""
 
 
 @broadcasting
@@ -511,12 +523,18 @@ def line_contact_film(
 
 
 class EllipticalFilm(NamedTuple):
-    """Minimum and central film thickness of an elliptical contact, in m."""
+    """Minimum and central film thickness of an elliptical contact, in m.
+
+    Attributes
+    ----------
+    minimum : Values
+        Minimum film thickness. [m]
+    central : Values
+        Film thickness at the centre of the contact. [m]
+    """
 
     minimum: Values
-    """Minimum film thickness. [m]"""
     central: Values
-    """Film thickness at the centre of the contact. [m]"""
 
 
 @broadcasting

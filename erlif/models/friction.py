@@ -405,14 +405,21 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
 
 @dataclass(frozen=True)
 class ReversalFriction:
-    """Friction from a motion in both directions."""
+    """Friction from a motion in both directions.
+
+    Attributes
+    ----------
+    friction : float
+        Apparent coefficient mu', the mean of the two directions. [1]
+    offset : float
+        Torque over load and radius that does not reverse: a misaligned load cell. [1]
+    standard_error : float
+        Standard error of `friction`, from the scatter of samples taken as independent. [1]
+    """
 
     friction: float
-    """Apparent coefficient mu', the mean of the two directions. [1]"""
     offset: float
-    """Torque over load and radius that does not reverse: a misaligned load cell. [1]"""
     standard_error: float
-    """Standard error of `friction`, from the scatter of samples taken as independent. [1]"""
 
 
 @broadcasting
@@ -481,56 +488,86 @@ def average_reversals(
 
 @dataclass(frozen=True)
 class LoadStage:
-    """One stage of constant load in an endurance test."""
+    """One stage of constant load in an endurance test.
+
+    Attributes
+    ----------
+    number : int
+        Number of the stage, from 1.
+    start : float
+        Time of the first sample. [s]
+    end : float
+        Time of the last sample. [s]
+    load : float
+        Mean load. [N]
+    friction : float
+        Median friction coefficient. [1]
+    friction_spread : float
+        Standard deviation of friction, from the median absolute deviation. [1]
+    temperature : float
+        Mean temperature. [K]
+    """
 
     number: int
-    """Number of the stage, from 1."""
     start: float
-    """Time of the first sample. [s]"""
     end: float
-    """Time of the last sample. [s]"""
     load: float
-    """Mean load. [N]"""
     friction: float
-    """Median friction coefficient. [1]"""
     friction_spread: float
-    """Standard deviation of friction, from the median absolute deviation. [1]"""
     temperature: float
-    """Mean temperature. [K]"""
 
 
 @dataclass(frozen=True)
 class Galling:
-    """A jump in friction and its significance."""
+    """A jump in friction and its significance.
+
+    Attributes
+    ----------
+    time : float
+        First sample after the jump. [s]
+    earliest : float
+        Start of the interval that holds the jump with a probability of 95 %. [s]
+    latest : float
+        End of that interval. [s]
+    p_value : float
+        Probability of such a jump anywhere in a record without one. [1]
+    stage : int
+        Number of the load stage in which it falls.
+    friction_before : float
+        Median friction coefficient before the jump. [1]
+    friction_after : float
+        Median friction coefficient after the jump. [1]
+    temperature_before : float
+        Mean temperature before the jump. [K]
+    temperature_after : float
+        Mean temperature after the jump. [K]
+    """
 
     time: float
-    """First sample after the jump. [s]"""
     earliest: float
-    """Start of the interval that holds the jump with a probability of 95 %. [s]"""
     latest: float
-    """End of that interval. [s]"""
     p_value: float
-    """Probability of such a jump anywhere in a record without one. [1]"""
     stage: int
-    """Number of the load stage in which it falls."""
     friction_before: float
-    """Median friction coefficient before the jump. [1]"""
     friction_after: float
-    """Median friction coefficient after the jump. [1]"""
     temperature_before: float
-    """Mean temperature before the jump. [K]"""
     temperature_after: float
-    """Mean temperature after the jump. [K]"""
 
 
 @dataclass(frozen=True)
 class EnduranceTest:
-    """Stages of an endurance test and its end."""
+    """Stages of an endurance test and its end.
+
+    Attributes
+    ----------
+    stages : tuple[LoadStage, ...]
+        The stages of constant load, in order of time.
+    galling : Galling | None
+        None where no jump in friction is significant.
+    """
 
     stages: tuple[LoadStage, ...]
-    """The stages of constant load, in order of time."""
     galling: Galling | None
-    """None where no jump in friction is significant."""
 
 
 def analyse_endurance(

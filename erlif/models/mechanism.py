@@ -48,6 +48,17 @@ class CrankRocker:
         while the rocker swings (Grashof: the crank is the shortest link, and shortest plus longest
         is less than the sum of the other two).
 
+    Attributes
+    ----------
+    crank : float
+        Length from crank pivot to crank pin. [m]
+    coupler : float
+        Length from crank pin to rocker pin. [m]
+    rocker : float
+        Length from rocker pivot to rocker pin. [m]
+    ground : float
+        Distance of the two pivots. [m]
+
     Examples
     --------
     The rig swings by 24.43 degrees; the source prints 26:
@@ -59,13 +70,9 @@ class CrankRocker:
     """
 
     crank: float
-    """Length from crank pivot to crank pin. [m]"""
     coupler: float
-    """Length from crank pin to rocker pin. [m]"""
     rocker: float
-    """Length from rocker pivot to rocker pin. [m]"""
     ground: float
-    """Distance of the two pivots. [m]"""
 
     def __post_init__(self) -> None:
         lengths = vars(self)
@@ -433,6 +440,15 @@ class SliderCrank:
         A length that is not one positive number, a negative clearance, or a rod not longer than the
         crank.
 
+    Attributes
+    ----------
+    crank : float
+        Length from crank pivot to crank pin. [m]
+    coupler : float
+        Length of the connecting rod between joint centres. [m]
+    clearance : float
+        Bushing radius less pin radius at the crank pin, wear included. [m]
+
     Notes
     -----
     The constraints of the source count half lengths, so its Table 1 lengths are halves: its crank
@@ -450,11 +466,8 @@ class SliderCrank:
     """
 
     crank: float
-    """Length from crank pivot to crank pin. [m]"""
     coupler: float
-    """Length of the connecting rod between joint centres. [m]"""
     clearance: float = 0.0
-    """Bushing radius less pin radius at the crank pin, wear included. [m]"""
 
     def __post_init__(self) -> None:
         require_single(**vars(self))

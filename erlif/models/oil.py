@@ -43,14 +43,20 @@ class Oil:
     """Viscosities of an oil as a source gives them, at a single temperature.
 
     The dynamic viscosity is in Pa s, the kinematic one in m2/s, the density in kg/m3.
+
+    Attributes
+    ----------
+    name : str
+        Name or grade.
+    viscosity : float
+        Dynamic viscosity. [Pa s]
+    kinematic_viscosity : float
+        Kinematic viscosity. [m2/s]
     """
 
     name: str
-    """Name or grade."""
     viscosity: float
-    """Dynamic viscosity. [Pa s]"""
     kinematic_viscosity: float
-    """Kinematic viscosity. [m2/s]"""
 
     @property
     def density(self) -> float:
@@ -115,14 +121,21 @@ def vogel_viscosity(temperature: Values, *, a: Values, b: Values, c: Values) -> 
 
 
 class VogelConstants(NamedTuple):
-    """Constants of Vogel's law under the names of `vogel_viscosity`: a in Pa s, b and c in K."""
+    """Constants of Vogel's law under the names of `vogel_viscosity`: a in Pa s, b and c in K.
+
+    Attributes
+    ----------
+    a : float
+        Viscosity that the oil approaches when hot. [Pa s]
+    b : float
+        Steepness. [K]
+    c : float
+        Temperature at which the law diverges. [K]
+    """
 
     a: float
-    """Viscosity that the oil approaches when hot. [Pa s]"""
     b: float
-    """Steepness. [K]"""
     c: float
-    """Temperature at which the law diverges. [K]"""
 
 
 @broadcasting

@@ -33,6 +33,23 @@ class SliderCrankBodies:
     middle. Slider and outer joint are frictionless. A negative or infinite value raises
     `erlif.core.errors.ModelError`.
 
+    Attributes
+    ----------
+    rod_mass : Values
+        Mass of the connecting rod. [kg]
+    rod_inertia : Values
+        Moment of inertia of the rod about its centre of mass. [kg m2]
+    slider_mass : Values
+        Mass of the slider. [kg]
+    spring_stiffness : Values
+        Stiffness of the spring on the slider. [N/m]
+    spring_preload : Values
+        Pull of the spring at the outer dead centre. [N]
+    friction : Values
+        Friction coefficient of the crank-pin joint. [1]
+    pin_radius : Values
+        Lever of that friction. [m]
+
     Notes
     -----
     The source does not state the preload. With none, its inputs give 35 % of its worn mass; 68.35 N
@@ -40,19 +57,12 @@ class SliderCrankBodies:
     """
 
     rod_mass: Values
-    """Mass of the connecting rod. [kg]"""
     rod_inertia: Values
-    """Moment of inertia of the rod about its centre of mass. [kg m2]"""
     slider_mass: Values
-    """Mass of the slider. [kg]"""
     spring_stiffness: Values = 0.0
-    """Stiffness of the spring on the slider. [N/m]"""
     spring_preload: Values = 0.0
-    """Pull of the spring at the outer dead centre. [N]"""
     friction: Values = 0.0
-    """Friction coefficient of the crank-pin joint. [1]"""
     pin_radius: Values = 0.0
-    """Lever of that friction. [m]"""
 
     def __post_init__(self) -> None:
         require_not_negative(**{field.name: getattr(self, field.name) for field in fields(self)})
@@ -61,18 +71,27 @@ class SliderCrankBodies:
 
 @dataclass(frozen=True)
 class JointReaction:
-    """Force of the crank pin on the connecting rod, over a cycle or at a point of it."""
+    """Force of the crank pin on the connecting rod, over a cycle or at a point of it.
+
+    Attributes
+    ----------
+    force_x : Values
+        Force along the line of the slider, positive away from the crank pivot. [N]
+    force_y : Values
+        Force across that line. [N]
+    force : Values
+        Magnitude of the force. [N]
+    normal : Values
+        Share of the force normal to the contact; the rest is friction. [N]
+    crank_torque : Values
+        Torque that drives the crank. [N m]
+    """
 
     force_x: Values
-    """Force along the line of the slider, positive away from the crank pivot. [N]"""
     force_y: Values
-    """Force across that line. [N]"""
     force: Values
-    """Magnitude of the force. [N]"""
     normal: Values
-    """Share of the force normal to the contact; the rest is friction. [N]"""
     crank_torque: Values
-    """Torque that drives the crank. [N m]"""
 
 
 @broadcasting

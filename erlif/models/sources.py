@@ -72,26 +72,39 @@ STEEL = contact.contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=
 
 @dataclass(frozen=True)
 class PublishedNumber:
-    """A number printed by a source, and the one computed by the model."""
+    """A number printed by a source, and the one computed by the model.
+
+    Attributes
+    ----------
+    source : str
+        Key of `TITLES`.
+    place : str
+        Section, equation or table of the source.
+    quantity : str
+        What the number is.
+    printed : str
+        As printed, with a decimal point; empty where the source gives no number.
+    unit : str
+        Unit of both numbers.
+    within : float
+        Half width of agreement, by default half a unit of the last printed digit.
+    model : str
+        Key of `MODELS`.
+    computed : float
+        Number of the model.
+    note : str
+        Reason of a difference, or conditions of the comparison.
+    """
 
     source: str
-    """Key of `TITLES`."""
     place: str
-    """Section, equation or table of the source."""
     quantity: str
-    """What the number is."""
     printed: str
-    """As printed, with a decimal point; empty where the source gives no number."""
     unit: str
-    """Unit of both numbers."""
     within: float
-    """Half width of agreement, by default half a unit of the last printed digit."""
     model: str
-    """Key of `MODELS`."""
     computed: float
-    """Number of the model."""
     note: str
-    """Reason of a difference, or conditions of the comparison."""
 
     @property
     def verdict(self) -> str:

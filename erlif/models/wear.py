@@ -243,14 +243,21 @@ def wear_depth(pressure: Values, *, sliding_distance: Values, specific_wear: Val
 
 @dataclass(frozen=True)
 class WornBushing:
-    """A bushing into which the shaft has worn to its steady state."""
+    """A bushing into which the shaft has worn to its steady state.
+
+    Attributes
+    ----------
+    depth : Values
+        Worn depth on the line of load, which falls off as the cosine. [m]
+    pressure : Values
+        Pressure on the line of load, which falls off as the cosine. [Pa]
+    volume : Values
+        Worn volume. [m3]
+    """
 
     depth: Values
-    """Worn depth on the line of load, which falls off as the cosine. [m]"""
     pressure: Values
-    """Pressure on the line of load, which falls off as the cosine. [Pa]"""
     volume: Values
-    """Worn volume. [m3]"""
 
 
 @broadcasting
@@ -318,16 +325,24 @@ def steady_bushing_wear(
 
 @dataclass(frozen=True)
 class CoupledWear:
-    """Wear of a slider-crank joint over its cycles; arrays (n,), from the unworn joint on."""
+    """Wear of a slider-crank joint over its cycles; arrays (n,), from the unworn joint on.
+
+    Attributes
+    ----------
+    cycles : Values
+        Cycles since the joint was new.
+    volume : Values
+        Worn volume. [m3]
+    depth : Values
+        Largest worn depth. [m]
+    greatest_force : Values
+        Largest joint force of the cycle computed with that wear. [N]
+    """
 
     cycles: Values
-    """Cycles since the joint was new."""
     volume: Values
-    """Worn volume. [m3]"""
     depth: Values
-    """Largest worn depth. [m]"""
     greatest_force: Values
-    """Largest joint force of the cycle computed with that wear. [N]"""
 
 
 def coupled_wear(

@@ -114,18 +114,27 @@ def find_fixture(film: xr.Dataset, run_dir: Path | None, given: Path | None = No
 
 @dataclass(frozen=True)
 class FigureSource:
-    """A film, and the directories it was made from as far as they are at hand."""
+    """A film, and the directories it was made from as far as they are at hand.
+
+    Attributes
+    ----------
+    film_path : Path
+        The file of the film.
+    film : xr.Dataset
+        The film.
+    trigger : int
+        Trigger of the figures that show a single one.
+    run_dir : Path | None
+        The run directory.
+    fixture_dir : Path | None
+        The fixture directory.
+    """
 
     film_path: Path
-    """The file of the film."""
     film: xr.Dataset
-    """The film."""
     trigger: int
-    """Trigger of the figures that show a single one."""
     run_dir: Path | None
-    """The run directory."""
     fixture_dir: Path | None
-    """The fixture directory."""
 
     @cached_property
     def images(self) -> xr.Dataset:

@@ -39,14 +39,21 @@ _DASHES = (0, (3, 1.5))
 
 @dataclass(frozen=True)
 class LinkageCycle:
-    """One turn of the crank, from the lengths of the links alone."""
+    """One turn of the crank, from the lengths of the links alone.
+
+    Attributes
+    ----------
+    crank_angle : Array
+        Crank angle. [degree]
+    reading : Array
+        Encoder reading. [degree]
+    speed : Array
+        Speed of the joint, positive on the outward stroke. [rad/s]
+    """
 
     crank_angle: Array
-    """Crank angle. [degree]"""
     reading: Array
-    """Encoder reading. [degree]"""
     speed: Array
-    """Speed of the joint, positive on the outward stroke. [rad/s]"""
 
 
 def linkage_cycle(film: xr.Dataset) -> LinkageCycle:

@@ -60,29 +60,43 @@ REFITS: Final = 3
 
 
 class Blocks(NamedTuple):
-    """Blocks that overlap enough."""
+    """Blocks that overlap enough.
+
+    Attributes
+    ----------
+    centres : Array
+        (block, 2): x and y. [px]
+    vectors : Array
+        (block, 2): offset (x, y) of camera 2. [px]
+    strength : Array
+        (block,): height of the correlation peak over its scatter by chance. [1]
+    """
 
     centres: Array
-    """(block, 2): x and y. [px]"""
 
     vectors: Array
-    """(block, 2): offset (x, y) of camera 2. [px]"""
 
     strength: Array
-    """(block,): height of the correlation peak over its scatter by chance. [1]"""
 
 
 class Agreement(NamedTuple):
-    """An affine field of vectors, ``matrix @ x + offset``, and how many blocks share it."""
+    """An affine field of vectors, ``matrix @ x + offset``, and how many blocks share it.
+
+    Attributes
+    ----------
+    matrix : Array
+        (2, 2). [1]
+    offset : Array
+        (2,). [px]
+    part : float
+        Part of the blocks within a pixel of it; 0 if there is none. [1]
+    """
 
     matrix: Array
-    """(2, 2). [1]"""
 
     offset: Array
-    """(2,). [px]"""
 
     part: float
-    """Part of the blocks within a pixel of it; 0 if there is none. [1]"""
 
 
 NONE_AGREE: Final = Agreement(np.zeros((2, 2)), np.zeros(2), 0.0)

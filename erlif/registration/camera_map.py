@@ -34,30 +34,44 @@ class CameraMap:
 
     Pixel centres lie at integers, x to the right and y down. If the settings name an orientation,
     the camera-2 pixels are those of the image after `orient`.
+
+    Attributes
+    ----------
+    displacement_x : Image
+        (y, x); NaN more than a few pixels beyond the frame of camera 2. [px]
+    displacement_y : Image
+        (y, x), as displacement_x. [px]
+    displacement_std : Image
+        (y, x): standard deviation of one component, the rms of the two. [px]
+    overlap : Mask
+        (y, x): True where camera 2 sees the point, at zero drift.
+    poor : Mask
+        (y, x): True where the registration is not accurate enough here.
+    quality : float
+        Correlation coefficient of the two textures after alignment. [1]
+    kind : MapKind
+        Surface or local windows.
+    resolution : str
+        How fine the surface or the windows are, for the reader of a report.
+    settings : RegistrationSettings
+        Settings with which the map was found.
+    stored : bool
+        True if the map comes from a calibration, False if it was found on the frames at hand.
+    drift_taken_up : tuple[float, float] | None
+        Mean drift (x, y) of the run, already added to a stored map; None without one. [px]
     """
 
     displacement_x: Image
-    """(y, x); NaN more than a few pixels beyond the frame of camera 2. [px]"""
     displacement_y: Image
-    """(y, x), as displacement_x. [px]"""
     displacement_std: Image
-    """(y, x): standard deviation of one component, the rms of the two. [px]"""
     overlap: Mask
-    """(y, x): True where camera 2 sees the point, at zero drift."""
     poor: Mask
-    """(y, x): True where the registration is not accurate enough here."""
     quality: float
-    """Correlation coefficient of the two textures after alignment. [1]"""
     kind: MapKind
-    """Surface or local windows."""
     resolution: str = ""
-    """How fine the surface or the windows are, for the reader of a report."""
     settings: RegistrationSettings = field(default_factory=RegistrationSettings)
-    """Settings with which the map was found."""
     stored: bool = False
-    """True if the map comes from a calibration, False if it was found on the frames at hand."""
     drift_taken_up: tuple[float, float] | None = None
-    """Mean drift (x, y) of the run, already added to a stored map; None without one. [px]"""
 
     @property
     def shape(self) -> tuple[int, int]:

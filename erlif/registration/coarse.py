@@ -92,19 +92,27 @@ AT_THE_LIMIT: Final = 0.98
 
 @dataclass(frozen=True)
 class Start:
-    """An affine displacement d(x) = matrix @ x + offset, x from the origin of the full frame."""
+    """An affine displacement d(x) = matrix @ x + offset, x from the origin of the full frame.
+
+    Attributes
+    ----------
+    matrix : Array
+        (2, 2), x first. [1]
+    offset : Array
+        (2,), x first. [px]
+    agreement : float
+        Part of the blocks that agree with it. [1]
+    blocks : int
+        Number of the blocks.
+    """
 
     matrix: Array
-    """(2, 2), x first. [1]"""
 
     offset: Array
-    """(2,), x first. [px]"""
 
     agreement: float
-    """Part of the blocks that agree with it. [1]"""
 
     blocks: int
-    """Number of the blocks."""
 
     def surface(self, box: Box) -> Surface:
         """The same map as a surface."""
@@ -113,16 +121,23 @@ class Start:
 
 @dataclass(frozen=True)
 class Peak:
-    """A peak of the cross-correlation for one rotation and scale, about the centre of the frame."""
+    """A peak of the cross-correlation for one rotation and scale, about the centre of the frame.
+
+    Attributes
+    ----------
+    significance : float
+        Height over the scatter of the correlation. [1]
+    linear : Array
+        (2, 2): camera 2 = linear @ (camera 1 - centre) + centre + shift. [1]
+    shift : Array
+        (2,), x first. [binned px]
+    """
 
     significance: float
-    """Height over the scatter of the correlation. [1]"""
 
     linear: Array
-    """(2, 2): camera 2 = linear @ (camera 1 - centre) + centre + shift. [1]"""
 
     shift: Array
-    """(2,), x first. [binned px]"""
 
 
 def coarse_binning(shape: tuple[int, int]) -> int:
@@ -178,24 +193,35 @@ def _bank() -> Iterator[AnyArray]:
 
 @dataclass(frozen=True)
 class CoarsePair:
-    """The two coarse textures, ready to be compared under any affine map."""
+    """The two coarse textures, ready to be compared under any affine map.
+
+    Attributes
+    ----------
+    a : Image
+        Texture of camera 1 and, as ``wa``, its weight.
+    wa : Image
+    b : Image
+        Texture of camera 2 and, as ``wb``, its weight.
+    wb : Image
+    coefficients : Image
+        Spline coefficients of ``b``.
+    bad : Mask
+        Pixels of camera 2 without weight; of size 0 if there are none.
+    factor : int
+        Binning of the frames. [px]
+    """
 
     a: Image
-    """Texture of camera 1 and, as ``wa``, its weight."""
     wa: Image
 
     b: Image
-    """Texture of camera 2 and, as ``wb``, its weight."""
     wb: Image
 
     coefficients: Image
-    """Spline coefficients of ``b``."""
 
     bad: Mask
-    """Pixels of camera 2 without weight; of size 0 if there are none."""
 
     factor: int
-    """Binning of the frames. [px]"""
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -56,18 +56,27 @@ OFF_SHARE: Final = 0.1
 
 @dataclass(frozen=True)
 class Drift:
-    """Translation of camera 2 in one frame, to be added to the fixed map."""
+    """Translation of camera 2 in one frame, to be added to the fixed map.
+
+    Attributes
+    ----------
+    dx : float
+        Positive towards larger column. [px]
+    dy : float
+        Positive towards larger row. [px]
+    std_dx : float
+        Standard deviation of dx. [px]
+    std_dy : float
+        Standard deviation of dy. [px]
+    quality : float
+        Correlation coefficient of the two textures after alignment. [1]
+    """
 
     dx: float
-    """Positive towards larger column. [px]"""
     dy: float
-    """Positive towards larger row. [px]"""
     std_dx: float
-    """Standard deviation of dx. [px]"""
     std_dy: float
-    """Standard deviation of dy. [px]"""
     quality: float
-    """Correlation coefficient of the two textures after alignment. [1]"""
 
 
 NO_DRIFT: Final = (np.nan, np.nan, np.nan, np.nan)

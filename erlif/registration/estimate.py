@@ -230,28 +230,39 @@ def align_small(pair: Pair, start: Start, settings: RegistrationSettings) -> Sur
 
 @dataclass(frozen=True)
 class Fit:
-    """The surface through all chosen frames and what later steps need of it."""
+    """The surface through all chosen frames and what later steps need of it.
+
+    Attributes
+    ----------
+    surface : Surface
+        The displacement at zero drift. [px]
+    model : Model
+        The family that the data support.
+    cells : Cells
+        The last sums, moved to the surface.
+    sums : Array
+        The last sums as they were taken, (row, column, 11).
+    slope : float
+        See `erlif.registration.whitening.slope_gain`. [1]
+    quality : float
+        Correlation coefficient of the textures before the filter. [1]
+    unresolved : bool
+        The surface leaves distortion that no finer one resolves either.
+    """
 
     surface: Surface
-    """The displacement at zero drift. [px]"""
 
     model: Model
-    """The family that the data support."""
 
     cells: Cells
-    """The last sums, moved to the surface."""
 
     sums: Array
-    """The last sums as they were taken, (row, column, 11)."""
 
     slope: float
-    """See `erlif.registration.whitening.slope_gain`. [1]"""
 
     quality: float
-    """Correlation coefficient of the textures before the filter. [1]"""
 
     unresolved: bool
-    """The surface leaves distortion that no finer one resolves either."""
 
 
 def fit_surface(views: Views, surface: Surface) -> Fit:

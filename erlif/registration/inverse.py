@@ -32,19 +32,30 @@ CLOSE: Final = 0.25
 
 @dataclass(frozen=True)
 class InverseComparison:
-    """A map found on a run beside a stored map and beside the inverse of the stored map."""
+    """A map found on a run beside a stored map and beside the inverse of the stored map.
+
+    Attributes
+    ----------
+    misfit : float
+        Rms distance from the stored map after the best translation; infinite if the two maps
+        have different orientations or frame sizes, NaN if they have too few points in common.
+        [px]
+    misfit_inverse : float
+        The same from the inverse of the stored map. [px]
+    significance : float
+        Distance of the found map from the middle between the two candidates, in standard
+        deviations of the maps; half the distance between the candidates if one of them fits
+        exactly. [1]
+    inverted : bool | None
+        True if the found map is the inverse of the stored one, False if it is the stored map
+        itself, None if the maps have too little structure to decide or the found map fits
+        neither.
+    """
 
     misfit: float
-    """Rms distance from the stored map after the best translation; infinite if the two maps have
-    different orientations or frame sizes, NaN if they have too few points in common. [px]"""
     misfit_inverse: float
-    """The same from the inverse of the stored map. [px]"""
     significance: float
-    """Distance of the found map from the middle between the two candidates, in standard deviations
-    of the maps; half the distance between the candidates if one of them fits exactly. [1]"""
     inverted: bool | None
-    """True if the found map is the inverse of the stored one, False if it is the stored map itself,
-    None if the maps have too little structure to decide or the found map fits neither."""
 
 
 def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparison:

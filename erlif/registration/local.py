@@ -55,14 +55,21 @@ def window_sums(cells: Array, sigma: float) -> Array:
 
 
 class Windows(NamedTuple):
-    """Solution of the Gauss-Newton equations in a window about each cell."""
+    """Solution of the Gauss-Newton equations in a window about each cell.
+
+    Attributes
+    ----------
+    vector : Array
+        (component, row, column): remaining displacement; component 0 is x. [px]
+    inverse : Array
+        (row, column, 2, 2): inverse of the normal matrix. [px^2]
+    sound : Mask
+        (row, column): True where the window has texture enough.
+    """
 
     vector: Array
-    """(component, row, column): remaining displacement; component 0 is x. [px]"""
     inverse: Array
-    """(row, column, 2, 2): inverse of the normal matrix. [px^2]"""
     sound: Mask
-    """(row, column): True where the window has texture enough."""
 
 
 def solve_windows(sums: Array, sigma: float) -> Windows:
@@ -181,12 +188,19 @@ def _catmull_rom(positions: Array, size: int) -> Image:
 
 @dataclass(frozen=True)
 class Response:
-    """Effect of the passes together on noise that is independent from cell to cell."""
+    """Effect of the passes together on noise that is independent from cell to cell.
+
+    Attributes
+    ----------
+    gain : float
+        Variance of a vector over that of a single pass. [1]
+    kept : float
+        Part of the variance of the scores, in sums over 3 by 3 cells, that the field leaves.
+        [1]
+    """
 
     gain: float
-    """Variance of a vector over that of a single pass. [1]"""
     kept: float
-    """Part of the variance of the scores, in sums over 3 by 3 cells, that the field leaves. [1]"""
 
 
 def response(sigma: float, passes: int) -> Response:

@@ -28,19 +28,27 @@ Pairs = Sequence[PairOfArrays] | Callable[[], Iterable[PairOfArrays]]
 
 @dataclass(frozen=True)
 class Pair:
-    """One frame of each camera, in the orientation of camera 1."""
+    """One frame of each camera, in the orientation of camera 1.
+
+    Attributes
+    ----------
+    reference : AnyArray
+        Camera 1, (y, x), uint16 or float32. [counts]
+    moving : AnyArray
+        Camera 2, (y, x), uint16 or float32. [counts]
+    weight_reference : Image | None
+        0 for pixels of camera 1 that must not count, float32; None if all count. [1]
+    weight_moving : Image | None
+        The same for camera 2. [1]
+    """
 
     reference: AnyArray
-    """Camera 1, (y, x), uint16 or float32. [counts]"""
 
     moving: AnyArray
-    """Camera 2, (y, x), uint16 or float32. [counts]"""
 
     weight_reference: Image | None = None
-    """0 for pixels of camera 1 that must not count, float32; None if all count. [1]"""
 
     weight_moving: Image | None = None
-    """The same for camera 2. [1]"""
 
 
 def make_pair(
@@ -127,19 +135,27 @@ def _weight(image: AnyArray, weight: AnyArray | None) -> Image | None:
 
 @dataclass(frozen=True)
 class Textures:
-    """A pair of frames without illumination, ready to be matched."""
+    """A pair of frames without illumination, ready to be matched.
+
+    Attributes
+    ----------
+    a : Image
+        Texture of camera 1, (y, x), mean 0, rms about 1. [1]
+    weight : Image
+        Its weight, 0 where the texture is unknown. [1]
+    b : Image
+        Texture of camera 2 on its own pixels, (y, x). [1]
+    weight_b : Image
+        Its weight. [1]
+    """
 
     a: Image
-    """Texture of camera 1, (y, x), mean 0, rms about 1. [1]"""
 
     weight: Image
-    """Its weight, 0 where the texture is unknown. [1]"""
 
     b: Image
-    """Texture of camera 2 on its own pixels, (y, x). [1]"""
 
     weight_b: Image
-    """Its weight. [1]"""
 
     def spline(self, threads: int) -> tuple[Image, Mask]:
         """Spline coefficients of camera 2, and its pixels without weight as a mask."""
@@ -201,19 +217,27 @@ def laid_over(
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames that can be read again and again, one pair in memory at a time."""
+    """Frames that can be read again and again, one pair in memory at a time.
+
+    Attributes
+    ----------
+    source : Pairs
+        Where the pairs come from.
+    count : int
+        Number of pairs.
+    chosen : tuple[int, ...]
+        Numbers of the pairs from which the map is made, ascending.
+    settings : RegistrationSettings
+        Settings under which each pair is checked and turned.
+    """
 
     source: Pairs
-    """Where the pairs come from."""
 
     count: int
-    """Number of pairs."""
 
     chosen: tuple[int, ...]
-    """Numbers of the pairs from which the map is made, ascending."""
 
     settings: RegistrationSettings
-    """Settings under which each pair is checked and turned."""
 
     def pick(self, wanted: Sequence[int]) -> Iterator[Pair]:
         """Read the pairs with these numbers, which must ascend."""

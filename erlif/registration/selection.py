@@ -63,13 +63,19 @@ SINGULAR: Final = 1e-4
 
 @dataclass(frozen=True)
 class Model:
-    """A family of surfaces: polynomials of a total degree, or splines of some elements."""
+    """A family of surfaces: polynomials of a total degree, or splines of some elements.
+
+    Attributes
+    ----------
+    elements : tuple[int, int]
+        Spline elements along x and along y.
+    degree : int | None
+        Total degree of the polynomials on one element; None for the splines themselves.
+    """
 
     elements: tuple[int, int]
-    """Spline elements along x and along y."""
 
     degree: int | None = None
-    """Total degree of the polynomials on one element; None for the splines themselves."""
 
     @property
     def basis(self) -> Array | None:

@@ -53,6 +53,33 @@ class RegistrationSettings:
     RegistrationError
         If a value lies outside its range.
 
+    Attributes
+    ----------
+    window : int
+        Side of the square window with the noise of the Gaussian one used for local vectors.
+        [px]
+    step : int
+        Distance of the nodes of the local field, and side of the cells that are summed. [px]
+    passes : int
+        Gauss-Newton passes of the local field at full resolution.
+    model : Literal['auto', 'surface', 'local']
+        ``"surface"``: a smooth surface, as fine as the data support; ``"local"``: one
+        displacement for each window; ``"auto"``: the surface, unless the distortion is finer
+        than any surface.
+    orientation : Orientation
+        How the image of camera 2 is turned before it looks like that of camera 1, one of
+        ``ORIENTATIONS``. ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as
+        `numpy.rot90` does.
+    whiten : bool
+        Weight the spatial frequencies by the coherence of the two cameras.
+    search : float
+        Largest offset of camera 2 that is searched, as a part of the frame. [1]
+    frames_for_map : int
+        Largest number of frames, evenly spaced over the run, from which the fixed map is made.
+        The drift is measured for all frames.
+    threads : int
+        Threads for one pair of frames. The result does not depend on it.
+
     Examples
     --------
     >>> RegistrationSettings(model="local", window=48).step
@@ -60,35 +87,22 @@ class RegistrationSettings:
     """
 
     window: int = 32
-    """Side of the square window with the noise of the Gaussian one used for local vectors. [px]"""
 
     step: int = 8
-    """Distance of the nodes of the local field, and side of the cells that are summed. [px]"""
 
     passes: int = 3
-    """Gauss-Newton passes of the local field at full resolution."""
 
     model: Literal["auto", "surface", "local"] = "auto"
-    """``"surface"``: a smooth surface, as fine as the data support; ``"local"``: one displacement
-    for each window; ``"auto"``: the surface, unless the distortion is finer than any surface."""
 
     orientation: Orientation = "normal"
-    """How the image of camera 2 is turned before it looks like that of camera 1, one of
-    ``ORIENTATIONS``. ``"rotated_90"`` turns it counter-clockwise as seen on the screen, as
-    `numpy.rot90` does."""
 
     whiten: bool = True
-    """Weight the spatial frequencies by the coherence of the two cameras."""
 
     search: float = 0.27
-    """Largest offset of camera 2 that is searched, as a part of the frame. [1]"""
 
     frames_for_map: int = 32
-    """Largest number of frames, evenly spaced over the run, from which the fixed map is made. The
-    drift is measured for all frames."""
 
     threads: int = 2
-    """Threads for one pair of frames. The result does not depend on it."""
 
     def __post_init__(self) -> None:
         if self.orientation not in _TURNS:

@@ -45,22 +45,31 @@ UNKNOWN_STD: Final = 1e3
 
 @dataclass(frozen=True)
 class Solution:
-    """A dense displacement with its standard deviation, on every pixel of camera 1."""
+    """A dense displacement with its standard deviation, on every pixel of camera 1.
+
+    Attributes
+    ----------
+    dx : Image
+        (y, x), along x. [px]
+    dy : Image
+        (y, x), along y. [px]
+    std : Image
+        (y, x), standard deviation of one component. [px]
+    kind : MapKind
+        Surface or local windows.
+    resolution : str
+        How fine the surface or the windows are, for the reader.
+    """
 
     dx: Image
-    """(y, x), along x. [px]"""
 
     dy: Image
-    """(y, x), along y. [px]"""
 
     std: Image
-    """(y, x), standard deviation of one component. [px]"""
 
     kind: MapKind
-    """Surface or local windows."""
 
     resolution: str
-    """How fine the surface or the windows are, for the reader."""
 
     def moved(self, dx: float, dy: float) -> Solution:
         """The solution with a translation added. [px]"""

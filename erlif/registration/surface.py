@@ -117,12 +117,18 @@ def bilinear(values: Image, row: Image, column: Image) -> Image:
 
 @dataclass(frozen=True)
 class Surface:
-    """A displacement surface on a box of camera-1 pixels."""
+    """A displacement surface on a box of camera-1 pixels.
+
+    Attributes
+    ----------
+    box : Box
+        Region on which the elements are equal; beyond it the outer ones are continued. [px]
+    coefficients : Array
+        (component, y, x), three more than elements along each axis; component 0 is x. [px]
+    """
 
     box: Box
-    """Region on which the elements are equal; beyond it the outer ones are continued. [px]"""
     coefficients: Array
-    """(component, y, x), three more than elements along each axis; component 0 is x. [px]"""
 
     @property
     def elements(self) -> tuple[int, int]:
@@ -266,36 +272,55 @@ def _assemble(
 
 @dataclass(frozen=True)
 class Equations:
-    """Normal equations of one spline grid."""
+    """Normal equations of one spline grid.
+
+    Attributes
+    ----------
+    box : Box
+        Region of the spline. [px]
+    elements : tuple[int, int]
+        Elements along x and along y.
+    matrix : Array
+        (2p, 2p), x coefficients first: information on the coefficients. [1/px^2]
+    right : Array
+        (2p,): the matrix times the solution. [1/px]
+    start : Array
+        (2p,): the plane to which coefficients without data fall back. [px]
+    """
 
     box: Box
-    """Region of the spline. [px]"""
     elements: tuple[int, int]
-    """Elements along x and along y."""
     matrix: Array
-    """(2p, 2p), x coefficients first: information on the coefficients. [1/px^2]"""
     right: Array
-    """(2p,): the matrix times the solution. [1/px]"""
     start: Array
-    """(2p,): the plane to which coefficients without data fall back. [px]"""
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Cell sums with their places, the displacement at which they hold, and their weights."""
+    """Cell sums with their places, the displacement at which they hold, and their weights.
+
+    Attributes
+    ----------
+    sums : Array
+        (row, column, 11), see `erlif.registration.matching.SUMS`.
+    x : Array
+        Columns of the cell centres. [px]
+    y : Array
+        Rows of the cell centres. [px]
+    here_x : Array
+        (row, column): displacement along x at which the sums were taken. [px]
+    here_y : Array
+        (row, column): displacement along y at which the sums were taken. [px]
+    weight : Array
+        (row, column): reciprocal of the residual variance of the textures. [1]
+    """
 
     sums: Array
-    """(row, column, 11), see `erlif.registration.matching.SUMS`."""
     x: Array
-    """Columns of the cell centres. [px]"""
     y: Array
-    """Rows of the cell centres. [px]"""
     here_x: Array
-    """(row, column): displacement along x at which the sums were taken. [px]"""
     here_y: Array
-    """(row, column): displacement along y at which the sums were taken. [px]"""
     weight: Array
-    """(row, column): reciprocal of the residual variance of the textures. [1]"""
 
     @property
     def box(self) -> Box:

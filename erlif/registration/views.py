@@ -112,30 +112,44 @@ def expected_rms(sums: Array) -> Array:
 
 
 class Summed(NamedTuple):
-    """Sums over the frames at a dense displacement."""
+    """Sums over the frames at a dense displacement.
+
+    Attributes
+    ----------
+    sums : Array
+        (row, column, 11)
+    spectra : Spectra | None
+        Spectra of the textures; None if they are filtered already.
+    mean_drift : Array
+        (2,), x first: what the displacement must be moved by for the sums to hold. [px]
+    """
 
     sums: Array
-    """(row, column, 11)"""
 
     spectra: Spectra | None
-    """Spectra of the textures; None if they are filtered already."""
 
     mean_drift: Array
-    """(2,), x first: what the displacement must be moved by for the sums to hold. [px]"""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Everything summed over the chosen frames at one surface."""
+    """Everything summed over the chosen frames at one surface.
+
+    Attributes
+    ----------
+    sums : Array
+        (row, column, 11)
+    spectra : Spectra | None
+        Spectra of the textures; None if they are filtered already.
+    surface : Surface
+        Where the sums hold: the given surface and the mean drift that was found. [px]
+    """
 
     sums: Array
-    """(row, column, 11)"""
 
     spectra: Spectra | None
-    """Spectra of the textures; None if they are filtered already."""
 
     surface: Surface
-    """Where the sums hold: the given surface and the mean drift that was found. [px]"""
 
 
 class Views:

@@ -40,19 +40,27 @@ TAPER_WIDTH: Final = 2
 
 @dataclass(frozen=True)
 class Spectra:
-    """Sums of block spectra; frequencies (y, x) as in ``rfft2``."""
+    """Sums of block spectra; frequencies (y, x) as in ``rfft2``.
+
+    Attributes
+    ----------
+    first : Array
+        Power of camera 1.
+    second : Array
+        Power of camera 2.
+    cross : Array
+        Real part of the cross spectrum; aligned textures are in phase.
+    blocks : int
+        Number of blocks that were added.
+    """
 
     first: Array
-    """Power of camera 1."""
 
     second: Array
-    """Power of camera 2."""
 
     cross: Array
-    """Real part of the cross spectrum; aligned textures are in phase."""
 
     blocks: int
-    """Number of blocks that were added."""
 
     def __add__(self, other: "Spectra") -> "Spectra":
         return Spectra(
@@ -122,16 +130,23 @@ def _tapered(blocks: AnyArray, sound: AnyArray, taper: AnyArray) -> AnyArray:
 
 @dataclass(frozen=True)
 class Filter:
-    """A radial filter: its amplitude on equidistant spatial frequencies."""
+    """A radial filter: its amplitude on equidistant spatial frequencies.
+
+    Attributes
+    ----------
+    amplitude : Array
+        Factor of each frequency, at most 1. [1]
+    spacing : float
+        Distance of the frequencies. [cycles/px]
+    coherence : Array
+        Squared coherence at the same frequencies. [1]
+    """
 
     amplitude: Array
-    """Factor of each frequency, at most 1. [1]"""
 
     spacing: float
-    """Distance of the frequencies. [cycles/px]"""
 
     coherence: Array
-    """Squared coherence at the same frequencies. [1]"""
 
     def on_grid(self, shape: tuple[int, int]) -> Image:
         """Amplitude at the frequencies of ``rfft2`` of an image of that shape; float32."""

@@ -7,16 +7,24 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Caption:
-    """Text of a figure, and the format of its image."""
+    """Text of a figure, and the format of its image.
+
+    Attributes
+    ----------
+    title : str
+        Heading of the figure.
+    text : str
+        What the figure shows, panel by panel.
+    kind : str
+        ``"svg"`` for lines, ``"png"`` for images.
+    dpi : float
+        Resolution of an image. [pixel/inch]
+    """
 
     title: str
-    """Heading of the figure."""
     text: str
-    """What the figure shows, panel by panel."""
     kind: str = "svg"
-    """``"svg"`` for lines, ``"png"`` for images."""
     dpi: float = 150.0
-    """Resolution of an image. [pixel/inch]"""
 
 
 CAPTIONS = {

@@ -24,26 +24,40 @@ _REACH = 65.0  # um of the finest step that 16 bits reach, with some room
 
 @dataclass(frozen=True)
 class MapCoding:
-    """How the maps of a film are written."""
+    """How the maps of a film are written.
+
+    Attributes
+    ----------
+    stride : int
+        Every stride-th pixel along x and y is kept. [px]
+    step : float
+        Film thickness of one count. [um]
+    """
 
     stride: int
-    """Every stride-th pixel along x and y is kept. [px]"""
     step: float
-    """Film thickness of one count. [um]"""
 
 
 @dataclass(frozen=True)
 class DecodedMap:
-    """The content of a page for one trigger."""
+    """The content of a page for one trigger.
+
+    Attributes
+    ----------
+    thickness : Array
+        (row, column): film thickness, NaN where flagged. [um]
+    flags : FlagImage
+        (row, column): bits of `erlif.core.flags.Flag`.
+    std : Array
+        (block row, block column): random standard deviation, NaN without valid pixels. [um]
+    std_shared : Array
+        (block row, block column): shared standard deviation, as `std`. [um]
+    """
 
     thickness: Array
-    """(row, column): film thickness, NaN where flagged. [um]"""
     flags: FlagImage
-    """(row, column): bits of `erlif.core.flags.Flag`."""
     std: Array
-    """(block row, block column): random standard deviation, NaN without valid pixels. [um]"""
     std_shared: Array
-    """(block row, block column): shared standard deviation, as `std`. [um]"""
 
 
 def choose_coding(film: xr.Dataset, *, thickest: float) -> MapCoding:

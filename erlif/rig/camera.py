@@ -115,18 +115,27 @@ def vibrate(frames: int, rig: RigSettings, rng: np.random.Generator) -> Array:
 
 @dataclass(frozen=True)
 class Camera:
-    """Fixed properties of one camera; arrays are (y, x)."""
+    """Fixed properties of one camera; arrays are (y, x).
+
+    Attributes
+    ----------
+    sensitivity : Array
+        Vignetting, dust and pixel response together; 0 for a dead pixel. [1]
+    dark_signal : Array
+        Dark signal of hot pixels. [electron]
+    dark_level : Array
+        Offset of the converter, with its column pattern. [DN]
+    gain : float
+        Electrons of one count. [electron/DN]
+    read_noise : float
+        Standard deviation of the read noise. [electron]
+    """
 
     sensitivity: Array
-    """Vignetting, dust and pixel response together; 0 for a dead pixel. [1]"""
     dark_signal: Array
-    """Dark signal of hot pixels. [electron]"""
     dark_level: Array
-    """Offset of the converter, with its column pattern. [DN]"""
     gain: float
-    """Electrons of one count. [electron/DN]"""
     read_noise: float
-    """Standard deviation of the read noise. [electron]"""
 
 
 def vignetting(x: Array, y: Array, number: int, rig: RigSettings) -> Array:

@@ -83,22 +83,33 @@ def rocker_range(rig: RigSettings) -> tuple[float, float]:
 
 
 class Triggers(NamedTuple):
-    """One crank cycle, from the smallest rocker angle up and down; every array is (trigger,)."""
+    """One crank cycle, from the smallest rocker angle up and down; every array is (trigger,).
+
+    Attributes
+    ----------
+    reading : Array
+        Encoder reading. [degree]
+    zero : float
+        Rocker angle at reading 0. [degree]
+    crank_angle : Array
+        Crank angle, 0 to 360. [degree]
+    speed : Array
+        Rocker speed, positive on the rising stroke. [rad/s]
+    time : Array
+        Time since the rocker stood at its smallest angle. [s]
+    load : Array
+        Load on the joint. [N]
+    film_min : Array
+        Minimum film thickness of the smooth gap in the region of interest. [um]
+    """
 
     reading: Array
-    """Encoder reading. [degree]"""
     zero: float
-    """Rocker angle at reading 0. [degree]"""
     crank_angle: Array
-    """Crank angle, 0 to 360. [degree]"""
     speed: Array
-    """Rocker speed, positive on the rising stroke. [rad/s]"""
     time: Array
-    """Time since the rocker stood at its smallest angle. [s]"""
     load: Array
-    """Load on the joint. [N]"""
     film_min: Array
-    """Minimum film thickness of the smooth gap in the region of interest. [um]"""
 
 
 def list_triggers(rig: RigSettings) -> Triggers:
@@ -149,13 +160,19 @@ def list_triggers(rig: RigSettings) -> Triggers:
 
 @dataclass(frozen=True)
 class Marks:
-    """Turning marks along the sliding direction, and a few scratches; fixed in the object."""
+    """Turning marks along the sliding direction, and a few scratches; fixed in the object.
+
+    Attributes
+    ----------
+    waves : Array
+        Wave vector (x, y) [rad/pixel], phase [rad] and amplitude [um], (wave, 4).
+    scratches : Array
+        Middle (x, y) [pixel], unit vector along it (x, y), half length [pixel] and depth [um],
+        (scratch, 6).
+    """
 
     waves: Array
-    """Wave vector (x, y) [rad/pixel], phase [rad] and amplitude [um], (wave, 4)."""
     scratches: Array
-    """Middle (x, y) [pixel], unit vector along it (x, y), half length [pixel] and depth [um],
-    (scratch, 6)."""
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Height added to the film [um] at object points [pixel]."""
@@ -217,14 +234,21 @@ def _sum_marks(x: Array, y: Array, waves: Array, scratches: Array) -> Array:
 
 @dataclass(frozen=True)
 class Gap:
-    """Film between pin and bushing at one trigger: rigid circles, tilt and marks."""
+    """Film between pin and bushing at one trigger: rigid circles, tilt and marks.
+
+    Attributes
+    ----------
+    rig : RigSettings
+        The joint and the picture.
+    film_min : float
+        Minimum film thickness of the smooth gap in the region of interest. [um]
+    marks : Marks
+        Marks on the surface, the same at all triggers.
+    """
 
     rig: RigSettings
-    """The joint and the picture."""
     film_min: float
-    """Minimum film thickness of the smooth gap in the region of interest. [um]"""
     marks: Marks
-    """Marks on the surface, the same at all triggers."""
 
     def smooth(self, x: Array, y: Array) -> Array:
         """Film without marks: h_min + (x - x0)^2/(2 R) and a tilt. [um]
@@ -251,10 +275,15 @@ class Gap:
 
 @dataclass(frozen=True)
 class Wedge:
-    """Film of the calibration fixture: rises along x, with a smooth error of form."""
+    """Film of the calibration fixture: rises along x, with a smooth error of form.
+
+    Attributes
+    ----------
+    rig : RigSettings
+        The wedge and the picture.
+    """
 
     rig: RigSettings
-    """The wedge and the picture."""
 
     def profile(self, x: Array) -> Array:
         """Signed film along x [pixel]; negative beyond the line of contact. [um]"""
@@ -271,16 +300,24 @@ class Wedge:
 
 @dataclass(frozen=True)
 class Bubbles:
-    """Discs without oil under a soft meniscus."""
+    """Discs without oil under a soft meniscus.
+
+    Attributes
+    ----------
+    x : Array
+        Column of each centre, (bubble,). [pixel]
+    y : Array
+        Row of each centre, (bubble,). [pixel]
+    radius : Array
+        Radius of each, (bubble,). [pixel]
+    meniscus : float
+        Width of the edge over which the full film returns. [pixel]
+    """
 
     x: Array
-    """Column of each centre, (bubble,). [pixel]"""
     y: Array
-    """Row of each centre, (bubble,). [pixel]"""
     radius: Array
-    """Radius of each, (bubble,). [pixel]"""
     meniscus: float = 1.5
-    """Width of the edge over which the full film returns. [pixel]"""
 
     def lack(self, x: Array, y: Array) -> Array:
         """Share of the film that is missing: 1 inside, 0 beyond the meniscus."""

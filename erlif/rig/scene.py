@@ -29,16 +29,23 @@ class Grains:
 
     One grain lies at random in each cell of a unit lattice, so the field has no preferred
     position or direction.
+
+    Attributes
+    ----------
+    x : Array
+        Column of each grain, (row, column) of the lattice. [pixel]
+    y : Array
+        Row of each grain, (row, column) of the lattice. [pixel]
+    brightness : Array
+        Brightness of each grain about zero, (row, column) of the lattice. [1]
+    margin : int
+        Cells of the lattice beyond the picture. [pixel]
     """
 
     x: Array
-    """Column of each grain, (row, column) of the lattice. [pixel]"""
     y: Array
-    """Row of each grain, (row, column) of the lattice. [pixel]"""
     brightness: Array
-    """Brightness of each grain about zero, (row, column) of the lattice. [1]"""
     margin: int
-    """Cells of the lattice beyond the picture. [pixel]"""
 
 
 def draw_grains(rig: RigSettings, margin: int, rng: np.random.Generator) -> Grains:

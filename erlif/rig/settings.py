@@ -23,131 +23,188 @@ class RigSettings:
 
     Lengths in the picture are pixels of camera 1, so that the texture suits the sensor whatever
     the magnification.
+
+    Attributes
+    ----------
+    width : int
+        Columns of both cameras. [pixel]
+    height : int
+        Rows of both cameras. [pixel]
+    field_width : float
+        Width of the field of camera 1 in the object plane; the pixel pitch follows from it.
+        [mm]
+    crank : float
+        Length of the crank. [cm]
+    coupler : float
+        Length of the coupler. [cm]
+    rocker : float
+        Length of the rocker. [cm]
+    ground : float
+        Distance of the fixed pivots. [cm]
+    crank_speed : float
+        Speed of the crank. [rpm]
+    spacing : float
+        Rocker rotation from one encoder trigger to the next. [degree]
+    cycles : int
+        Turns of the crank that are photographed.
+    write_zero : bool
+        Write the rocker angle at encoder reading 0 into run.toml.
+    pin_radius : float
+        Radius of the pin. [mm]
+    bushing_radius : float
+        Radius of the bushing. [mm]
+    load : float
+        Mean load, 50 lbf. [N]
+    load_swing : float
+        Relative amplitude with which the load follows the crank.
+    film_reference : float
+        Minimum film thickness at the highest rocker speed and the mean load. [um]
+    exponent : float
+        Exponent of speed over load in the film law.
+    film_floor : float
+        Minimum film thickness that squeeze maintains where the rocker stands still. [um]
+    film_table : tuple[float, ...] | None
+        Minimum film thickness at each trigger of one cycle, in place of the law. [um]
+    thin_line : float
+        Position of the thinnest film along x, from the middle of the field. [mm]
+    tilt : float
+        Rise of the film over the height of the field. [um]
+    marks : float
+        Standard deviation of the turning marks; scratches are four times as deep. [um]
+    bubbles : int
+        Largest number of bubbles in a frame of 320 x 256 pixels; smaller pictures hold fewer.
+    light : float
+        Exposure: 1 keeps the brightest speckle near 3000 DN.
+    beam_corner : float
+        Brightness of the laser beam at the corners of the field, relative to its axis.
+    pulse_jitter : float
+        Relative standard deviation of the pulse energy.
+    speckle_fixed : float
+        Contrast in the object plane of the speckle that is the same in every pulse.
+    speckle_new : float
+        Contrast in the object plane of the speckle that is new with every pulse.
+    speckle_size : float
+        Standard deviation of one grain; the field is correlated over twice this (1/e). [pixel]
+    blur : tuple[float, float]
+        Standard deviation of the point spread, lens and pixel together. [pixel]
+    thick_film_signal : tuple[float, float]
+        Photo-electrons of a very thick film on the beam axis. [electron]
+    vignetting : tuple[float, float]
+        Transmission of the lens at the corners relative to the centre.
+    gain : float
+        Electrons of one count. [electron/DN]
+    read_noise : float
+        Standard deviation of the read noise. [electron]
+    offset : float
+        Mean dark level. [DN]
+    column_pattern : float
+        Standard deviation of the dark level from column to column. [DN]
+    response_spread : float
+        Relative standard deviation of the pixel response.
+    hot_fraction : float
+        Share of the pixels with 500 to 3000 electrons of dark signal.
+    dead_pixels : int
+        Pixels of each camera without response to light.
+    dust : int
+        Dust specks on each sensor window.
+    shift : tuple[float, float]
+        Displacement (x, y) at the middle of the picture. [pixel]
+    scale : tuple[float, float]
+        Magnification (x, y) of camera 2 over camera 1.
+    rotation : float
+        Rotation of camera 2 about the middle of the picture. [degree]
+    distortion : float
+        Quadratic distortion near the corners. [pixel]
+    vibration : float
+        Standard deviation per axis of the extra shift of camera 2 in each frame. [pixel]
+    fixture_frames : int
+        Frame pairs of the wedge.
+    wedge : tuple[float, float]
+        Film at the first and the last column. [um]
+    wedge_form : float
+        Amplitude of the smooth departure of the wedge from a plane. [um]
+    cmm_noise : float
+        Standard deviation of one reading of the coordinate-measuring machine. [um]
+    fixture_offset : tuple[float, float]
+        Shift (x, y) of camera 2 between the fixture's session and the run. [pixel]
+    dark_pages : int
+        Pages of the dark file.
+    flat_pages : int
+        Pages of the flat file at each level of the lamp.
+    flat_levels : tuple[float, ...]
+        Brightest flat signal at each level of the lamp, of full scale.
     """
 
     # picture
     width: int = 320
-    """Columns of both cameras. [pixel]"""
     height: int = 256
-    """Rows of both cameras. [pixel]"""
     field_width: float = 19.2
-    """Width of the field of camera 1 in the object plane; the pixel pitch follows from it. [mm]"""
 
     # linkage and encoder
     crank: float = 5.5
-    """Length of the crank. [cm]"""
     coupler: float = 44.0
-    """Length of the coupler. [cm]"""
     rocker: float = 26.0
-    """Length of the rocker. [cm]"""
     ground: float = 51.0
-    """Distance of the fixed pivots. [cm]"""
     crank_speed: float = 114.0
-    """Speed of the crank. [rpm]"""
     spacing: float = 0.96
-    """Rocker rotation from one encoder trigger to the next. [degree]"""
     cycles: int = 1
-    """Turns of the crank that are photographed."""
     write_zero: bool = True
-    """Write the rocker angle at encoder reading 0 into run.toml."""
 
     # joint
     pin_radius: float = 33.36
-    """Radius of the pin. [mm]"""
     bushing_radius: float = 33.59
-    """Radius of the bushing. [mm]"""
     load: float = 222.411
-    """Mean load, 50 lbf. [N]"""
     load_swing: float = 0.01
-    """Relative amplitude with which the load follows the crank."""
 
     # film
     film_reference: float = 6.0
-    """Minimum film thickness at the highest rocker speed and the mean load. [um]"""
     exponent: float = 0.62
-    """Exponent of speed over load in the film law."""
     film_floor: float = 0.3
-    """Minimum film thickness that squeeze maintains where the rocker stands still. [um]"""
     film_table: tuple[float, ...] | None = None
-    """Minimum film thickness at each trigger of one cycle, in place of the law. [um]"""
     thin_line: float = 0.8
-    """Position of the thinnest film along x, from the middle of the field. [mm]"""
     tilt: float = 0.2
-    """Rise of the film over the height of the field. [um]"""
     marks: float = 0.07
-    """Standard deviation of the turning marks; scratches are four times as deep. [um]"""
     bubbles: int = 6
-    """Largest number of bubbles in a frame of 320 x 256 pixels; smaller pictures hold fewer."""
 
     # light
     light: float = 1.0
-    """Exposure: 1 keeps the brightest speckle near 3000 DN."""
     beam_corner: float = 0.5
-    """Brightness of the laser beam at the corners of the field, relative to its axis."""
     pulse_jitter: float = 0.03
-    """Relative standard deviation of the pulse energy."""
     speckle_fixed: float = 0.08
-    """Contrast in the object plane of the speckle that is the same in every pulse."""
     speckle_new: float = 0.08
-    """Contrast in the object plane of the speckle that is new with every pulse."""
     speckle_size: float = 0.72
-    """Standard deviation of one grain; the field is correlated over twice this (1/e). [pixel]"""
 
     # cameras, first and second
     blur: tuple[float, float] = (0.50, 0.55)
-    """Standard deviation of the point spread, lens and pixel together. [pixel]"""
     thick_film_signal: tuple[float, float] = (11000.0, 11500.0)
-    """Photo-electrons of a very thick film on the beam axis. [electron]"""
     vignetting: tuple[float, float] = (0.84, 0.87)
-    """Transmission of the lens at the corners relative to the centre."""
     gain: float = 4.4
-    """Electrons of one count. [electron/DN]"""
     read_noise: float = 9.0
-    """Standard deviation of the read noise. [electron]"""
     offset: float = 64.0
-    """Mean dark level. [DN]"""
     column_pattern: float = 2.0
-    """Standard deviation of the dark level from column to column. [DN]"""
     response_spread: float = 0.01
-    """Relative standard deviation of the pixel response."""
     hot_fraction: float = 5e-4
-    """Share of the pixels with 500 to 3000 electrons of dark signal."""
     dead_pixels: int = 3
-    """Pixels of each camera without response to light."""
     dust: int = 4
-    """Dust specks on each sensor window."""
 
     # from camera 1 to camera 2
     shift: tuple[float, float] = (4.0, -3.0)
-    """Displacement (x, y) at the middle of the picture. [pixel]"""
     scale: tuple[float, float] = (1.004, 0.997)
-    """Magnification (x, y) of camera 2 over camera 1."""
     rotation: float = 0.4
-    """Rotation of camera 2 about the middle of the picture. [degree]"""
     distortion: float = 0.5
-    """Quadratic distortion near the corners. [pixel]"""
     vibration: float = 0.3
-    """Standard deviation per axis of the extra shift of camera 2 in each frame. [pixel]"""
 
     # calibration fixture
     fixture_frames: int = 12
-    """Frame pairs of the wedge."""
     wedge: tuple[float, float] = (0.1, 18.0)
-    """Film at the first and the last column. [um]"""
     wedge_form: float = 0.1
-    """Amplitude of the smooth departure of the wedge from a plane. [um]"""
     cmm_noise: float = 0.15
-    """Standard deviation of one reading of the coordinate-measuring machine. [um]"""
     fixture_offset: tuple[float, float] = (0.6, -0.4)
-    """Shift (x, y) of camera 2 between the fixture's session and the run. [pixel]"""
 
     # reference pages
     dark_pages: int = 8
-    """Pages of the dark file."""
     flat_pages: int = 4
-    """Pages of the flat file at each level of the lamp."""
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
-    """Brightest flat signal at each level of the lamp, of full scale."""
 
     def __post_init__(self) -> None:
         self._check_picture()

@@ -41,20 +41,30 @@ def random_stream(seed: int, name: str, number: int = 0) -> np.random.Generator:
 
 @dataclass(frozen=True)
 class Setup:
-    """Everything that stays the same from frame to frame."""
+    """Everything that stays the same from frame to frame.
+
+    Attributes
+    ----------
+    rig : RigSettings
+        Settings of the rig.
+    cameras : tuple[Camera, Camera]
+        Sensors of camera 1 and 2.
+    signals : tuple[Callable[[Array], Array], Callable[[Array], Array]]
+        Light of a film [um] behind the filter of each camera, relative to a very thick film.
+    grains : Grains
+        Speckle that all pulses share.
+    x : Array
+        Columns of the pixel centres, (y, x). [pixel]
+    y : Array
+        Rows of the pixel centres, (y, x). [pixel]
+    """
 
     rig: RigSettings
-    """Settings of the rig."""
     cameras: tuple[Camera, Camera]
-    """Sensors of camera 1 and 2."""
     signals: tuple[Callable[[Array], Array], Callable[[Array], Array]]
-    """Light of a film [um] behind the filter of each camera, relative to a very thick film."""
     grains: Grains
-    """Speckle that all pulses share."""
     x: Array
-    """Columns of the pixel centres, (y, x). [pixel]"""
     y: Array
-    """Rows of the pixel centres, (y, x). [pixel]"""
 
     def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
         """Electrons in camera `number` from the film at object points (x, y).
@@ -89,18 +99,27 @@ def build_setup(seed: int, rig: RigSettings) -> Setup:
 
 @dataclass(frozen=True)
 class Shot:
-    """The state of the rig at one laser pulse."""
+    """The state of the rig at one laser pulse.
+
+    Attributes
+    ----------
+    film : Field
+        Film thickness at object points. [um]
+    bubbles : Bubbles
+        Bubbles in the film.
+    grains : Grains
+        Speckle of the pulse.
+    energy : float
+        Relative pulse energy. [1]
+    drift : tuple[float, float]
+        Extra shift (x, y) of camera 2. [pixel]
+    """
 
     film: Field
-    """Film thickness at object points. [um]"""
     bubbles: Bubbles
-    """Bubbles in the film."""
     grains: Grains
-    """Speckle of the pulse."""
     energy: float
-    """Relative pulse energy. [1]"""
     drift: tuple[float, float]
-    """Extra shift (x, y) of camera 2. [pixel]"""
 
 
 def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Counts, Counts]:

@@ -20,14 +20,21 @@ _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 
 
 class Session(NamedTuple):
-    """Random motion and light of the run and the fixture's session."""
+    """Random motion and light of the run and the fixture's session.
+
+    Attributes
+    ----------
+    drift : Array
+        Extra shift of camera 2 in each frame of the run, (frame, axis x y). [pixel]
+    fixture_drift : Array
+        The same in the fixture's session, (fixture_frame, axis x y). [pixel]
+    energy : Array
+        Relative pulse energy of each frame of the run, (frame,). [1]
+    """
 
     drift: Array
-    """Extra shift of camera 2 in each frame of the run, (frame, axis x y). [pixel]"""
     fixture_drift: Array
-    """The same in the fixture's session, (fixture_frame, axis x y). [pixel]"""
     energy: Array
-    """Relative pulse energy of each frame of the run, (frame,). [1]"""
 
 
 class _Variable(NamedTuple):

@@ -22,22 +22,35 @@ _PLAIN_FORMS: dict[Any, str] = {bool: "true or false", int: "integer", float: "n
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a table."""
+    """One key of a table.
+
+    Attributes
+    ----------
+    name : str
+    form : str
+        Kind of value, "length" or "integer".
+    unit : str
+        Unit in which a quantity is kept; empty for other values.
+    example : Any
+        Value as a user writes it.
+    required : bool
+    default : Any
+        Value where the key is absent, as a user writes it; None where there is none.
+    bounds : str
+        Values allowed, "above 0"; empty where all are.
+    choices : tuple[str, ...]
+        Texts allowed; empty where the form is another one.
+    meaning : str
+    """
 
     name: str
     form: str
-    """Kind of value, "length" or "integer"."""
     unit: str
-    """Unit in which a quantity is kept; empty for other values."""
     example: Any
-    """Value as a user writes it."""
     required: bool
     default: Any
-    """Value where the key is absent, as a user writes it; None where there is none."""
     bounds: str
-    """Values allowed, "above 0"; empty where all are."""
     choices: tuple[str, ...]
-    """Texts allowed; empty where the form is another one."""
     meaning: str
 
     @property
@@ -58,10 +71,18 @@ class Key:
 
 @dataclass(frozen=True)
 class Table:
-    """One table of a settings file."""
+    """One table of a settings file.
+
+    Attributes
+    ----------
+    path : tuple[str, ...]
+        Names from the top, ("joint", "pin"); empty for the keys above the first table.
+    kind : type[Settings]
+    required : bool
+    meaning : str
+    """
 
     path: tuple[str, ...]
-    """Names from the top, ("joint", "pin"); empty for the keys above the first table."""
     kind: type[Settings]
     required: bool
     meaning: str

@@ -25,14 +25,21 @@ from erlif.core.units import parse_quantity
 
 @dataclass(frozen=True)
 class Form:
-    """How a value is written in a settings file; part of the type of a field."""
+    """How a value is written in a settings file; part of the type of a field.
+
+    Attributes
+    ----------
+    name : str
+        Kind of value, "length" or "file name".
+    example : Any
+        Value as a user writes it.
+    unit : str
+        Unit in which a quantity is kept, in pint's spelling; empty for other values.
+    """
 
     name: str
-    """Kind of value, "length" or "file name"."""
     example: Any
-    """Value as a user writes it."""
     unit: str = ""
-    """Unit in which a quantity is kept, in pint's spelling; empty for other values."""
 
 
 QUANTITY_PATTERN = (
