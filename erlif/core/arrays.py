@@ -1,4 +1,4 @@
-"""Array types, one meaning each. Shapes stand in the docstrings; these name what an element is."""
+"""Array types, one meaning each: the type of an element; shapes stand in the docstrings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FlagImage = npt.NDArray[np.uint8]
 """Bits of `erlif.core.flags.Flag`."""
 
 Mask = npt.NDArray[np.bool_]
-"""Chosen elements."""
+"""True for the elements that are meant."""
 
 AnyArray = npt.NDArray[Any]
 """An array in the precision of its input."""

@@ -1,4 +1,4 @@
-"""What every digital camera shares."""
+"""Properties that all digital cameras share."""
 
 QUANTISATION_VAR = 1 / 12
-"""Variance of rounding to whole counts. [DN2]"""
+"""Variance of rounding to whole counts, uniform over one count. [DN2]"""

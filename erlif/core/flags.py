@@ -1,4 +1,4 @@
-"""Why a pixel is doubtful: one bit per reason, kept beside the value and never instead of it."""
+"""Reasons why a pixel is not valid: one bit each, kept beside the value and never instead of it."""
 
 from enum import IntFlag
 
@@ -6,30 +6,36 @@ import numpy as np
 
 
 class Flag(IntFlag):
-    """Reasons not to answer at a pixel. The numbers are fixed by the file format."""
+    """Reasons why a pixel is not valid. The numbers are fixed by the file format.
+
+    Examples
+    --------
+    >>> [flag.name for flag in Flag.DIM | Flag.NO_FILM]
+    ['DIM', 'NO_FILM']
+    """
 
     SATURATED = 1
-    """A camera read full scale."""
+    """A camera reads full scale."""
     DIM = 2
-    """A camera saw too little light above its dark level for a ratio to mean anything."""
+    """A camera has too little light above its dark level for a ratio."""
     BAD_PIXEL = 4
     """Hot, dead or noisy pixel of a camera."""
     OUTSIDE_OVERLAP = 8
     """Seen by one camera only."""
     BELOW_RANGE = 16
-    """Film too thin: below the calibration, or not told from none by a single pixel in this light."""
+    """Film thinner than the calibrated or the measurable range."""
     ABOVE_RANGE = 32
-    """Film too thick: above the calibration, or where the ratio of a single pixel in this light tells little more."""
+    """Film thicker than the calibrated or the measurable range."""
     POOR_REGISTRATION = 64
-    """The cameras are not laid over each other well enough here."""
+    """The registration is not good enough for a ratio."""
     NO_FILM = 128
     """Bubble or bare wall: the fluorescence of both bands is missing."""
 
 
 FLAG_ATTRS: dict[str, object] = {
-    "long_name": "reasons not to answer at this pixel",
+    "long_name": "reasons why this pixel is not valid",
     "units": "1",
     "flag_masks": np.array([flag.value for flag in Flag], np.uint8),
     "flag_meanings": " ".join(str(flag.name).lower() for flag in Flag),
 }
-"""CF attributes of every flag variable, made from the one table above."""
+"""CF attributes of every flag variable, made from the table above."""

@@ -1,4 +1,4 @@
-"""Means over the neighbourhood of each pixel."""
+"""Means over blocks of pixels and over the neighbourhood of each pixel."""
 
 from __future__ import annotations
 
@@ -8,25 +8,54 @@ import numpy as np
 
 from erlif.core.arrays import Image, Mask
 
-_NEAR = 9  # width of the surroundings of a pixel, if not said otherwise [px]
+BLOCK = 8
+"""Width of the blocks whose light is averaged. [px]"""
+
+_NEAR = 9
+"""Width of the neighbourhood of a pixel, unless given. [px]"""
+
+_SAMPLE = 97
+"""Every 97th valid pixel gives the offset of the sums; a prime, to avoid one column of the image."""
 
 
-_BLOCK = 8  # blocks of pixels whose light is averaged [px]
+def block_light(one: Image, two: Image, width: int = BLOCK) -> Image:
+    """Mean light of both cameras together in square blocks.
+
+    Parameters
+    ----------
+    one, two : array, (y, x)
+        Light of the two cameras on one grid, NaN where unknown. [DN]
+    width : int
+        Of a block; blocks at the lower and right edge may be smaller. [px]
+
+    Returns
+    -------
+    array, (row, column)
+        NaN where no pixel of a block is known. [DN]
+
+    Examples
+    --------
+    >>> light = np.float32([[1, 3, 10], [5, 7, np.nan]])
+    >>> block_light(light, light, 2)
+    array([[ 8., 20.]], dtype=float32)
+    """
+    return np.asarray(_average_blocks(one, two, width))
 
 
 @numba.njit(nogil=True, cache=True)
-def _block_light(one, two, block):  # type: ignore[no-untyped-def]
-    """Mean light of both cameras in each block; NaN where no pixel is known."""
+def _average_blocks(one, two, block):  # type: ignore[no-untyped-def]
     height, width = one.shape
     rows, columns = (height + block - 1) // block, (width + block - 1) // block
     total = np.zeros((rows, columns), np.float32)
     count = np.zeros((rows, columns), np.float32)
+
     for i in range(height):
         for j in range(width):
             light = one[i, j] + two[i, j]
             if np.isfinite(light):
                 total[i // block, j // block] += light
                 count[i // block, j // block] += 1
+
     for i in range(rows):
         for j in range(columns):
             total[i, j] = total[i, j] / count[i, j] if count[i, j] > 0 else np.nan
@@ -36,28 +65,43 @@ def _block_light(one, two, block):  # type: ignore[no-untyped-def]
 def mean_of_surroundings(
     image: Image, sound: Mask, *, width: int = _NEAR, without: int = 0
 ) -> Image:
-    """Mean of the sound pixels in a square about each pixel; NaN where there are none.
+    """Mean of the valid pixels in a square about each pixel.
 
     Parameters
     ----------
     image : array, (y, x)
     sound : array of bool, (y, x)
-        Pixels that count.
+        Valid pixels.
     width : int
-        Of the square. [px]
+        Of the square, odd. [px]
     without : int
-        Width of the middle of the square that is left out. [px]
+        Width of the middle of the square that is left out, odd, or 0. [px]
+
+    Returns
+    -------
+    array, (y, x)
+        NaN where the square holds no valid pixel. Unit of the image.
+
+    Examples
+    --------
+    >>> ramp = np.arange(5, dtype=np.float32) * np.ones((3, 1), np.float32)
+    >>> mean_of_surroundings(ramp, ramp != 4, width=3)[1]
+    array([0.5, 1. , 2. , 2.5, 3. ], dtype=float32)
     """
-    # about the middle, because the sums are taken in single precision
-    middle = np.float32(np.median(image[sound][::97])) if sound.any() else np.float32(0)
+    # sums of differences from the median: in single precision, sums of large values lose digits
+    middle = np.float32(np.median(image[sound][::_SAMPLE])) if sound.any() else np.float32(0)
     values, count = np.where(sound, image - middle, np.float32(0)), sound.astype(np.float32)
     total, count = (
-        _box(plane, width) - (_box(plane, without) if without else 0) for plane in (values, count)
+        _sum_over_square(plane, width) - (_sum_over_square(plane, without) if without else 0)
+        for plane in (values, count)
     )
-    return np.where(count > 0.5, middle + total / np.maximum(count, 1), np.float32(np.nan))
+
+    valid = count > 0.5  # whole numbers, up to rounding
+    return np.where(valid, middle + total / np.maximum(count, 1), np.float32(np.nan))
 
 
-def _box(image: Image, width: int) -> Image:
+def _sum_over_square(image: Image, width: int) -> Image:
+    """Sum over a square of a width about each pixel; nothing is added beyond the border."""
     summed = cv2.boxFilter(
         image, -1, (width, width), normalize=False, borderType=cv2.BORDER_CONSTANT
     )

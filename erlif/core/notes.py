@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class Level(StrEnum):
-    """How much a note matters."""
+    """Consequence of a finding."""
 
     NOTE = "note"
     """A measured value or a choice that was made."""
@@ -20,12 +20,20 @@ class Level(StrEnum):
 
 @dataclass(frozen=True)
 class Note:
-    """One finding about an input or a result."""
+    """One finding about an input or a result.
+
+    Examples
+    --------
+    >>> str(Note(Level.WARNING, "camera2", "no flat"))
+    'camera2: no flat'
+    """
 
     level: Level
+    """Consequence of the finding."""
     subject: str
-    """What the note is about: "camera1", "calibration", "frame pair 12"; empty for the run as a whole."""
+    """Camera, file, calibration or frame pair: "camera1", "frame pair 12"; empty for the run."""
     text: str
+    """The finding, without its subject."""
 
     def __str__(self) -> str:
         return f"{self.subject}: {self.text}" if self.subject else self.text
@@ -33,6 +41,15 @@ class Note:
 
 def join_notes(notes: Iterable[Note]) -> str:
     """Notes as the lines of a file attribute.
+
+    Parameters
+    ----------
+    notes : iterable of Note
+
+    Returns
+    -------
+    str
+        One line each.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """The datasets that travel between the stages, each named and described.
 
-All of them are `xarray.Dataset`; the names let a signature, the type checker and `require` notice a skipped stage.
-Image rows are ``y`` (down), columns ``x`` (right), pixel centres at integers.
+All of them are `xarray.Dataset`; with the names, a signature, the type checker and `require` notice
+a skipped stage. Image rows are ``y`` (down), columns ``x`` (right), pixel centres at integers.
 """
 
 from typing import NewType
@@ -11,47 +11,87 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 
 EncoderLog = NewType("EncoderLog", xr.Dataset)
-"""angle (frame) [degree], and where logged time (frame) [s], load (frame) [N], temperature (frame) [degree_Celsius]; other
-columns under their own names."""
+"""Log of the encoder: angle (frame) [degree].
+
+Where logged, time (frame) [s], load (frame) [N] and temperature (frame) [degree_Celsius]; further
+columns under their own names.
+"""
 
 Frames = NewType("Frames", xr.Dataset)
-"""counts (camera, frame, y, x) [DN]: raw counts of both cameras, camera = 1, 2."""
+"""Raw counts of both cameras: counts (camera, frame, y, x) [DN], camera = 1, 2."""
 
 References = NewType("References", xr.Dataset)
-"""What the darks and flats say of both cameras: dark, dark_var, flat, flat_var, bad (camera, y, x); gain [electron/DN],
-read_noise [electron] and full_scale, the count at saturation [DN], each (camera). Beside them, NaN where not measured, the
-characteristics after EMVA 1288: gain_measured and read_noise_measured with gain_std and read_noise_std, dark_signal with
-dark_signal_std and dark_spread [DN], response_spread, bend of the photon transfer with bend_std [1], saturation_capacity
-[electron]; and gain_known, read_noise_known, has_flat."""
+"""Both cameras as darks, flats and settings describe them.
+
+dark and dark_var [DN, DN2], flat and flat_var [1], bad: (camera, y, x). gain [electron/DN],
+read_noise [electron], full_scale (count at saturation) [DN]: (camera).
+
+Characteristics after EMVA 1288, (camera), NaN where not measured: gain_measured and
+read_noise_measured with gain_std and read_noise_std, dark_signal with dark_signal_std and
+dark_spread [DN], response_spread, bend of the photon transfer with bend_std [1],
+saturation_capacity [electron]. Whether they are known: gain_known, read_noise_known, has_flat.
+"""
 
 CorrectedFrames = NewType("CorrectedFrames", xr.Dataset)
-"""signal (camera, frame, y, x) [DN]: dark subtracted, divided by the flat; signal_var, what is new in every frame, and
-signal_var_fixed, the noise of dark and flat, the same in every frame [DN2]; flags [bit mask]."""
+"""Light of both cameras: signal (camera, frame, y, x) [DN], dark subtracted, divided by the flat.
+
+signal_var is the variance that is new in every frame, signal_var_fixed that of dark and flat, which
+repeats from frame to frame [DN2]; they are disjoint. flags [bit mask].
+"""
 
 AlignedFrames = NewType("AlignedFrames", xr.Dataset)
-"""CorrectedFrames with camera 2 on the pixel grid of camera 1; displacement_std (y, x) [px] of that grid; interpolation (frame), the
-factor by which it lowers the variance of a pixel."""
+"""CorrectedFrames with camera 2 on the pixel grid of camera 1.
+
+displacement_std (y, x), standard deviation of that grid [px]; interpolation (frame), the factor by
+which the interpolation lowers the variance of a pixel of camera 2 [1].
+"""
 
 RatioImages = NewType("RatioImages", xr.Dataset)
-"""log_ratio (.., y, x): natural logarithm of camera 2 over camera 1 [1]; log_ratio_var, the random part of a pixel, of which
-log_ratio_var_fixed is the same in every frame; log_ratio_var_shared, what the registration adds to neighbours and frames alike; flags;
-noise_correlation, the variance of a mean over many pixels over that of independent ones."""
+"""log_ratio (.., y, x): natural logarithm of camera 2 over camera 1 [1].
+
+log_ratio_var is the variance of a pixel without that of the registration; it includes
+log_ratio_var_fixed, which repeats from frame to frame (dark, flat). This departs from signal_var
+and signal_var_fixed, which are disjoint. log_ratio_var_shared is the variance by the registration,
+common to neighbouring pixels and to all frames, and not included in log_ratio_var [1].
+
+flags [bit mask]; noise_correlation, variance of a mean over many pixels over that of independent
+pixels [1].
+"""
 
 ThicknessMaps = NewType("ThicknessMaps", xr.Dataset)
-"""thickness (.., y, x) [um], thickness_std (random), thickness_std_shared, flags; NaN exactly where flags is not 0."""
+"""thickness (.., y, x) [um], NaN exactly where flags is not 0.
+
+thickness_std, from the noise of the pixel; thickness_std_shared, from calibration and registration,
+common to all pixels [um]; flags [bit mask]; log_ratio_near, mean log ratio about the pixel [1].
+"""
 
 
 def require(dataset: xr.Dataset, *names: str) -> None:
     """Check that a product holds what a stage reads.
 
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Product of the stage before.
+    *names : str
+        Variables that are read.
+
     Raises
     ------
     ErlifError
         If a variable is absent, naming the missing ones and those present.
+
+    Examples
+    --------
+    >>> require(xr.Dataset({"counts": 1, "flags": 0}), "counts")
+    >>> require(xr.Dataset({"counts": 1}), "signal")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    erlif.core.errors.ErlifError: This stage reads signal; signal is missing from the dataset, ...
     """
     missing = [name for name in names if name not in dataset]
     if missing:
+        present = ", ".join(str(name) for name in dataset.variables)
         raise ErlifError(
-            f"This stage reads {', '.join(names)}; {', '.join(missing)} is missing from the dataset, which holds "
-            f"{', '.join(str(name) for name in dataset.variables)}. Was a stage of the pipeline left out?"
+            f"This stage reads {', '.join(names)}; {', '.join(missing)} is missing from the "
+            f"dataset, which holds {present}. Was a stage of the pipeline left out?"
         )

@@ -5,8 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 Progress = Callable[[str, int, int], None]
-"""Told what is being done, how many of it are done, and how many there are."""
+"""Called with the name of a step, the number of items that are finished, and their total."""
 
 
 def silent(what: str, done: int, total: int) -> None:
-    """Report nothing."""
+    """Report nothing.
+
+    Parameters
+    ----------
+    what : str
+        Name of the step.
+    done, total : int
+        Finished items, and all of them.
+
+    Examples
+    --------
+    >>> silent("frames", 3, 12)
+    """

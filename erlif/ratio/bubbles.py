@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from erlif.core.arrays import Image, Mask
-from erlif.core.neighbourhood import _BLOCK, _block_light
+from erlif.core.neighbourhood import BLOCK, block_light
 
 _REACH = 9  # surroundings of a bubble: the median of 9 x 9 blocks of 8 px
 
@@ -29,14 +29,14 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     -------
     array of bool, (y, x)
     """
-    blocks = _block_light(one, two, _BLOCK)
+    blocks = block_light(one, two, BLOCK)
     known = np.isfinite(blocks)
     if not known.any():
         return np.zeros(one.shape, bool)
     surroundings = ndimage.median_filter(
         np.where(known, blocks, np.median(blocks[known])), size=_REACH, mode="nearest"
     )
-    dark = _below(one, two, share * surroundings, _BLOCK)
+    dark = _below(one, two, share * surroundings, BLOCK)
     if not dark.any():
         return np.asarray(dark, bool)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))

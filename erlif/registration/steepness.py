@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from erlif.core.arrays import Image, Mask
-from erlif.core.neighbourhood import _BLOCK, _block_light
+from erlif.core.neighbourhood import BLOCK, block_light
 
 DARKEST: Final = 1e-3
 """Light from which on the logarithm is taken; dark blocks are set to it. [counts]"""
@@ -42,12 +42,12 @@ def is_steep(signal: Image, *, limit: float = 0.04) -> Mask:
     >>> bool(is_steep(np.exp(0.02 * x)).any())
     False
     """
-    light = np.nan_to_num(_block_light(signal, signal, _BLOCK))
+    light = np.nan_to_num(block_light(signal, signal, BLOCK))
     blocks = np.log(np.maximum(light, DARKEST))
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
     smooth = ndimage.median_filter(blocks, size=3, mode="nearest")
-    rise = np.hypot(*np.gradient(smooth)) / _BLOCK
+    rise = np.hypot(*np.gradient(smooth)) / BLOCK
 
-    steep = np.repeat(np.repeat(rise > limit, _BLOCK, axis=0), _BLOCK, axis=1)
+    steep = np.repeat(np.repeat(rise > limit, BLOCK, axis=0), BLOCK, axis=1)
     return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
