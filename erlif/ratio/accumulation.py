@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, Image, Mask
+from erlif.core.arrays import Array, FlagImage, Image, Mask
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.neighbourhood import mean_of_surroundings
 from erlif.core.products import RatioImages, require
@@ -16,34 +16,64 @@ from erlif.core.products import RatioImages, require
 
 @dataclass
 class RatioSum:
-    """Frames of one trigger, added up with inverse-variance weights without keeping them.
+    """Frames of one trigger, summed with inverse-variance weights without keeping them.
 
-    Every cycle sees the trigger anew; shot and read noise average out, the noise of dark and flat and the registration error
-    do not. The variance that decides the weights is that of a pixel's surroundings: its own goes with its noise, and a mean weighted
-    by it would be biased. A pixel is answered if any of its frames is; one that none answers keeps the flags of all.
+    Shot and read noise are new in every frame and average out; the noise of dark and flat and the
+    registration error do not. The weight of a pixel follows from the mean variance of its
+    surroundings. Its own variance is correlated with its noise, and a mean weighted by it would be
+    biased. A pixel is valid if it is valid in any frame; otherwise it keeps the flags of all.
+
+    Examples
+    --------
+    Without frames no pixel is valid, and the mean is NaN:
+
+    >>> total = RatioSum((480, 640))
+    >>> int(total.valid.sum()), float(total.mean().log_ratio[240, 320])
+    (0, nan)
     """
 
     shape: tuple[int, int]
+    """Rows and columns of the images. [px]"""
     frames: int = 0
+    """Frames that were added."""
     weight: Array = field(init=False)
+    """Sum of the weights w, (y, x). [1]"""
     total: Array = field(init=False)
-    random: Array = field(init=False)
-    fixed: Array = field(init=False)
-    shared: Array = field(init=False)
+    """Sum of w times log_ratio, (y, x). [1]"""
+    total_var: Array = field(init=False)
+    """Sum of w^2 times the variance that is new in every frame, (y, x). [1]"""
+    total_var_fixed: Array = field(init=False)
+    """Sum of w times the variance that repeats from frame to frame, (y, x). [1]"""
+    total_var_shared: Array = field(init=False)
+    """Sum of w times the variance by the registration, (y, x). [1]"""
     correlation: float = 0.0
-    flags: Mask = field(init=False)
-    answered: Mask = field(init=False)
+    """Sum of the noise correlation of the frames. [1]"""
+    flags: FlagImage = field(init=False)
+    """Flags of all frames, (y, x)."""
+    valid: Mask = field(init=False)
+    """Pixels that are valid in a frame at least, (y, x)."""
 
     def __post_init__(self) -> None:
-        """Start from nothing."""
-        self.weight, self.total, self.random, self.fixed, self.shared = (
+        """Set the sums to zero."""
+        self.weight, self.total, self.total_var, self.total_var_fixed, self.total_var_shared = (
             np.zeros(self.shape) for _ in range(5)
         )
         self.flags = np.zeros(self.shape, np.uint8)
-        self.answered = np.zeros(self.shape, bool)
+        self.valid = np.zeros(self.shape, bool)
 
     def add(self, ratios: RatioImages) -> None:
-        """Add ratio images (frame, y, x) of the same trigger."""
+        """Add ratio images of the same trigger.
+
+        Parameters
+        ----------
+        ratios : RatioImages
+            log_ratio (frame, y, x) with its variances and flags, and noise_correlation (frame).
+
+        Raises
+        ------
+        ErlifError
+            If a variable is missing.
+        """
         require(
             ratios,
             "log_ratio",
@@ -53,21 +83,20 @@ class RatioSum:
             "flags",
         )
         for n in range(ratios.sizes["frame"]):
-            fixed = ratios.log_ratio_var_fixed.values[n]
             _add_frame(
                 ratios.log_ratio.values[n],
                 self.weigh(ratios, n),
-                ratios.log_ratio_var.values[n] - fixed,
-                fixed,
+                _new_variance(ratios, n),
+                ratios.log_ratio_var_fixed.values[n],
                 ratios.log_ratio_var_shared.values[n],
                 ratios.flags.values[n],
                 self.weight,
                 self.total,
-                self.random,
-                self.fixed,
-                self.shared,
+                self.total_var,
+                self.total_var_fixed,
+                self.total_var_shared,
                 self.flags,
-                self.answered,
+                self.valid,
             )
             self.frames += 1
             self.correlation += (
@@ -76,21 +105,44 @@ class RatioSum:
 
     @staticmethod
     def weigh(ratios: RatioImages, frame: int) -> Image:
-        """Weight of each pixel of a frame: one over the variance, new in this frame, of its surroundings; 0 where it is flagged."""
+        """Weights of the pixels of a frame.
+
+        Parameters
+        ----------
+        ratios : RatioImages
+            log_ratio_var, log_ratio_var_fixed and flags (frame, y, x).
+        frame : int
+            Position of the frame among them.
+
+        Returns
+        -------
+        array, (y, x)
+            One over the mean of the surroundings of the variance that is new in this frame; 0 where
+            the pixel is flagged. [1]
+        """
         sound = ratios.flags.values[frame] == 0
-        variance = ratios.log_ratio_var.values[frame] - ratios.log_ratio_var_fixed.values[frame]
-        expected = mean_of_surroundings(variance, sound)
+        expected = mean_of_surroundings(_new_variance(ratios, frame), sound)
         return np.divide(1, expected, out=np.zeros(sound.shape, np.float32), where=sound)
 
     def mean(self) -> RatioImages:
-        """Weighted mean of what was added, as RatioImages without a frame dimension."""
+        """Weighted mean of the frames that were added.
+
+        Returns
+        -------
+        RatioImages
+            Without a frame dimension; NaN with the flags of all frames where a pixel is valid in
+            none.
+        """
+        # the variance of independent errors falls with the weights, that of repeated ones does not
         with np.errstate(divide="ignore", invalid="ignore"):
+            var_fixed = self.total_var_fixed / self.weight
             means = {
                 "log_ratio": self.total / self.weight,
-                "log_ratio_var": self.random / self.weight**2 + self.fixed / self.weight,
-                "log_ratio_var_fixed": self.fixed / self.weight,
-                "log_ratio_var_shared": self.shared / self.weight,
+                "log_ratio_var": self.total_var / self.weight**2 + var_fixed,
+                "log_ratio_var_fixed": var_fixed,
+                "log_ratio_var_shared": self.total_var_shared / self.weight,
             }
+
         dims = ("y", "x")
         images = {
             name: (
@@ -100,13 +152,19 @@ class RatioSum:
             )
             for name, image in means.items()
         }
-        flags = np.where(self.answered, 0, self.flags).astype(np.uint8)
+        flags = np.where(self.valid, 0, self.flags).astype(np.uint8)
         correlation = ((), self.correlation / max(self.frames, 1), {"units": "1"})
         return RatioImages(
             xr.Dataset(
                 images | {"flags": (dims, flags, FLAG_ATTRS), "noise_correlation": correlation}
             )
         )
+
+
+def _new_variance(ratios: RatioImages, frame: int) -> Image:
+    """Variance of the pixels of a frame without the part that repeats from frame to frame."""
+    variance = ratios.log_ratio_var.values[frame] - ratios.log_ratio_var_fixed.values[frame]
+    return np.asarray(variance)
 
 
 @numba.njit(nogil=True, cache=True)
@@ -119,13 +177,13 @@ def _add_frame(  # type: ignore[no-untyped-def]
     flag,
     weight,
     total,
-    random,
-    fixed,
-    shared,
+    total_var,
+    total_var_fixed,
+    total_var_shared,
     flags,
-    answered,
+    valid,
 ):
-    """Weight each frame by what is new in it; the fixed part is weighted along and divided out at the end."""
+    """Add the first six images to the sums in the others."""
     for i in range(log_ratio.shape[0]):
         for j in range(log_ratio.shape[1]):
             flags[i, j] |= flag[i, j]
@@ -133,14 +191,51 @@ def _add_frame(  # type: ignore[no-untyped-def]
                 w = frame_weight[i, j]
                 weight[i, j] += w
                 total[i, j] += w * log_ratio[i, j]
-                random[i, j] += w * w * variance[i, j]
-                fixed[i, j] += w * variance_fixed[i, j]
-                shared[i, j] += w * variance_shared[i, j]
-                answered[i, j] = True
+                valid[i, j] = True
+
+                # errors of one frame add in quadrature, those common to all frames linearly
+                total_var[i, j] += w * w * variance[i, j]
+                total_var_fixed[i, j] += w * variance_fixed[i, j]
+                total_var_shared[i, j] += w * variance_shared[i, j]
 
 
 def combine_frames(ratios: RatioImages) -> RatioImages:
-    """Inverse-variance mean over the frame dimension; see `RatioSum` for frames that do not fit into memory together."""
+    """Inverse-variance mean over the frame dimension.
+
+    `RatioSum` does the same for frames that do not fit into memory together.
+
+    Parameters
+    ----------
+    ratios : RatioImages
+        log_ratio (frame, y, x) of one trigger with its variances and flags.
+
+    Returns
+    -------
+    RatioImages
+        log_ratio (y, x) with its variances and flags.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+
+    Examples
+    --------
+    A frame with a quarter of the variance has four times the weight:
+
+    >>> dims = ("frame", "y", "x")
+    >>> variance = np.ones((2, 4, 4)) * [[[4e-4]], [[1e-4]]]
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (dims, np.ones((2, 4, 4)) * [[[0.5]], [[1.0]]]),
+    ...     "log_ratio_var": (dims, variance),
+    ...     "log_ratio_var_fixed": (dims, np.zeros((2, 4, 4))),
+    ...     "log_ratio_var_shared": (dims, np.zeros((2, 4, 4))),
+    ...     "flags": (dims, np.zeros((2, 4, 4), np.uint8)),
+    ... }))
+    >>> mean = combine_frames(ratios)
+    >>> round(float(mean.log_ratio[0, 0]), 6), round(float(mean.log_ratio_var[0, 0]), 6)
+    (0.9, 8e-05)
+    """
     height, width = ratios.sizes["y"], ratios.sizes["x"]
     total = RatioSum((height, width))
     total.add(ratios)

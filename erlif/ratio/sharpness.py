@@ -1,8 +1,9 @@
-"""Two lenses are never equally sharp: speckle that one camera blurs more leaves a ghost of itself in the ratio.
+"""Difference of sharpness between the two cameras, and the ghost of the speckle that it leaves.
 
-A blur of variance s^2 changes the logarithm of an image by s^2/2 times its second derivative, to first order. The difference of
-the two cameras' blurs is therefore two numbers, one per axis, that a run's own texture tells, and the ghost can be taken out
-of the logarithm of the ratio pixel by pixel.
+A blur of variance s^2 changes the logarithm of an image by s^2/2 times its second derivative, to
+first order. Speckle that one camera blurs more therefore remains in the logarithm of the ratio. The
+difference of the blurs is two numbers, one per axis; they follow from the texture of the frames,
+and the ghost is subtracted from the logarithm of the ratio pixel by pixel.
 """
 
 from __future__ import annotations
@@ -12,47 +13,98 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Image
 from erlif.core.products import AlignedFrames, require
 
-_APART = 3  # pixels to the neighbours whose mean is taken off, far enough to share no noise with a second difference
+_APART = 3
+"""Distance of the neighbours whose mean is subtracted; no pixel in common with a second
+difference. [px]"""
+
+_SIGNIFICANT = 3
+"""Standard deviations from which on a difference of sharpness is corrected."""
+
+_LEAST_PIXELS = 1000
+"""Pixels of a regression, at least."""
+
+_CORRELATED = 10
+"""Pixels that count as one independent: neighbours share texture and noise."""
 
 
 @dataclass(frozen=True)
 class BlurDifference:
-    """Half the difference of the cameras' blur variances, camera 2 less camera 1, along x and y. [px2]"""
+    """Half the difference of the cameras' blur variances, camera 2 less camera 1.
+
+    Examples
+    --------
+    >>> BlurDifference(x=0.030, y=0.010, std_x=0.004, std_y=0.004).significant
+    True
+    >>> BlurDifference(x=0.010, y=0.010, std_x=0.004, std_y=0.004).significant
+    False
+    """
 
     x: float = 0.0
+    """Along x. [px2]"""
     y: float = 0.0
+    """Along y. [px2]"""
     std_x: float = 0.0
+    """[px2]"""
     std_y: float = 0.0
+    """[px2]"""
 
     @property
     def significant(self) -> bool:
-        """Whether the texture tells the cameras apart."""
-        return abs(self.x) > 3 * self.std_x or abs(self.y) > 3 * self.std_y
+        """Whether the texture shows a difference, along either axis."""
+        return abs(self.x) > _SIGNIFICANT * self.std_x or abs(self.y) > _SIGNIFICANT * self.std_y
 
 
 @dataclass
 class BlurMoments:
-    """Sums over frames from which the blur difference is solved."""
+    """Sums over frames from which the blur difference is solved.
+
+    Examples
+    --------
+    Without frames there is no difference:
+
+    >>> BlurMoments.empty().solve()
+    BlurDifference(x=0.0, y=0.0, std_x=0.0, std_y=0.0)
+    """
 
     matrix: Array
+    """Products of the second differences of camera 1 (rows x, y) and camera 2 (columns). [1]"""
     vector: Array
+    """Products of the log ratio and the second differences of camera 1, along x and y. [1]"""
     noise: Array
+    """Covariance of the vector, pixels taken as independent. [1]"""
     pixels: int = 0
+    """Pixels in the sums."""
 
     @classmethod
     def empty(cls) -> BlurMoments:
-        """Nothing added yet."""
+        """Sums over no frames.
+
+        Returns
+        -------
+        BlurMoments
+        """
         return cls(np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2)))
 
     def add(self, frames: AlignedFrames) -> None:
-        """Add aligned frames (camera, frame, y, x).
+        """Add aligned frames.
 
-        The logarithm of the ratio is set against the second differences of camera 1. Noise of camera 1 stands in both; what it
-        feigns, twice its relative variance, is known and taken off. The square of the texture is that of camera 1 times
-        camera 2, which share no noise.
+        The logarithm of the ratio is regressed on the second differences of camera 1. Both contain
+        the noise of camera 1; the product of this noise, twice its relative variance, is known and
+        subtracted. The square of the texture is the product of camera 1 and camera 2, which have
+        no noise in common.
+
+        Parameters
+        ----------
+        frames : AlignedFrames
+            signal, signal_var, signal_var_fixed and flags (camera, frame, y, x).
+
+        Raises
+        ------
+        ErlifError
+            If a variable is missing.
         """
         require(frames, "signal", "signal_var", "signal_var_fixed", "flags")
         flags = (frames.flags.values[0] | frames.flags.values[1]) != 0
@@ -66,14 +118,20 @@ class BlurMoments:
             self.pixels += pixels
 
     def solve(self) -> BlurDifference:
-        """The blur difference with its standard deviation; zero where there is too little texture to tell."""
+        """Blur difference with its standard deviation.
+
+        Returns
+        -------
+        BlurDifference
+            Zero where there is too little texture.
+        """
         symmetric = (self.matrix + self.matrix.T) / 2
-        if self.pixels < 1000 or np.linalg.eigvalsh(symmetric)[0] <= 0:
+        if self.pixels < _LEAST_PIXELS or np.linalg.eigvalsh(symmetric)[0] <= 0:
             return BlurDifference()
+
         inverse = np.linalg.inv(symmetric)
         x, y = inverse @ self.vector
-        # neighbours share texture and noise: a tenth of the pixels count as independent
-        std = np.sqrt(10 * np.diag(inverse @ self.noise @ inverse))
+        std = np.sqrt(_CORRELATED * np.diag(inverse @ self.noise @ inverse))
         return BlurDifference(float(x), float(y), float(std[0]), float(std[1]))
 
 
@@ -88,6 +146,31 @@ def measure_blur_difference(frames: AlignedFrames) -> BlurDifference:
     Returns
     -------
     BlurDifference
+        Zero where there is too little texture.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+
+    Examples
+    --------
+    Speckle of wave number 0.4 rad/px, weakened in camera 2 as by a blur of variance 0.06 px2:
+
+    >>> import xarray as xr
+    >>> y, x = np.indices((64, 64))
+    >>> speckle = 0.1 * (np.sin(0.4 * x) + np.sin(0.4 * y))
+    >>> blurred = speckle * np.exp(-(0.4**2) * 0.06 / 2)
+    >>> dims = ("camera", "frame", "y", "x")
+    >>> frames = AlignedFrames(xr.Dataset({
+    ...     "signal": (dims, 1000 * np.exp([[speckle], [blurred]])),
+    ...     "signal_var": (dims, np.zeros((2, 1, 64, 64))),
+    ...     "signal_var_fixed": (dims, np.zeros((2, 1, 64, 64))),
+    ...     "flags": (dims, np.zeros((2, 1, 64, 64), np.uint8)),
+    ... }))
+    >>> difference = measure_blur_difference(frames)
+    >>> round(difference.x, 2), round(difference.y, 2)
+    (0.03, 0.03)
     """
     moments = BlurMoments.empty()
     moments.add(frames)
@@ -96,25 +179,32 @@ def measure_blur_difference(frames: AlignedFrames) -> BlurDifference:
 
 @numba.njit(nogil=True, cache=True)
 def _moments(one, two, variance, flagged, apart):  # type: ignore[no-untyped-def]
+    """Moments of one frame, in the order of the fields of `BlurMoments`."""
     height, width = one.shape
     matrix, vector, noise = np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2))
     pixels = 0
+
     first, second = np.empty((height, width)), np.empty((height, width))
     for i in range(height):
         for j in range(width):
             sound = not flagged[i, j] and one[i, j] > 0 and two[i, j] > 0
             first[i, j] = np.log(one[i, j]) if sound else np.nan
             second[i, j] = np.log(two[i, j]) if sound else np.nan
+
+    # second differences of camera 2, which are needed at the neighbours as well
     bend_x, bend_y = np.full((height, width), np.nan), np.full((height, width), np.nan)
     for i in range(1, height - 1):
         for j in range(1, width - 1):
             bend_x[i, j] = second[i, j - 1] - 2 * second[i, j] + second[i, j + 1]
             bend_y[i, j] = second[i - 1, j] - 2 * second[i, j] + second[i + 1, j]
+
     for i in range(apart + 1, height - apart - 1):
         for j in range(apart + 1, width - apart - 1):
             ax = first[i, j - 1] - 2 * first[i, j] + first[i, j + 1]
             ay = first[i - 1, j] - 2 * first[i, j] + first[i + 1, j]
-            # what is slow, the film, is taken off the ratio, and likewise off what the ratio is set against
+
+            # the film varies slowly; the mean of four neighbours removes it from the ratio, and the
+            # same is done to the second differences, so that the factor between both stays
             bx, by, rest = bend_x[i, j], bend_y[i, j], second[i, j] - first[i, j]
             for k, m in ((-apart, 0), (apart, 0), (0, -apart), (0, apart)):
                 bx -= 0.25 * bend_x[i + k, j + m]
@@ -122,13 +212,15 @@ def _moments(one, two, variance, flagged, apart):  # type: ignore[no-untyped-def
                 rest -= 0.25 * (second[i + k, j + m] - first[i + k, j + m])
             if not np.isfinite(ax + ay + bx + by + rest):
                 continue
-            feigned = 2 * variance[i, j] / (one[i, j] * one[i, j])
+
+            # noise n of camera 1 is -n in the ratio and -2 n in its second differences
+            common = 2 * variance[i, j] / (one[i, j] * one[i, j])
             matrix[0, 0] += ax * bx
             matrix[0, 1] += ax * by
             matrix[1, 0] += ay * bx
             matrix[1, 1] += ay * by
-            vector[0] += rest * ax - feigned
-            vector[1] += rest * ay - feigned
+            vector[0] += rest * ax - common
+            vector[1] += rest * ay - common
             noise[0, 0] += (rest * ax) ** 2
             noise[1, 1] += (rest * ay) ** 2
             noise[0, 1] += rest * rest * ax * ay
@@ -137,17 +229,36 @@ def _moments(one, two, variance, flagged, apart):  # type: ignore[no-untyped-def
     return matrix, vector, noise, pixels
 
 
-@numba.njit(nogil=True, cache=True)
-def take_out_ghost(log_ratio, one, two, along_x, along_y):  # type: ignore[no-untyped-def]
+def take_out_ghost(
+    log_ratio: Image, one: Image, two: Image, along_x: float, along_y: float
+) -> None:
     """Subtract the ghost of the texture from the logarithm of the ratio, in place.
 
     Parameters
     ----------
-    log_ratio, one, two : array, (y, x)
-        The logarithm of the ratio, and the light of the two cameras on one grid.
+    log_ratio : array, (y, x)
+        Logarithm of camera 2 over camera 1, changed in place. [1]
+    one, two : array, (y, x)
+        Light of the two cameras on one grid. [DN]
     along_x, along_y : float
-        The blur difference. [px2]
+        The blur difference, camera 2 less camera 1. [px2]
+
+    Examples
+    --------
+    The logarithm of light exp(a x^2) has the second derivative 2 a, and blur raises it by 2 a times
+    half the variance:
+
+    >>> light = np.exp(0.01 * (np.arange(5.0) - 2) ** 2) * np.ones((3, 1))
+    >>> log_ratio = np.full((3, 5), 0.02 * 0.05)
+    >>> take_out_ghost(log_ratio, light, light, 0.05, 0.05)
+    >>> bool(np.allclose(log_ratio[1, 1:4], 0, atol=1e-12))
+    True
     """
+    _subtract_ghost(log_ratio, one, two, along_x, along_y)
+
+
+@numba.njit(nogil=True, cache=True)
+def _subtract_ghost(log_ratio, one, two, along_x, along_y):  # type: ignore[no-untyped-def]
     height, width = one.shape
     for i in range(1, height - 1):
         for j in range(1, width - 1):

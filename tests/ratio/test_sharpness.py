@@ -1,11 +1,17 @@
-"""The ghost that unequal blur leaves in the ratio, on textures whose blur is known in closed form."""
+"""The ghost of unequal sharpness, on textures whose blur is known in closed form."""
 
 import numpy as np
 import numpy.testing as npt
 import xarray as xr
 
 from erlif.core.products import AlignedFrames
-from erlif.ratio import BlurDifference, compute_ratio, measure_blur_difference
+from erlif.ratio import (
+    BlurDifference,
+    BlurMoments,
+    compute_ratio,
+    measure_blur_difference,
+    take_out_ghost,
+)
 
 SHAPE = (200, 240)
 GAIN = 4.4
@@ -59,7 +65,7 @@ def frames(one, two, rng, *, level=1500.0, noise=True):
 
 
 def test_blur_difference_is_half_the_difference_of_the_variances():
-    """Long waves, for which second differences are second derivatives: camera 2 is blurred by 0.06 and 0.02 px2 more."""
+    """Camera 2 is blurred by 0.06 and 0.02 px2 more; in long waves the first order holds."""
     rng = np.random.default_rng(1)
     kx, ky, phase, amplitude = waves(rng)
     texture = (0.35 * kx, 0.35 * ky, phase, amplitude)
@@ -68,8 +74,8 @@ def test_blur_difference_is_half_the_difference_of_the_variances():
     npt.assert_allclose([found.x, found.y], [0.03, 0.01], rtol=0.08)
 
 
-def test_noise_feigns_no_blur():
-    """Thirty pairs of equally sharp, noisy images: the differences scatter about zero as they say."""
+def test_noise_causes_no_blur_difference():
+    """Thirty pairs of equally sharp, noisy images: differences within their standard deviations."""
     rng = np.random.default_rng(2)
     pulls = []
     for _ in range(30):
@@ -80,7 +86,7 @@ def test_noise_feigns_no_blur():
     assert np.std(pulls) < 1.3
 
 
-def test_ghost_goes_out_of_the_ratio():
+def test_the_ghost_is_removed_from_the_ratio():
     rng = np.random.default_rng(3)
     texture = waves(rng)
     one, two = scene(texture, 0.25, 0.25), scene(texture, 0.33, 0.33)
@@ -93,7 +99,7 @@ def test_ghost_goes_out_of_the_ratio():
     assert after < 0.35 * before
 
 
-def test_without_texture_nothing_is_claimed_or_changed():
+def test_without_texture_the_ratio_is_not_changed():
     rng = np.random.default_rng(4)
     flat = np.ones(SHAPE)
     pair = frames(flat, flat, rng)
@@ -103,3 +109,62 @@ def test_without_texture_nothing_is_claimed_or_changed():
     npt.assert_array_equal(
         compute_ratio(pair, blur=BlurDifference()).log_ratio, compute_ratio(pair).log_ratio
     )
+
+
+def test_a_sharper_camera_2_gives_a_negative_difference():
+    rng = np.random.default_rng(5)
+    kx, ky, phase, amplitude = waves(rng)
+    texture = (0.35 * kx, 0.35 * ky, phase, amplitude)
+    pair = frames(scene(texture, 0.06, 0.04), scene(texture, 0, 0), rng, noise=False)
+    found = measure_blur_difference(pair)
+    npt.assert_allclose([found.x, found.y], [-0.03, -0.02], rtol=0.08)
+
+
+def test_film_and_laser_power_make_no_blur_difference():
+    """A film that rises along x, and twice the light in camera 2."""
+    rng = np.random.default_rng(6)
+    image = scene(waves(rng), 0.25, 0.25)
+    film = 2 * np.exp(0.002 * np.arange(SHAPE[1]))
+    found = measure_blur_difference(frames(image, image * film, rng, noise=False))
+    npt.assert_allclose([found.x, found.y], 0, atol=1e-4)
+
+
+def test_moments_of_several_frames_are_added():
+    rng = np.random.default_rng(7)
+    texture = waves(rng)
+    pairs = [frames(scene(texture, 0, 0), scene(texture, 0.1, 0.1), rng) for _ in range(2)]
+    moments = BlurMoments.empty()
+    for pair in pairs:
+        moments.add(pair)
+    together = measure_blur_difference(
+        AlignedFrames(xr.concat(pairs, "frame", data_vars="minimal"))
+    )
+    npt.assert_allclose(moments.solve().x, together.x, rtol=1e-9)
+    single = measure_blur_difference(pairs[0])
+    npt.assert_allclose(together.std_x, single.std_x / np.sqrt(2), rtol=0.1)
+
+
+def test_flagged_pixels_take_no_part():
+    rng = np.random.default_rng(8)
+    pair = frames(scene(waves(rng), 0, 0), scene(waves(rng), 0.1, 0.1), rng)
+    pair.flags.values[1] = 1
+    assert measure_blur_difference(pair) == BlurDifference()
+
+
+def test_the_ghost_of_a_parabola_is_its_constant_curvature():
+    """Logarithm a x^2 + b y^2, second derivatives 2 a and 2 b."""
+    y, x = np.indices((20, 30)) - 10.0
+    light = np.exp(0.01 * x**2 - 0.02 * y**2)
+    log_ratio = np.zeros(light.shape)
+    take_out_ghost(log_ratio, light, light, 0.05, 0.03)
+    npt.assert_allclose(log_ratio[1:-1, 1:-1], -(0.05 * 0.02 - 0.03 * 0.04), atol=1e-12)
+    npt.assert_array_equal(log_ratio[[0, -1]], 0.0)
+
+
+def test_pixels_without_light_keep_their_ratio():
+    light = np.exp(0.01 * np.arange(9.0) ** 2) * np.ones((7, 1))
+    light[3, 4] = np.nan
+    log_ratio = np.zeros(light.shape)
+    take_out_ghost(log_ratio, light, light, 0.05, 0.05)
+    npt.assert_array_equal(log_ratio[[2, 3, 3, 3, 4], [4, 3, 4, 5, 4]], 0.0)
+    assert log_ratio[1, 4] != 0

@@ -86,3 +86,14 @@ def test_missing_pixels_do_not_change_their_block():
     even = light()
     even[rng.uniform(size=even.shape) < 0.05] = np.nan
     assert not is_steep(even).any()
+
+
+def test_the_thin_edge_of_a_film_is_steep_and_its_speckle_is_not():
+    """A film that rises from 0.05 um at the left edge, with speckle of 10 %."""
+    rng = np.random.default_rng(7)
+    film = 0.05 + 0.06 * np.arange(160)
+    light = 10000 * (1 - np.exp(-0.4 * film)) * (1 + 0.1 * rng.standard_normal((120, 160)))
+    steep = is_steep(light.astype(np.float32))
+    slope = 0.4 * 0.06 / np.expm1(0.4 * film)  # of the logarithm of 1 - exp(-0.4 film)
+    assert steep[:, slope > 0.08].all()
+    assert not steep[:, slope < 0.02].any()

@@ -1,0 +1,72 @@
+"""Bubbles: found with their meniscus, and nothing else."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.ratio import find_bubbles
+
+
+def test_bubbles_are_found_with_their_rim_in_uneven_light():
+    y, x = np.indices((120, 160))
+    beam = 2000 * np.exp(-((x - 80) ** 2 + (y - 60) ** 2) / (2 * 60**2))
+    for centre, radius in (((30, 40), 4), ((90, 120), 9)):
+        beam[np.hypot(y - centre[0], x - centre[1]) <= radius] *= 0.05
+    dark = find_bubbles(beam.astype(np.float32), beam.astype(np.float32), share=0.25)
+    for centre, radius in (((30, 40), 4), ((90, 120), 9)):
+        assert dark[np.hypot(y - centre[0], x - centre[1]) <= radius + 2].all()
+    near = np.minimum(np.hypot(y - 30, x - 40) - 4, np.hypot(y - 90, x - 120) - 9)
+    assert not dark[near > 5].any()
+
+
+def even_light(shape=(64, 80)):
+    return np.full(shape, 1000, np.float32)
+
+
+def test_a_corner_of_vignetted_light_is_no_bubble():
+    y, x = np.indices((120, 160))
+    beam = 2000 * np.exp(-((x - 80) ** 2 + (y - 60) ** 2) / (2 * 60**2))
+    assert beam[0, 0] < 0.3 * beam.max()
+    light = beam.astype(np.float32)
+    assert not find_bubbles(light, light, share=0.25).any()
+
+
+@pytest.mark.parametrize(("level", "expected"), [(0.24, True), (0.26, False)])
+def test_a_pixel_is_dark_below_the_share_of_its_surroundings(level, expected):
+    light = even_light()
+    light[30:33, 40:43] *= level
+    assert find_bubbles(light, light, share=0.25)[31, 41] == expected
+
+
+def test_light_of_one_camera_alone_is_no_bubble():
+    one, two = even_light(), even_light()
+    one[30:33, 40:43] = 0
+    assert not find_bubbles(one, two, share=0.25).any()
+
+
+@pytest.mark.parametrize("margin", [1, 3, 5])
+def test_the_margin_is_a_disc_about_the_dark_pixel(margin):
+    light = even_light()
+    light[30, 40] = 0
+    marked = find_bubbles(light, light, share=0.25, margin=margin)
+    y, x = np.indices(light.shape)
+    distance = np.hypot(y - 30, x - 40)
+    assert marked[distance <= margin - 0.5].all()
+    assert not marked[distance > margin + 0.5].any()
+    assert marked[30, 40 + margin]
+
+
+def test_unknown_pixels_are_no_bubble():
+    light = even_light()
+    light[10:40, 10:60] = np.nan
+    assert not find_bubbles(light, light, share=0.25).any()
+    light[:] = np.nan
+    assert not find_bubbles(light, light, share=0.25).any()
+
+
+def test_laser_power_does_not_change_the_bubbles():
+    rng = np.random.default_rng(1)
+    light = rng.uniform(100, 1000, (64, 80)).astype(np.float32)
+    npt.assert_array_equal(
+        find_bubbles(light, light, share=0.4), find_bubbles(4 * light, 4 * light, share=0.4)
+    )

@@ -1,0 +1,159 @@
+"""The log ratio: what it does not depend on, its noise, its registration error."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
+from erlif.core.products import AlignedFrames
+from erlif.ratio import compute_ratio, log_gradient
+
+GAIN = 4.4  # [electron/DN]
+
+
+def aligned(one, two, one_var=None, two_var=None, displacement_std=0.0):
+    """Aligned frames (frame, y, x) of two cameras."""
+    signal = np.stack([one, two]).astype(np.float32)
+    variance = np.stack(
+        [one / GAIN if one_var is None else one_var, two / GAIN if two_var is None else two_var]
+    )
+    dims = ("camera", "frame", "y", "x")
+    return AlignedFrames(
+        xr.Dataset(
+            {
+                "signal": (dims, signal),
+                "signal_var": (dims, variance.astype(np.float32)),
+                "signal_var_fixed": (dims, np.zeros(signal.shape, np.float32)),
+                "flags": (dims, np.zeros(signal.shape, np.uint8)),
+                "displacement_std": (
+                    ("y", "x"),
+                    np.full(signal.shape[-2:], displacement_std, np.float32),
+                ),
+            },
+            {"camera": [1, 2]},
+        )
+    )
+
+
+@pytest.fixture
+def light():
+    rng = np.random.default_rng(3)
+    return rng.uniform(800, 2500, (2, 3, 64, 72))
+
+
+def test_ratio_ignores_laser_power(light):
+    before = compute_ratio(aligned(*light))
+    after = compute_ratio(aligned(*(3 * light), *(9 * light / GAIN)))
+    npt.assert_allclose(after.log_ratio, before.log_ratio, atol=1e-6)
+    npt.assert_allclose(after.log_ratio_var, before.log_ratio_var, rtol=1e-5)
+
+
+def test_exchanged_cameras_change_the_sign(light):
+    npt.assert_allclose(
+        compute_ratio(aligned(*light)).log_ratio,
+        -compute_ratio(aligned(*light[::-1])).log_ratio,
+        atol=1e-6,
+    )
+
+
+@pytest.mark.parametrize("electrons", [(1100, 700), (11000, 8000)])
+def test_log_ratio_is_unbiased_and_its_variance_true(electrons):
+    """400,000 draws of Poisson light with read noise, dim light included."""
+    rng = np.random.default_rng(4)
+    shape = (10, 200, 200)
+    one, two = ((rng.poisson(n, shape) + rng.normal(0, 9, shape)) / GAIN for n in electrons)
+    variances = [np.maximum(s, 0) / GAIN + (9 / GAIN) ** 2 for s in (one, two)]
+    ratios = compute_ratio(aligned(one, two, *variances))
+    error = ratios.log_ratio.values - np.log(electrons[1] / electrons[0])
+    assert abs(error.mean()) < 4 * error.std() / np.sqrt(error.size)
+    npt.assert_allclose(error.var(), ratios.log_ratio_var.values.mean(), rtol=0.015)
+
+
+def test_registration_error_enters_by_the_gradient_of_the_light():
+    ramp = np.broadcast_to(1000 * np.exp(0.05 * np.arange(72)), (1, 64, 72))
+    ratios = compute_ratio(aligned(ramp, ramp, displacement_std=0.2))
+    npt.assert_allclose(
+        ratios.log_ratio_var_shared.values[0, 5:-5, 5:-5], (0.2 * 0.05) ** 2, rtol=1e-3
+    )
+
+
+def test_log_gradient_of_an_exponential_ramp():
+    y, x = np.indices((40, 50))
+    npt.assert_allclose(
+        log_gradient(np.exp(0.03 * x + 0.04 * y).astype(np.float32))[2:-2, 2:-2], 0.05, rtol=1e-3
+    )
+
+
+def test_a_pixel_without_light_above_the_dark_level_is_dim(light):
+    light[1, 0, 5, 5] = -3.0
+    ratios = compute_ratio(aligned(*light, *np.abs(light) / GAIN))
+    assert ratios.flags.values[0, 5, 5] & Flag.DIM
+    assert np.isnan(ratios.log_ratio.values[0, 5, 5])
+
+
+def test_a_skipped_stage_is_named(light):
+    with pytest.raises(ErlifError, match="displacement_std is missing"):
+        compute_ratio(aligned(*light).drop_vars("displacement_std"))
+
+
+def test_registration_error_is_found_from_camera_2(light):
+    """Camera 2 alone is displaced, so the light of camera 1 has no effect."""
+    even = np.full((1, 64, 72), 1000.0)
+    ramp = np.broadcast_to(1000 * np.exp(0.05 * np.arange(72)), (1, 64, 72))
+    ratios = compute_ratio(aligned(ramp, even, displacement_std=0.2))
+    npt.assert_array_equal(ratios.log_ratio_var_shared, 0.0)
+
+
+def test_log_gradient_is_zero_beside_pixels_without_light():
+    light = np.exp(0.05 * np.arange(20) * np.ones((15, 1))).astype(np.float32)
+    light[7, 10] = np.nan
+    gradient = log_gradient(light)
+    npt.assert_array_equal(gradient[6:9, 9:12], 0.0)
+    npt.assert_allclose(gradient[4, 1:-1], 0.05, rtol=1e-3)
+
+
+def test_flags_of_both_cameras_are_kept(light):
+    frames = aligned(*light)
+    frames.flags.values[0, 0, 3, 4] = Flag.SATURATED
+    frames.flags.values[1, 0, 3, 4] = Flag.BAD_PIXEL
+    frames.flags.values[1, 2, 8, 9] = Flag.OUTSIDE_OVERLAP
+    flags = compute_ratio(frames).flags.values
+    assert flags[0, 3, 4] == Flag.SATURATED | Flag.BAD_PIXEL
+    assert flags[2, 8, 9] == Flag.OUTSIDE_OVERLAP
+    assert np.count_nonzero(flags) == 2
+
+
+def test_noise_of_dark_and_flat_is_part_of_the_variance_and_stands_beside_it(light):
+    """Relative errors add in quadrature: the ratio of two lights of 1 % and 2 % has 2.24 %."""
+    frames = aligned(*light, 0 * light[0], 0 * light[1])
+    frames.signal_var_fixed.values[0] = (0.01 * frames.signal.values[0]) ** 2
+    frames.signal_var_fixed.values[1] = (0.02 * frames.signal.values[1]) ** 2
+    ratios = compute_ratio(frames)
+    npt.assert_allclose(ratios.log_ratio_var_fixed, 5e-4, rtol=1e-5)
+    npt.assert_allclose(ratios.log_ratio_var, ratios.log_ratio_var_fixed, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(1.0, 1.0), (0.5, 1.5)])
+def test_interpolation_of_camera_2_correlates_the_noise_of_neighbours(light, factor, expected):
+    """Equal light: half of the variance is that of camera 2, and its mean has 1/factor of it."""
+    frames = aligned(light[0], light[0]).assign(interpolation=("frame", np.full(3, factor)))
+    npt.assert_allclose(compute_ratio(frames).noise_correlation, expected, rtol=1e-6)
+
+
+def test_bubbles_are_flagged_with_their_neighbours():
+    one = np.full((1, 64, 72), 2000.0)
+    one[0, 30, 40] = 50.0
+    flags = compute_ratio(aligned(one, one)).flags.values[0]
+    assert flags[30, 40] == flags[30, 43] == Flag.NO_FILM
+    assert flags[30, 45] == 0
+    npt.assert_array_equal(compute_ratio(aligned(one, one), no_film_below=0.01).flags, 0)
+
+
+def test_coordinates_of_the_frames_stay(light):
+    frames = aligned(*light).assign_coords(angle=("frame", [1.0, 2.0, 3.0]))
+    ratios = compute_ratio(frames)
+    npt.assert_array_equal(ratios.angle, [1.0, 2.0, 3.0])
+    assert "camera" not in ratios.coords
+    npt.assert_array_equal(ratios.signal_camera1, frames.signal.sel(camera=1))
