@@ -1,4 +1,4 @@
-"""Smoothing of the ratio: noise falls by what is said, films keep their shape, steps and holes stay where they are."""
+"""Smoothing of the ratio: stated noise, films, steps and holes keep their shape and place."""
 
 import math
 
@@ -17,7 +17,7 @@ from erlif.ratio import smooth_ratio
 from erlif.thickness import measure_thickness
 
 K, P, Q = 0.65, 0.40, 0.25
-NOISE = 0.0135  # of the logarithm of the ratio
+NOISE = 0.0135  # standard deviation of the log ratio
 Y, X = np.mgrid[:240, :320]
 SMOOTH_FILM = 3.0 + 1.5 * ((X - 160) / 160) ** 2 + 0.4 * (Y - 120) / 120  # parabola and tilt [um]
 EDGE = 160  # first column of the thick side of the step
@@ -31,7 +31,7 @@ def calibration():
 
 
 def log_ratio_of(film):
-    """Written out from eq. 5.7 turned over, independently of the code under test."""
+    """Eq. 5.7 inverted, written out independently of the code under test."""
     return np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
 
 
@@ -71,7 +71,7 @@ def test_scatter_of_a_smooth_film_falls_at_least_threefold(smooth_film):
 
 
 def test_noise_falls_as_a_gaussian_window_allows():
-    """Away from the border a Gaussian window of standard deviation s leaves 1/(4 pi s^2) of the variance."""
+    """A Gaussian window of standard deviation s leaves 1/(4 pi s^2) of the variance."""
     sigma = 5 / math.sqrt(8 * math.log(2))
     after = smooth_ratio(noisy(SMOOTH_FILM, 211), resolution=5)
     inner = after.isel(x=slice(12, -12), y=slice(12, -12))
@@ -89,7 +89,7 @@ def test_remaining_standard_deviation_covers(smooth_film):
 
 
 def test_weights_follow_the_variance():
-    """Beside a noisy half the quiet half keeps its quiet, and the stated deviations cover on either side."""
+    """Five times the noise beyond an edge: the stated deviations cover on either side."""
     rng = np.random.default_rng(7)
     std = np.where(X < EDGE, NOISE, 5 * NOISE)
     after = smooth_ratio(ratio_images(rng.normal(0, 1, X.shape) * std, std**2), resolution=5)
@@ -113,7 +113,7 @@ def test_a_plane_is_reproduced_at_borders_and_holes(resolution):
 
 
 def test_remaining_variance_is_the_sum_of_squared_weights():
-    """The weights are those with which each single pixel, raised by one, comes through; a plane far from zero tells no step."""
+    """The weights are the response to each single pixel, small enough to be no step."""
     rng = np.random.default_rng(3)
     variance = NOISE**2 * rng.uniform(0.5, 2.0, (25, 25))
     flags = np.zeros((25, 25), np.uint8)
@@ -154,15 +154,15 @@ def test_a_step_stays_where_it_is(step):
     npt.assert_array_equal(above, np.arange(k, mean.size))
 
 
-def test_a_step_is_no_ramp(step):
-    """A window of 5 px that knew no steps would leave the columns beside it 0.4 um off, and those 3 px away 0.1 um."""
+def test_a_step_does_not_become_a_ramp(step):
+    """A Gaussian window of 5 px alone is 0.4 um off beside the step, and 0.1 um 3 px away."""
     mean, std = step.thickness.values.mean(axis=0), step.thickness_std.values.mean(axis=0)
     rows = step.thickness.shape[0]
     truth = np.where(np.arange(mean.size) >= EDGE, 4.0, 3.0)
     error = mean - truth
     assert np.abs(error[[EDGE - 1, EDGE]]).max() < 0.05
     for column in (*range(EDGE - 6, EDGE - 2), *range(EDGE + 2, EDGE + 6)):
-        # rows are independent but over about twice the resolution
+        # rows are correlated over about twice the resolution
         assert abs(error[column]) < 3.5 * std[column] / math.sqrt(rows / 10)
 
 
@@ -178,7 +178,10 @@ def test_error_bars_cover_beside_a_step(calibration):
 
 
 def test_a_slanting_groove_is_kept(calibration):
-    """Plateaus 2 px and more beside a groove 7 px wide, along no direction that is tried; a window that knew no steps: about 0.1 um off."""
+    """A groove 7 px wide, along none of the directions that are tried; plateaus 2 px beside it.
+
+    A Gaussian window alone is about 0.1 um off.
+    """
     across = (X - EDGE) * math.cos(0.5) + (Y - 120) * math.sin(0.5)
     film = np.where((across >= 0) & (across < 7), 4.0, 3.0)
     maps = measure_thickness(smooth_ratio(noisy(film, 41), resolution=5), calibration)
@@ -187,7 +190,7 @@ def test_a_slanting_groove_is_kept(calibration):
         assert abs(float((maps.thickness.values - film)[within].mean())) < 0.05
 
 
-def test_holes_are_neither_filled_nor_bleed():
+def test_holes_are_not_filled_and_do_not_affect_their_rim():
     bubble = (X - 100) ** 2 + (Y - 90) ** 2 < 12**2
     flags = np.where(bubble, Flag.NO_FILM, 0).astype(np.uint8)
     images = noisy(SMOOTH_FILM, 51, flags=flags)
@@ -206,7 +209,7 @@ def test_holes_are_neither_filled_nor_bleed():
 
 
 def test_registration_error_makes_no_steps():
-    """What looks like a step but is within the registration's error is smoothed over."""
+    """A step within the registration error is smoothed."""
     film = np.where(X >= EDGE, 3.6, 3.0)
     trusted, doubted = (
         smooth_ratio(noisy(film, 61, shared=s), resolution=5) for s in (0.0, 25 * NOISE**2)
@@ -219,8 +222,8 @@ def test_registration_error_makes_no_steps():
     npt.assert_array_equal(doubted.log_ratio_var_shared, np.float32(25 * NOISE**2))
 
 
-def test_noise_that_neighbours_share_is_counted():
-    """Averaging over neighbours that share noise gains less, as after interpolation: here a quarter of each neighbour along x."""
+def test_correlated_noise_of_neighbours_raises_the_remaining_variance():
+    """A quarter of the noise of each neighbour along x, as after interpolation."""
     rng = np.random.default_rng(71)
     white = rng.normal(0, 1, X.shape)
     mixed = white + 0.25 * (np.roll(white, 1, axis=1) + np.roll(white, -1, axis=1))
@@ -229,7 +232,7 @@ def test_noise_that_neighbours_share_is_counted():
     assert 0.93 < pull.std() < 1.07
 
 
-def test_pixels_without_surroundings_stay_as_they_are():
+def test_pixels_without_neighbours_do_not_change():
     flags = np.full((20, 20), Flag.DIM, np.uint8)
     flags[10, 10] = 0
     images = ratio_images(np.full((20, 20), 0.3), flags=flags)
@@ -239,19 +242,19 @@ def test_pixels_without_surroundings_stay_as_they_are():
     xr.testing.assert_equal(smooth_ratio(images, resolution=5), images)
 
 
-def test_the_result_says_how_it_was_smoothed():
+def test_the_result_carries_its_resolution():
     after = smooth_ratio(noisy(SMOOTH_FILM, 81), resolution=5)
     assert after.log_ratio.attrs["resolution"] == after.log_ratio_var.attrs["resolution"] == 5
     npt.assert_allclose(after.log_ratio_var_fixed, 0.1 * after.log_ratio_var, rtol=1e-5)
 
 
 @pytest.mark.parametrize("resolution", [1.9, 0, -3, math.nan, math.inf])
-def test_a_resolution_that_cannot_be_is_refused(resolution):
+def test_a_resolution_below_two_pixels_is_refused(resolution):
     with pytest.raises(ModelError, match="at least 2 px"):
         smooth_ratio(noisy(SMOOTH_FILM, 1), resolution=resolution)
 
 
-def test_a_run_is_smoothed_when_it_asks_and_says_so(lab, film):
+def test_a_run_is_smoothed_on_request_and_records_it(lab, film):
     lab.edit("run/run.toml", ("[thickness]\n", "[thickness]\nsmoothing = 5\n"))
     smoothed, plain = erlif.process(lab.run, workers=1), erlif.open_film(film).load()
     assert smoothed.attrs["smoothing"] == 5
@@ -259,18 +262,14 @@ def test_a_run_is_smoothed_when_it_asks_and_says_so(lab, film):
     good = (smoothed.flags.values == 0) & (plain.flags.values == 0)
     before, after = (np.median(each.thickness_std.values[good]) for each in (plain, smoothed))
     assert after < before / 3
-    for name in (
-        "film_min",
-        "film_min_std",
-        "film_mean",
-        "film_mean_std",
-    ):  # they count on pixels being independent
+    # the statistics take independent pixels, before smoothing
+    for name in ("film_min", "film_min_std", "film_mean", "film_mean_std"):
         xr.testing.assert_equal(smoothed[name], plain[name])
 
 
-def test_a_run_that_does_not_ask_is_not_smoothed(lab, film, monkeypatch):
+def test_a_run_is_not_smoothed_without_request(lab, film, monkeypatch):
     def refuse(*_, **__):
-        raise AssertionError("smoothed without being asked")
+        raise AssertionError("smoothed without request")
 
     monkeypatch.setattr(triggers, "smooth_ratio", refuse)
     again = erlif.process(lab.run, workers=1)
