@@ -1,7 +1,7 @@
 """Log ratio to film thickness, and the range in which it is measurable."""
 
 from erlif.thickness.maps import measure_thickness
-from erlif.thickness.measurable import CLEAR, find_range
+from erlif.thickness.measurable import CLEAR, MeasurableRange, find_range
 from erlif.thickness.pulse import measure_pulse_energy
 
-__all__ = ["CLEAR", "find_range", "measure_pulse_energy", "measure_thickness"]
+__all__ = ["CLEAR", "MeasurableRange", "find_range", "measure_pulse_energy", "measure_thickness"]

@@ -1,4 +1,4 @@
-"""A calibration applied: ratio images to maps of film thickness, with two kinds of uncertainty and flags."""
+"""Ratio images to maps of film thickness, with two kinds of uncertainty and flags."""
 
 from __future__ import annotations
 
@@ -13,9 +13,27 @@ from erlif.thickness.measurable import find_range
 
 _BELOW, _ABOVE, _POOR = int(Flag.BELOW_RANGE), int(Flag.ABOVE_RANGE), int(Flag.POOR_REGISTRATION)
 
+_ATTRS: dict[str, dict[str, str]] = {
+    "thickness": {
+        "units": "um",
+        "long_name": "oil-film thickness",
+        "ancillary_variables": "thickness_std thickness_std_shared flags",
+    },
+    "thickness_std": {"units": "um", "long_name": "standard deviation of thickness, random part"},
+    "thickness_std_shared": {
+        "units": "um",
+        "long_name": "standard deviation of thickness, common to all pixels",
+    },
+    "log_ratio_near": {"units": "1", "long_name": "mean of log_ratio about the pixel"},
+}
+
 
 def measure_thickness(ratios: RatioImages, calibration: Calibration) -> ThicknessMaps:
-    """Read film thickness off ratio images, pixel by pixel.
+    """Convert ratio images to film thickness, pixel by pixel.
+
+    A pixel is flagged, and not extrapolated, where its surroundings lie beyond the measurable range
+    (`erlif.thickness.measurable`) or its own ratio beyond what the fixture covers. It is flagged
+    poor_registration where the error of the registration exceeds the noise.
 
     Parameters
     ----------
@@ -26,26 +44,54 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
     Returns
     -------
     ThicknessMaps
-        thickness [um]; thickness_std, what the noise of this pixel leaves [um]; thickness_std_shared, what calibration and
-        registration leave to all pixels alike [um]; flags; log_ratio_near, the mean ratio about each pixel whose film is within
-        the range. A film beyond the range is flagged by its surroundings (`erlif.thickness.measurable`), and a ratio beyond what the fixture
-        covers by itself; nothing is extrapolated. A pixel where the registration could be further off than the noise is flagged
-        poor_registration.
+        thickness; thickness_std, from the noise of the pixel; thickness_std_shared, from
+        calibration and registration, common to all pixels [um]; flags; log_ratio_near, mean log
+        ratio about each valid pixel [1].
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+
+    Examples
+    --------
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, 1e-8 * np.eye(3), (0.5, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, ""
+    ... )
+    >>> image = np.full((16, 16), calibration.predict_log(np.array(4.0)), np.float32)
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), image),
+    ...     "log_ratio_var": (("y", "x"), np.full_like(image, 1e-4)),
+    ...     "log_ratio_var_shared": (("y", "x"), np.zeros_like(image)),
+    ...     "flags": (("y", "x"), np.zeros(image.shape, np.uint8)),
+    ... }))
+    >>> maps = measure_thickness(ratios, calibration)
+    >>> round(float(maps.thickness[8, 8]), 3)
+    4.0
+
+    The standard deviation is that of the log ratio over the slope, 0.25/(e - 1) - 0.4/(e^1.6 - 1):
+
+    >>> slope = 0.25 / np.expm1(0.25 * 4) - 0.40 / np.expm1(0.40 * 4)
+    >>> round(float(maps.thickness_std[8, 8] * slope), 4)
+    0.01
     """
     require(ratios, "log_ratio", "log_ratio_var", "log_ratio_var_shared", "flags")
     table = calibration.inverse
     shape = ratios.log_ratio.shape
-    thickness, random, shared, near = (np.empty(shape, np.float32) for _ in range(4))
+    thickness, std, std_shared, near = (np.empty(shape, np.float32) for _ in range(4))
     flags = ratios.flags.values.copy()
     for n in np.ndindex(shape[:-2]):
         log_ratio, variance, displaced = (
             ratios[name].values[n]
             for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
         )
+
+        # flags that the surroundings decide, before those of the pixels themselves
         flags[n][(flags[n] == 0) & (displaced > variance)] = _POOR
         near[n], beyond = find_range(log_ratio, variance, flags[n], calibration)
         flags[n] |= np.where(flags[n] == 0, beyond, 0).astype(np.uint8)
         near[n][flags[n] != 0] = np.nan
+
         _invert(
             log_ratio,
             variance,
@@ -57,46 +103,27 @@ def measure_thickness(ratios: RatioImages, calibration: Calibration) -> Thicknes
             table.per_log_ratio,
             table.calibration_std,
             thickness[n],
-            random[n],
-            shared[n],
+            std[n],
+            std_shared[n],
             flags[n],
         )
+
+    images = {
+        "thickness": thickness,
+        "thickness_std": std,
+        "thickness_std_shared": std_shared,
+        "log_ratio_near": near,
+    }
     dims = ratios.log_ratio.dims
-    return ThicknessMaps(
-        xr.Dataset(
-            {
-                "thickness": (
-                    dims,
-                    thickness,
-                    {
-                        "units": "um",
-                        "long_name": "oil-film thickness",
-                        "ancillary_variables": "thickness_std thickness_std_shared flags",
-                    },
-                ),
-                "thickness_std": (
-                    dims,
-                    random,
-                    {"units": "um", "long_name": "standard deviation of thickness, random part"},
-                ),
-                "thickness_std_shared": (
-                    dims,
-                    shared,
-                    {
-                        "units": "um",
-                        "long_name": "standard deviation of thickness, what all pixels share",
-                    },
-                ),
-                "flags": (dims, flags, FLAG_ATTRS),
-                "log_ratio_near": (
-                    dims,
-                    near,
-                    {"units": "1", "long_name": "mean of log_ratio about the pixel"},
-                ),
-            },
-            ratios.coords,
-        )
-    )
+    maps = {name: (dims, image, _ATTRS[name]) for name, image in images.items()}
+    return ThicknessMaps(xr.Dataset(maps | {"flags": (dims, flags, FLAG_ATTRS)}, ratios.coords))
+
+
+@numba.njit(nogil=True, cache=True)
+def _interpolate(table, place):  # type: ignore[no-untyped-def]
+    """Value of a table at a position between its rows."""
+    k = min(int(place), table.size - 2)
+    return table[k] + (place - k) * (table[k + 1] - table[k])
 
 
 @numba.njit(nogil=True, cache=True)
@@ -111,33 +138,34 @@ def _invert(  # type: ignore[no-untyped-def]
     per_log_ratio,
     calibration_std,
     thickness,
-    random,
-    shared,
+    std,
+    std_shared,
     flags,
 ):
+    """Fill the last four arguments from the tables of the calibration over log ratio."""
     last = table.size - 1
     for i in range(log_ratio.shape[0]):
         for j in range(log_ratio.shape[1]):
             thickness[i, j] = np.nan
-            random[i, j] = np.nan
-            shared[i, j] = np.nan
-            place = (log_ratio[i, j] - start) / step
+            std[i, j] = np.nan
+            std_shared[i, j] = np.nan
             if flags[i, j] != 0:
                 continue
+
+            place = (log_ratio[i, j] - start) / step
             if place < 0.0:
                 flags[i, j] |= _BELOW
                 continue
             if place > last:
                 flags[i, j] |= _ABOVE
                 continue
-            k = min(int(place), last - 1)
-            f = place - k
-            thickness[i, j] = table[k] + f * (table[k + 1] - table[k])
-            # where the curve bends, its slope at a noisy ratio goes with the error; halfway to the surroundings it spans the error
-            place = min(max(0.5 * (place + (near[i, j] - start) / step), 0.0), float(last))
-            k = min(int(place), last - 1)
-            f = place - k
-            rate = per_log_ratio[k] + f * (per_log_ratio[k + 1] - per_log_ratio[k])
-            own = calibration_std[k] + f * (calibration_std[k + 1] - calibration_std[k])
-            random[i, j] = rate * np.sqrt(variance[i, j])
-            shared[i, j] = np.sqrt(own * own + rate * rate * variance_shared[i, j])
+            thickness[i, j] = _interpolate(table, place)
+
+            # the slope of a curve at a noisy ratio is correlated with its error; half-way to the
+            # mean of the surroundings it is that of the chord between both
+            near_place = (near[i, j] - start) / step
+            place = min(max(0.5 * (place + near_place), 0.0), float(last))
+            rate = _interpolate(per_log_ratio, place)
+            own = _interpolate(calibration_std, place)
+            std[i, j] = rate * np.sqrt(variance[i, j])
+            std_shared[i, j] = np.sqrt(own * own + rate * rate * variance_shared[i, j])

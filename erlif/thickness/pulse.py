@@ -8,7 +8,7 @@ from erlif.core.arrays import FlagImage, Image
 from erlif.models.fluorescence import band_signal
 
 _LEAST_PIXELS = 64
-"""Valid pixels of a median, at least."""
+"""Valid pixels of the median, at least."""
 
 
 def measure_pulse_energy(
@@ -26,13 +26,14 @@ def measure_pulse_energy(
     thickness : array, (y, x)
         Film. [um]
     flags : array, (y, x)
+        Pixels with a flag are left out.
     attenuation : float
-        Of the band of camera 1. [1/um]
+        Attenuation coefficient in the band of camera 1. [1/um]
 
     Returns
     -------
     float
-        NaN where fewer than 64 pixels are valid. [DN]
+        Signal of a film without attenuation, per um; NaN with fewer than 64 valid pixels. [DN/um]
 
     Examples
     --------

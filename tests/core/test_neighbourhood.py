@@ -64,3 +64,16 @@ def test_values_of_invalid_pixels_have_no_effect(image):
     other = image.copy()
     other[10, 10:14] = np.nan, np.inf, -1e30, 1e30
     npt.assert_array_equal(mean_of_surroundings(image, sound), mean_of_surroundings(other, sound))
+
+
+def test_middle_of_the_square_and_flagged_pixels_are_left_out():
+    image = np.arange(30 * 30, dtype=np.float32).reshape(30, 30)
+    sound = np.ones(image.shape, bool)
+    sound[10, 12] = False
+    mean = mean_of_surroundings(image, sound, width=5, without=3)
+    window = image[8:13, 8:13].copy()
+    use = np.ones((5, 5), bool)
+    use[1:4, 1:4] = False
+    use[2, 4] = False
+    npt.assert_allclose(mean[10, 10], window[use].mean(), rtol=1e-6)
+    assert np.isnan(mean_of_surroundings(image, np.zeros_like(sound))).all()

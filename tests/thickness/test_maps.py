@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.calibration import Calibration
+from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.thickness import measure_thickness
@@ -21,7 +22,7 @@ def calibration():
 
 
 def log_ratio_of(thickness):
-    """Written out from eq. 5.7 turned over, independently of the code under test."""
+    """Eq. 5.7 inverted, written out independently of the code under test."""
     return np.log(K * P / Q * (1 - np.exp(-Q * thickness)) / (1 - np.exp(-P * thickness)))
 
 
@@ -56,7 +57,7 @@ def test_standard_deviation_is_the_scatter(calibration, film):
     npt.assert_allclose(maps.thickness.std(), maps.thickness_std.mean(), rtol=0.02)
 
 
-def test_shared_part_holds_calibration_and_registration(calibration):
+def test_shared_part_is_that_of_calibration_and_registration(calibration):
     film = np.full((4, 4), 5.0)
     maps = measure_thickness(ratio_images(log_ratio_of(film), shared=4e-6), calibration)
     slope = Q / np.expm1(Q * 5) - P / np.expm1(P * 5)
@@ -74,7 +75,7 @@ def test_shared_part_holds_calibration_and_registration(calibration):
     npt.assert_allclose(maps.thickness_std_shared, np.sqrt(own + 4e-6) / slope, rtol=1e-3)
 
 
-def test_what_lies_beyond_the_range_is_flagged_and_not_answered(calibration):
+def test_films_beyond_the_range_are_flagged_and_have_no_thickness(calibration):
     film = np.array([[0.1, 0.3], [15.5, 17.0]])
     maps = measure_thickness(ratio_images(log_ratio_of(film)), calibration)
     npt.assert_array_equal(maps.flags, [[Flag.BELOW_RANGE, 0], [0, Flag.ABOVE_RANGE]])
@@ -98,7 +99,7 @@ def test_earlier_flags_stay(calibration):
 
 
 def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
-    """Pixels above the limit in surroundings below it: the slope between them must not come from the thick end of the curve."""
+    """Pixels above the limit in surroundings below it have the slope of a thin film."""
     calibration = Calibration(
         K, P, Q, 1e-8 * np.eye(3), (1.0, 16.0), (580.0, 610.0), xr.Dataset(), 1.0, "given"
     )
@@ -111,3 +112,45 @@ def test_error_bars_at_the_thin_limit_are_those_of_thin_films():
     ratio = maps.thickness_std.values[valid] / expected[valid]
     assert ratio.min() > 0.9
     assert ratio.max() < 1.1
+
+
+def test_nothing_is_extrapolated_beyond_what_the_fixture_covers(calibration):
+    """One pixel in a film of 15 um with a ratio beyond that of any film."""
+    log_ratio = np.full((12, 12), log_ratio_of(15.0))
+    log_ratio[6, 6] = np.log(K * P / Q) + 0.1
+    log_ratio[3, 3] = np.log(K) - 0.1
+    maps = measure_thickness(ratio_images(log_ratio, variance=1e-8), calibration)
+    assert maps.flags.values[6, 6] == Flag.ABOVE_RANGE
+    assert maps.flags.values[3, 3] == Flag.BELOW_RANGE
+    assert np.count_nonzero(maps.flags) == 2
+
+
+def test_each_frame_is_measured_by_itself(calibration):
+    films = np.stack([np.full((10, 10), film) for film in (2.0, 5.0, 0.1)])
+    single = [ratio_images(log_ratio_of(film), variance=1e-8) for film in films]
+    together = RatioImages(xr.concat(single, "frame"))
+    maps = measure_thickness(together, calibration)
+    assert maps.thickness.dims == ("frame", "y", "x")
+    for n, ratios in enumerate(single):
+        xr.testing.assert_equal(maps.isel(frame=n), measure_thickness(ratios, calibration))
+
+
+def test_the_ratio_images_are_not_changed(calibration):
+    images = ratio_images(log_ratio_of(np.array([[0.1, 3.0], [4.0, 17.0]])), shared=1.1e-4)
+    before = images.copy(deep=True)
+    measure_thickness(images, calibration)
+    xr.testing.assert_identical(images, before)
+
+
+def test_maps_have_units_and_their_uncertainties(calibration):
+    maps = measure_thickness(ratio_images(log_ratio_of(np.full((4, 4), 3.0))), calibration)
+    for name in ("thickness", "thickness_std", "thickness_std_shared"):
+        assert maps[name].attrs["units"] == "um"
+    assert set(maps.thickness.attrs["ancillary_variables"].split()) < set(maps)
+
+
+@pytest.mark.parametrize("name", ["log_ratio_var", "log_ratio_var_shared", "flags"])
+def test_a_missing_variable_is_named(calibration, name):
+    images = ratio_images(log_ratio_of(np.full((4, 4), 3.0))).drop_vars(name)
+    with pytest.raises(ErlifError, match=f"{name} is missing"):
+        measure_thickness(RatioImages(images), calibration)

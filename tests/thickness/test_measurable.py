@@ -1,4 +1,4 @@
-"""Limits of detection: what is answered is right, however large the noise of a pixel."""
+"""Limits of detection: measured films are unbiased, however large the noise of a pixel."""
 
 import numpy as np
 import numpy.testing as npt
@@ -8,9 +8,8 @@ from scipy.integrate import quad
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
-from erlif.core.neighbourhood import mean_of_surroundings
 from erlif.core.products import RatioImages
-from erlif.thickness import find_range, measure_thickness
+from erlif.thickness import CLEAR, find_range, measure_thickness
 
 K, P, Q = 0.65, 0.40, 0.25
 SHAPE = (400, 600)
@@ -18,7 +17,7 @@ SHAPE = (400, 600)
 
 @pytest.fixture(scope="module")
 def calibration():
-    """Without error of its own, good for films up to 12 um, and covering them up to 18 um."""
+    """Without error, calibrated up to 12 um, covered up to 18 um."""
     curve = xr.Dataset({"curve_thickness": ("bin", np.array([0.1, 18.0]))})
     return Calibration(K, P, Q, 1e-14 * np.eye(3), (0.1, 12.0), (580.0, 610.0), curve, 1.0, "given")
 
@@ -54,7 +53,7 @@ RAMP = np.broadcast_to(np.linspace(0.5, 13.0, SHAPE[1]), SHAPE)
 
 @pytest.mark.parametrize("noise", [0.0135, 0.025, 0.045], ids=["full light", "a third", "a tenth"])
 def test_error_bars_cover_up_to_the_limits(calibration, noise):
-    """A ramp through both limits: 66 to 70 and 94.5 to 96.5 % in each octave that is answered, and no bias."""
+    """A ramp through both limits: 66-70 and 94.5-96.5 % in each measurable octave, and no bias."""
     _, maps = measured(RAMP, noise, calibration)
     valid = maps.flags.values == 0
     error = (maps.thickness.values - RAMP)[valid]
@@ -73,21 +72,21 @@ def test_error_bars_cover_up_to_the_limits(calibration, noise):
 
 
 def test_limits_follow_the_noise_and_the_slope(calibration):
-    """Answered where the film keeps two standard deviations of a pixel from the ends of the curve, 0.1 and 18 um."""
+    """Two standard deviations of a pixel from the ends of the curve, 0.1 and 18 um."""
     noise = 0.03
     _, maps = measured(RAMP, noise, calibration)
-    answered = (maps.flags.values == 0).mean(axis=0) > 0.5
+    valid = (maps.flags.values == 0).mean(axis=0) > 0.5
     ends = log_ratio_of(np.array([0.1, 18.0])) + np.array([2, -2]) * noise
     grid = np.linspace(0.1, 18.0, 4000)
     expected = np.interp(ends, log_ratio_of(grid), grid)
-    npt.assert_allclose(RAMP[0][answered][[0, -1]], expected, atol=0.15)
+    npt.assert_allclose(RAMP[0][valid][[0, -1]], expected, atol=0.15)
     thin, thick = (maps.flags.values[:, columns] for columns in (slice(0, 5), slice(-5, None)))
     npt.assert_array_equal(thin, Flag.BELOW_RANGE)
     npt.assert_array_equal(thick, Flag.ABOVE_RANGE)
 
 
-def test_a_pixel_has_no_say_in_its_own_range(calibration):
-    """The same pixel far too bright or far too dim: its surroundings decide alike, whatever its own value."""
+def test_the_range_of_a_pixel_does_not_depend_on_its_own_value(calibration):
+    """A pixel far too bright or far too dim in even surroundings."""
     film = np.full((40, 40), 5.0)
     log_ratio = log_ratio_of(np.array([4.0, 5.0, 6.0]))[1] * np.ones(film.shape, np.float32)
     variance = np.full(film.shape, 1e-4, np.float32)
@@ -98,8 +97,8 @@ def test_a_pixel_has_no_say_in_its_own_range(calibration):
         assert beyond[20, 20] == 0
 
 
-def test_average_of_answered_pixels_is_that_of_their_films(calibration):
-    """Films about the upper limit: keeping the pixels whose noise came out low would lower the mean ratio of what is kept."""
+def test_average_over_the_measurable_range_is_that_of_its_films(calibration):
+    """Films about the upper limit, where pixels selected by their noise would lower the mean."""
     noise = 0.045
     film = np.broadcast_to(np.linspace(7.6, 8.8, SHAPE[1]), SHAPE)
     ratios, maps = measured(film, noise, calibration, seed=3)
@@ -109,14 +108,42 @@ def test_average_of_answered_pixels_is_that_of_their_films(calibration):
     assert abs(error.mean()) < 4 * noise / np.sqrt(kept.sum())
 
 
-def test_mean_of_surroundings_leaves_out_the_middle_and_what_is_flagged():
-    image = np.arange(30 * 30, dtype=np.float32).reshape(30, 30)
-    sound = np.ones(image.shape, bool)
-    sound[10, 12] = False
-    mean = mean_of_surroundings(image, sound, width=5, without=3)
-    window = image[8:13, 8:13].copy()
-    use = np.ones((5, 5), bool)
-    use[1:4, 1:4] = False
-    use[2, 4] = False
-    npt.assert_allclose(mean[10, 10], window[use].mean(), rtol=1e-6)
-    assert np.isnan(mean_of_surroundings(image, np.zeros_like(sound))).all()
+def uniform(film, shape=(40, 40)):
+    return np.full(shape, log_ratio_of(np.array([film, film + 0.1]))[0], np.float32)
+
+
+def test_a_film_beyond_the_calibrated_range_is_flagged_in_full_light(calibration):
+    """13 um is covered by the fixture, but not calibrated."""
+    image = uniform(13.0)
+    flags = np.zeros(image.shape, np.uint8)
+    found = find_range(image, np.full_like(image, 1e-8), flags, calibration)
+    npt.assert_array_equal(found.beyond, Flag.ABOVE_RANGE)
+    npt.assert_allclose(found.surroundings, image, rtol=1e-5)
+
+
+def test_flagged_pixels_do_not_affect_the_range_of_others(calibration):
+    image = uniform(5.0)
+    flags = np.zeros(image.shape, np.uint8)
+    image[10:14], flags[10:14] = -3.0, Flag.NO_FILM
+    found = find_range(image, np.full_like(image, 1e-4), flags, calibration)
+    npt.assert_array_equal(found.beyond, 0)
+    npt.assert_allclose(found.surroundings, uniform(5.0), rtol=1e-5)
+
+
+def test_a_pixel_without_valid_surroundings_has_no_range(calibration):
+    image = uniform(5.0)
+    flags = np.full(image.shape, Flag.DIM, np.uint8)
+    found = find_range(image, np.full_like(image, 1e-4), flags, calibration)
+    npt.assert_array_equal(found.beyond, 0)
+    assert np.isnan(found.surroundings).all()
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.9, 0), (1.1, int(Flag.BELOW_RANGE))])
+def test_the_margin_is_two_standard_deviations_of_a_pixel(calibration, factor, expected):
+    """0.5 um, and noise for which the end of the curve lies 0.9 or 1.1 margins away."""
+    image = uniform(0.5)
+    end = log_ratio_of(np.array([0.1, 18.0]))[0]
+    std = factor * (image[0, 0] - end) / CLEAR
+    flags = np.zeros(image.shape, np.uint8)
+    found = find_range(image, np.full_like(image, std**2), flags, calibration)
+    npt.assert_array_equal(found.beyond, expected)

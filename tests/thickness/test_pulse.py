@@ -1,0 +1,61 @@
+"""Energy of a laser pulse from the light of camera 1."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scipy.integrate import quad
+
+from erlif.core.flags import Flag
+from erlif.thickness import measure_pulse_energy
+
+ATTENUATION = 0.40  # [1/um]
+SHAPE = (96, 128)
+
+
+@pytest.fixture
+def film():
+    return np.random.default_rng(1).uniform(2.0, 6.0, SHAPE).astype(np.float32)
+
+
+def light_of(film, energy):
+    """Light by quadrature over depth, on a fine grid of films."""
+    grid = np.linspace(0.0, 8.0, 200)
+    light = [quad(lambda z: np.exp(-ATTENUATION * z), 0, h)[0] for h in grid]
+    return (energy * np.interp(film, grid, light)).astype(np.float32)
+
+
+def energy_of(light, film, flags=None):
+    flags = np.zeros(SHAPE, np.uint8) if flags is None else flags
+    return measure_pulse_energy(light, film, flags, attenuation=ATTENUATION)
+
+
+@pytest.mark.parametrize("energy", [200.0, 900.0])
+def test_energy_is_that_of_the_pulse_whatever_the_film(film, energy):
+    npt.assert_allclose(energy_of(light_of(film, energy), film), energy, rtol=1e-3)
+    npt.assert_allclose(energy_of(light_of(film / 2, energy), film / 2), energy, rtol=1e-3)
+
+
+def test_speckle_and_vignetting_leave_the_median(film):
+    """15 % contrast without bias, and a beam that is weaker beyond the middle half."""
+    rng = np.random.default_rng(2)
+    y, x = np.indices(SHAPE)
+    inside = (np.abs(y - 47.5) < 24) & (np.abs(x - 63.5) < 32)
+    light = light_of(film, 500.0) * rng.normal(1, 0.15, SHAPE) * np.where(inside, 1.0, 0.3)
+    pixels = inside.sum() / 4
+    error = 0.15 * np.sqrt(np.pi / 2 / pixels)  # of the median of a normal distribution
+    npt.assert_allclose(energy_of(light.astype(np.float32), film), 500.0, rtol=4 * error)
+
+
+def test_flagged_pixels_are_left_out(film):
+    light, flags = light_of(film, 500.0), np.zeros(SHAPE, np.uint8)
+    flags[:, :70] = Flag.NO_FILM
+    light[:, :70], film[:, :70] = 7.0, np.nan
+    npt.assert_allclose(energy_of(light, film, flags), 500.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("valid", "expected"), [(64, 500.0), (63, np.nan)])
+def test_at_least_64_pixels_are_needed(film, valid, expected):
+    flags = np.full(SHAPE, Flag.DIM, np.uint8)
+    rows, columns = np.divmod(np.arange(valid), 16)
+    flags[24 + 2 * rows, 32 + 2 * columns] = 0
+    npt.assert_allclose(energy_of(light_of(film, 500.0), film, flags), expected, rtol=1e-3)
