@@ -78,6 +78,7 @@ def measure_camera(
     >>> measured.saturation, measured.has_flat
     (4095, False)
     """
+    # darks first: the flats are light above them
     full_scale = histogram.size - 1
     reduced = declare_darks(darks, shape) if isinstance(darks, float) else reduce_darks(darks)
     found = reduce_flats(
@@ -86,6 +87,7 @@ def measure_camera(
     if not found.stacks:
         return CameraMeasurement(reduced, full_scale, found.saturation)
 
+    # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
     for stack in found.stacks:
         linear = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * found.saturation

@@ -98,6 +98,7 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     >>> round(darks.level), round(darks.temporal_var - 1 / 12)
     (64, 4)
     """
+    # pages are added one at a time, so that a long recording needs no memory
     stack: PageStack | None = None
     levels = []
     for page in pages:
@@ -108,6 +109,7 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     if stack is None:
         raise FrameError("Expected at least one dark page; there is none.")
 
+    # hot pixels stand out from their surroundings, whatever the dark level does over the sensor
     mean, variance, n = stack.mean, stack.variance, stack.count
     excess = mean - median_of_surroundings(mean)
     hot = np.abs(excess) > np.maximum(_HOT * robust_std(excess), _HOT)
@@ -118,8 +120,10 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     temporal_var = float(variance[~bad].mean())
     pixels = int((~bad).sum())
 
+    # the level drifts from page to page in all pixels alike; their own noise averages out
     drift = float(np.std(levels, ddof=1)) / np.sqrt(n)
     noise_of_mean = temporal_var / (n * pixels)
+    # the spread of the means over the pixels holds the noise of the means, which is subtracted
     return Darks(
         mean,
         temporal_var / n,

@@ -15,7 +15,7 @@ from erlif.correction.pages import PageStack
 from erlif.correction.saturation import Histogram, count_pixels, find_pile_up
 
 _SAME_LEVEL = 0.05
-"""Relative difference of mean brightness below which consecutive pages belong to one light level."""
+"""Relative difference of mean brightness below which two pages belong to one light level."""
 
 _SATURATED_SHARE = 1e-3
 """Share of saturated pixels above which a flat page is left out."""
@@ -92,17 +92,21 @@ def reduce_flats(
     recorded = False
     for image in pages:
         recorded = True
+
+        # a page judged by itself: a pile-up of its own may lie below that of all pages
         counted = count_pixels(image, full_scale)
         total += counted
         top = find_pile_up(counted) or full_scale
         if counted[top:].sum() > _SATURATED_SHARE * image.size:
             continue
 
+        # the scale removes flicker of the lamp, which would count as noise of the camera
         light = image - dark
         if not levels or abs(light.mean() / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
             levels.append(PageStack(light))
         levels[-1].add(light, scale=levels[-1].first.mean() / light.mean())
 
+    # the histogram of all pages and frames shows a pile-up that single pages hint at
     saturation = find_pile_up(total) or full_scale
     brightest = max((level.first.mean() for level in levels), default=0.0)
     if recorded and (not levels or brightest < full_scale * _BRIGHT_ENOUGH):
@@ -153,6 +157,8 @@ def make_flat_field(
     >>> float(field.response[0, 0]), float(field.response[0, 15])
     (0.5, 1.5)
     """
+    # dead pixels are found against their surroundings, which carry the vignetting as well; in a
+    # dead patch those are dark too, and the mean of the image decides
     scale = float(total[~bad].mean())
     surroundings = median_of_surroundings(total)
     dead = (
@@ -160,6 +166,8 @@ def make_flat_field(
         | (total > _OVERBRIGHT * surroundings)
         | (total < _DARKEST * scale)
     )
+
+    # a pixel without a response of its own takes that of its surroundings, never zero
     response = np.where(dead | bad, np.maximum(surroundings, _DARKEST * scale), total) / scale
 
     # shot noise of all pages, their reading noise, and the dark subtracted from each of them

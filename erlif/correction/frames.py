@@ -61,6 +61,8 @@ def correct_frames(
     require(frames, "counts")
     require(references, "dark", "flat", "bad", "gain", "read_noise", "full_scale")
     counts = frames.counts.values
+
+    # single precision: relative rounding of 6e-8 against a noise of 1e-2
     signal = np.empty(counts.shape, np.float32)
     variance = np.empty(counts.shape, np.float32)
     fixed = np.empty(counts.shape, np.float32)
@@ -121,6 +123,7 @@ def _correct(  # type: ignore[no-untyped-def]
     fixed,
     flags,
 ):
+    # read noise and threshold are given in electrons, the image is in counts
     read_var = (read_noise / gain) ** 2 + QUANTISATION_VAR
     least = least_signal / gain
     for i in range(counts.shape[0]):
@@ -130,6 +133,7 @@ def _correct(  # type: ignore[no-untyped-def]
             value = light * per_flat
             square = per_flat * per_flat
 
+            # shot noise of light below dark is zero, and the flat scales every part alike
             signal[i, j] = value
             variance[i, j] = (max(light, 0.0) / gain + read_var) * square
             fixed[i, j] = (dark_var[i, j] + value * value * flat_var[i, j]) * square

@@ -96,6 +96,7 @@ def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
     >>> abs(level.variance - 225.0) < 4 * level.variance_std
     True
     """
+    # a variance takes two pages, its standard deviation two pixels
     n, pixels = pages.count, int(usable.sum())
     if n < 2 or pixels < 2:
         return None
@@ -168,6 +169,8 @@ def fit_photon_transfer(
     columns.append(light**2)
     if len(points) < len(columns):
         return PhotonTransfer(gain, gain_std)
+
+    # the bend is square * top / start; its gradient carries the covariance of the fit to it
     curve = _least_squares(np.stack(columns, axis=1), variance, covariance)
     start, square, top = curve.parameters[0], curve.parameters[-1], light.max()
     gradient = np.zeros(len(columns))
@@ -204,6 +207,8 @@ def measure_response_spread(flat: Array, flat_var: Array, bad: Mask) -> float:
     """
     ring = np.full((3, 3), 1 / 8)
     ring[1, 1] = 0
+
+    # a pixel beside a bad one has a wrong mean about it and is left out too
     around = cv2.filter2D(np.ascontiguousarray(flat), -1, ring, borderType=cv2.BORDER_REFLECT_101)
     sound = cv2.dilate(bad.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
     if sound.sum() < 2:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
@@ -67,7 +69,9 @@ class Cameras:
     """Both cameras, characterised."""
 
     references: References
+    """Images and characteristics of camera 1 and camera 2."""
     notes: tuple[Note, ...]
+    """What was measured, and what needs attention."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +79,26 @@ class _Quantity:
     """A characteristic of a camera, in use and as measured."""
 
     value: float
+    """In use."""
     measured: float
+    """NaN where it was not measured."""
     std: float
     """Standard deviation of the measured value."""
     known: bool
     """Whether the value in use is more than an assumption."""
+
+
+class _Response(NamedTuple):
+    """Flat of one camera in use, and its bad pixels."""
+
+    flat: Array
+    """Response relative to the mean, (y, x); 1 without a flat. [1]"""
+    flat_var: Array
+    """Its variance, (y, x). [1]"""
+    bad: Mask
+    """Hot, noisy and dead pixels, (y, x)."""
+    spread: float
+    """Standard deviation over the pixels (PRNU); NaN where it is not known. [1]"""
 
 
 def make_references(
@@ -135,42 +154,79 @@ def _characterise(
     *,
     camera: str,
 ) -> tuple[xr.Dataset, list[Note]]:
+    """References and notes of one camera."""
     darks = measured.darks
+
+    # gain first: it turns the variance of the darks, in counts, into a read noise in electrons
     transfer = _fit_transfer(measured, declared)
     gain = _find_gain(transfer, measured, declared, estimated)
     read_noise = _find_read_noise(measured, declared, estimated, gain)
     page_var = (read_noise.value / gain.value) ** 2 + QUANTISATION_VAR
 
     # a single dark page does not determine its variance; it has the noise of a page
-    shape = darks.mean.shape
-    dark_var = np.full(shape, page_var if darks.pages == 1 else darks.mean_var)
+    dark_var = np.full(darks.mean.shape, page_var if darks.pages == 1 else darks.mean_var)
+    response = _find_response(
+        measured, estimated, dark_var=dark_var, gain=gain.value, page_var=page_var
+    )
 
-    bad = darks.bad
-    flat, flat_var = np.ones(shape), np.zeros(shape)
-    spread = _NAN
+    dataset = _build_dataset(measured, response, dark_var, transfer, gain, read_noise)
+    notes = [
+        Note(Level.NOTE, camera, _summarise(measured, declared, gain, read_noise, response.spread)),
+        *_gain_notes(camera, gain, declared, transfer),
+        *_read_noise_notes(camera, read_noise, declared, gain),
+        *_recording_notes(camera, measured),
+    ]
+    return dataset, notes
+
+
+def _find_response(
+    measured: CameraMeasurement,
+    estimated: CameraNoise | None,
+    *,
+    dark_var: Array,
+    gain: float,
+    page_var: float,
+) -> _Response:
+    """Response of the pixels from the flat, or its spread as estimated from the frames."""
+    bad = measured.darks.bad
     if measured.flat_light is not None:
-        flat, flat_var, dead = make_flat_field(
+        field = make_flat_field(
             measured.flat_light,
             measured.flat_pages,
             dark_var=dark_var,
             bad=bad,
-            gain=gain.value,
+            gain=gain,
             page_var=page_var,
         )
-        bad = bad | dead
-        spread = measure_response_spread(flat, flat_var, bad)
-    elif estimated is not None:
-        # response that is not corrected is noise, the same in every frame
-        spread = estimated.response_spread
-        flat_var += np.nan_to_num(spread) ** 2
+        bad = bad | field.dead
+        spread = measure_response_spread(field.response, field.response_var, bad)
+        return _Response(field.response, field.response_var, bad, spread)
 
-    capacity = (measured.saturation - darks.level) * gain.value
+    # response that is not corrected is noise, the same in every frame
+    spread = _NAN if estimated is None else estimated.response_spread
+    flat_var = np.full(bad.shape, float(np.nan_to_num(spread)) ** 2)
+    return _Response(np.ones(bad.shape), flat_var, bad, spread)
+
+
+def _build_dataset(
+    measured: CameraMeasurement,
+    response: _Response,
+    dark_var: Array,
+    transfer: PhotonTransfer | None,
+    gain: _Quantity,
+    read_noise: _Quantity,
+) -> xr.Dataset:
+    """Images and characteristics of one camera under their names in References."""
+    darks = measured.darks
     images = {
         "dark": (darks.mean, "DN"),
         "dark_var": (dark_var, "DN2"),
-        "flat": (flat, "1"),
-        "flat_var": (flat_var, "1"),
+        "flat": (response.flat, "1"),
+        "flat_var": (response.flat_var, "1"),
     }
+
+    # characteristics after EMVA 1288, with the values in use beside the measured ones
+    capacity = (measured.saturation - darks.level) * gain.value
     scalars = {
         "gain": (gain.value, "electron/DN", "gain in use"),
         "gain_measured": (gain.measured, "electron/DN", "gain as measured"),
@@ -197,19 +253,21 @@ def _characterise(
             "standard deviation of the dark level over the pixels (DSNU)",
         ),
         "response_spread": (
-            spread,
+            response.spread,
             "1",
             "standard deviation of the response from pixel to pixel (PRNU)",
         ),
         "saturation_capacity": (capacity, "electron", "electrons at saturation"),
     }
-    dataset = xr.Dataset(
+
+    # single precision: the images are multiplied with counts of at most 16 bits
+    return xr.Dataset(
         {
             name: (("y", "x"), image.astype(np.float32), {"units": unit})
             for name, (image, unit) in images.items()
         }
         | {
-            "bad": (("y", "x"), bad),
+            "bad": (("y", "x"), response.bad),
             "gain_known": ((), gain.known),
             "read_noise_known": ((), read_noise.known),
             "has_flat": ((), measured.has_flat),
@@ -219,13 +277,6 @@ def _characterise(
             for name, (value, unit, meaning) in scalars.items()
         }
     )
-    notes = [
-        Note(Level.NOTE, camera, _summarise(measured, declared, gain, read_noise, spread)),
-        *_gain_notes(camera, gain, declared, transfer),
-        *_read_noise_notes(camera, read_noise, declared, gain),
-        *_recording_notes(camera, measured),
-    ]
-    return dataset, notes
 
 
 def _fit_transfer(measured: CameraMeasurement, declared: DeclaredNoise) -> PhotonTransfer | None:
@@ -253,6 +304,7 @@ def _find_gain(
     estimated: CameraNoise | None,
 ) -> _Quantity:
     """Gain in use. [electron/DN]"""
+    # the frames are searched for a gain only where neither settings nor flats have one
     own, std = (transfer.gain, transfer.gain_std) if transfer else (_NAN, _NAN)
     if transfer is None and declared.gain is None and estimated is not None:
         own, std = estimated.gain, estimated.gain_std
@@ -284,6 +336,7 @@ def _find_read_noise(
     elif declared.read_noise is None and estimated is not None:
         own, std = estimated.read_noise, estimated.read_noise_std
 
+    # the declared value takes precedence; an assumed one serves until the frames are read
     known = declared.read_noise is not None or not np.isnan(own)
     if declared.read_noise is not None:
         value = declared.read_noise
@@ -296,6 +349,8 @@ def _gain_notes(
     camera: str, gain: _Quantity, declared: DeclaredNoise, transfer: PhotonTransfer | None
 ) -> list[Note]:
     notes = []
+
+    # the comparison is False where no gain was measured, because that gain is NaN
     if declared.gain is not None and abs(declared.gain / gain.measured - 1) > _TOLERATED:
         off = 100 * (declared.gain / gain.measured - 1)
         notes.append(
@@ -307,6 +362,7 @@ def _gain_notes(
                 "with it.",
             )
         )
+
     if not gain.known:
         notes.append(
             Note(
@@ -316,6 +372,8 @@ def _gain_notes(
                 "estimated from the noise of the frames",
             )
         )
+
+    # variance per light of a response f is f'^2/f, which changes three times as much as f itself
     if transfer is not None and transfer.is_bent:
         notes.append(
             Note(
@@ -347,6 +405,7 @@ def _read_noise_notes(
                 f"{_with_std(own, std)} electron; the declared value is used.",
             )
         )
+
     if not read_noise.known:
         notes.append(
             Note(
@@ -361,6 +420,8 @@ def _read_noise_notes(
 
 def _recording_notes(camera: str, measured: CameraMeasurement) -> list[Note]:
     notes = []
+
+    # a pile-up below full scale comes from the sensor or from a range set in the camera
     top = measured.saturation
     if top < measured.full_scale:
         notes.append(
@@ -371,6 +432,7 @@ def _recording_notes(camera: str, measured: CameraMeasurement) -> list[Note]:
                 f"{top} and more count as saturated",
             )
         )
+
     if not measured.has_flat:
         notes.append(
             Note(Level.WARNING, camera, "no flat; vignetting and pixel response are not corrected")
@@ -386,6 +448,7 @@ def _summarise(
     spread: float,
 ) -> str:
     """One line about a camera: what was measured, and what was declared."""
+    # in electrons these three mean nothing without a gain, and are then left out
     electronic = [
         _describe("gain", gain, "electron/DN", declared.gain),
         _describe("read noise", read_noise, "electron", declared.read_noise),
@@ -410,6 +473,7 @@ def _describe(what: str, quantity: _Quantity, unit: str, declared: float | None)
 
 
 def _with_std(value: float, std: float) -> str:
-    """Value and standard deviation, to the first digit of the latter, the second where that is 1."""
+    """Value and standard deviation, rounded to the first digit of the latter, or to the second."""
+    # the second digit is written where the first is 1: from 1.95 on it would round to 2
     digits = int(np.clip(np.ceil(-np.log10(std / 1.95)), 0, 4)) if std > 0 else 2
     return f"{value:.{digits}f} ± {std:.{digits}f}"

@@ -75,8 +75,10 @@ def find_pile_up(histogram: Histogram) -> int | None:
     if np.count_nonzero(histogram) < _BELOW:
         return None
 
+    # a few hot pixels may lie above a pile-up, a tail of the image may not
     above = histogram[::-1].cumsum()[::-1] - histogram
     candidates = np.nonzero((histogram >= _LEAST_PILE) & (_ABOVE * above < histogram))[0]
+    # from the top: an evenly bright area further down may have a steep edge too
     for count in candidates[::-1]:
         below = histogram[max(count - _BELOW, 0) : count]
         if _BELOW <= count < histogram.size - 1 and histogram[count] > _STEEP * below.max():

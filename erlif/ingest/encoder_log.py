@@ -111,6 +111,7 @@ def read_encoder_log(path: Path) -> EncoderLog:
     numbers = _number_column(columns.pop("frame"), rows, "frame", path)
     _check_frame_numbers(numbers, rows, path)
 
+    # known columns get their short names and units, others keep the name in the header
     log = xr.Dataset({"number": ("frame", numbers.astype(np.int64))})
     for name, cells in columns.items():
         if name in _KNOWN_COLUMNS:
@@ -120,6 +121,7 @@ def read_encoder_log(path: Path) -> EncoderLog:
         elif name:
             log[name] = ("frame", _free_column(cells))
 
+    # theory divides by the load
     if "load" in log and log["load"].values.min() <= 0:
         n = int(np.argmin(log["load"].values))
         raise EncoderError(
@@ -170,6 +172,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
 
 def _read_table(path: Path) -> list[tuple[int, list[str]]]:
     """Row numbers and cells of a CSV file; empty rows are left out."""
+    # "utf-8-sig" also reads the byte order mark that spreadsheets write
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = enumerate(csv.reader(file), 1)
@@ -220,6 +223,7 @@ def _check_header(header: list[str], path: Path) -> None:
                 f"{','.join(header)}.{comma} Columns erlif knows: {known}."
             )
 
+    # the rest of the header: names must be distinct, and usable in the file of the result
     for place, (name, count) in enumerate(Counter(header).items(), 1):
         if count > 1 and name:
             raise EncoderError(
@@ -256,6 +260,7 @@ def _number_column(cells: Sequence[str], rows: Sequence[int], name: str, path: P
 
 def _check_frame_numbers(numbers: Array, rows: Sequence[int], path: Path) -> None:
     """Frame numbers must be whole, distinct and consecutive."""
+    # a repeated number is reported as such, before the gap that it leaves behind
     seen: dict[float, int] = {}
     for n, (row, number) in enumerate(zip(rows, numbers, strict=True)):
         where = f"row {row}, column frame"

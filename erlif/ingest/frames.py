@@ -19,6 +19,7 @@ class FramePairs:
     """The frames of two cameras, paired; files are read when frames are asked for."""
 
     directory: Path
+    """The run or fixture directory."""
     pages: tuple[tuple[Page, ...], tuple[Page, ...]]
     """Frame k of camera 1 and frame k of camera 2 belong to the same laser pulse."""
     shape: tuple[int, int]
@@ -41,6 +42,7 @@ class FramePairs:
 
     def spread(self, count: int) -> list[int]:
         """Numbers of at most `count` usable frame pairs, evenly spaced over the recording."""
+        # rounding may choose a frame twice where there are few
         usable = self.usable
         places = np.unique(np.linspace(0, len(usable) - 1, count).round().astype(int))
         return [usable[place] for place in places]
@@ -75,6 +77,7 @@ def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
     >>> read_frames(pairs, [0]).counts.sizes["y"]
     2
     """
+    # every page is checked again: the header does not show a wrong bit depth
     counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
     for camera, (pages, bit_depth) in enumerate(zip(pairs.pages, pairs.bit_depths, strict=True)):
         for n, k in enumerate(frames):

@@ -37,6 +37,7 @@ def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
         names = ["fixture.toml", recording.settings.fixture.profile]
     hashes = {name: _hash_files([recording.directory / name]) for name in names}
 
+    # of the frames the pages that are paired count, of darks and flats what the pattern matches
     for camera, pages in zip(recording.cameras, recording.pairs.pages, strict=True):
         hashes[camera.files] = _hash_files(sorted({page.path for page in pages}, key=natural_key))
         for reference in (camera.dark, camera.flat):
@@ -51,6 +52,7 @@ def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
 
 
 def _hash_files(paths: Iterable[Path]) -> str:
+    # the hash of the hashes: the names of the files do not enter, their order does
     total = hashlib.sha256()
     for path in paths:
         try:

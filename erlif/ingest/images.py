@@ -20,7 +20,7 @@ from erlif.core.notes import Level, Note
 _TIFF = {".tif", ".tiff"}
 
 _DENSEST = 1100
-"""Pixels per byte of a file: deflate cannot compress further, so a header that claims more is damaged."""
+"""Pixels per byte of a file that deflate can reach; a header that claims more is damaged."""
 
 _FEW_LEVELS = 16
 """Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
@@ -31,12 +31,14 @@ class Page:
     """One image in a file."""
 
     path: Path
+    """File that holds the image."""
     index: int
     """Position in a multi-page file, counted from 0."""
 
     @property
     def name(self) -> str:
-        """File name, with the index from the second page on; bytes that are not UTF-8 are replaced."""
+        """File name in UTF-8, with the index from the second page on."""
+        # a name may hold any bytes, a message and a netCDF file only text
         name = os.fsencode(self.path.name).decode(errors="replace")
         return name if self.index == 0 else f"{name}[{self.index}]"
 
@@ -45,7 +47,9 @@ class PageKind(NamedTuple):
     """Shape and type of an image, from its header."""
 
     shape: tuple[int, ...]
+    """(rows, columns), and colours where there are several. [px]"""
     dtype: str
+    """Name of the numpy type, such as "uint16"."""
 
     def __str__(self) -> str:
         return f"{describe_shape(self.shape)} {self.dtype}"
@@ -60,7 +64,9 @@ class CameraFiles:
     """The pages of one camera in natural order."""
 
     pages: list[Page] = field(default_factory=list)
+    """Images of all files, unreadable ones included."""
     kinds: list[PageKind] = field(default_factory=list)
+    """Kind of each page; UNREADABLE for damaged ones."""
     faults: dict[int, str] = field(default_factory=dict)
     """Reasons why pages are unreadable, by position."""
 
@@ -83,6 +89,7 @@ def natural_key(path: Path) -> list[tuple[int, int, str]]:
     >>> [path.name for path in sorted(names, key=natural_key)]
     ['frame_2.tif', 'frame_10.tif']
     """
+    # split puts the numbers at the odd places, where a number is compared with a number
     parts = re.split(r"(\d+)", str(path))
     return [(0, int(part), "") if n % 2 else (1, 0, part) for n, part in enumerate(parts)]
 
@@ -122,6 +129,7 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
             "Put them there, or correct the name in the settings."
         )
 
+    # an unreadable file is kept as one page, so that the frames after it keep their numbers
     found = CameraFiles()
     for path in paths:
         try:
@@ -199,6 +207,7 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
     FrameError
         If counts exceed full scale, or are left-aligned: saturation would then go unnoticed.
     """
+    # left-aligned counts are reported first: their largest count exceeds full scale as well
     full_scale = (1 << bit_depth) - 1
     top = int(counts.max())
     set_bits = int(np.bitwise_or.reduce(counts, axis=None))
@@ -269,6 +278,7 @@ def _read_headers(path: Path) -> list[PageKind]:
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
 
+    # headers of damaged files may claim sizes that no memory holds
     if not kinds:
         raise FrameError("the file holds no image")
     for shape, _ in kinds:
@@ -285,6 +295,7 @@ def _tiff_headers(path: Path, size: int) -> list[PageKind]:
         with tifffile.TiffFile(path) as file:
             for page in file.pages:
                 page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
+                # data behind the end of the file was cut off; a page without data has none at all
                 ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
                 whole = ends and max(ends) <= size
                 shape = tuple(int(n) for n in page.shape)

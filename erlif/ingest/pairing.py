@@ -36,6 +36,7 @@ def pair_cameras(
     Parameters
     ----------
     directory : Path
+        The run or fixture directory.
     patterns : (str, str)
         File name or glob of camera 1 and camera 2, relative to `directory`.
     bit_depths : (int, int)
@@ -65,6 +66,9 @@ def pair_cameras(
     }
     if faults and not skip_bad_frames:
         raise FrameError(_fault_message(faults))
+
+    # pixels are decoded here only where undecodable frames may be left out: it takes as long as
+    # reading the whole recording
     _check_pairs(one.pages, two.pages)
     if skip_bad_frames:
         faults |= _find_undecodable(directory, (one, two), faults)
@@ -88,7 +92,8 @@ def pair_cameras(
 
 
 def frame_numbers(pages: Sequence[Page]) -> list[int]:
-    """Number of each frame by its file name; its position where the names do not distinguish frames."""
+    """Number of each frame by its file name; its position where names do not distinguish frames."""
+    # the last number counts: "2026-11-22_cam1_0007" is frame 7
     found = [re.findall(r"\d+", page.path.stem) for page in pages]
     numbers = [int(digits[-1]) if digits else 0 for digits in found]
     return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
@@ -96,6 +101,7 @@ def frame_numbers(pages: Sequence[Page]) -> list[int]:
 
 def _check_kinds(cameras: Sequence[CameraFiles], good: Sequence[int]) -> tuple[int, int]:
     """Shape of all frames; refuses frames of different kinds, and kinds that are not counts."""
+    # the most frequent kind is the usual one, so that the odd file is named and not the others
     counted = Counter(files.kinds[k] for files in cameras for k in good)
     usual: PageKind = counted.most_common(1)[0][0]
     for camera, files in enumerate(cameras, 1):
@@ -161,12 +167,14 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
 
     Frames pair by the numbers in their names where both cameras use the same numbers.
     """
+    # with equal counts, different numbers are a fault only where most numbers are common
     a, b = frame_numbers(one), frame_numbers(two)
     if len(one) == len(two):
         common = len(set(a) & set(b)) >= len(one) / 2
         if not common or len({first - second for first, second in zip(a, b, strict=True)}) == 1:
             return None  # the cameras number frames differently, or from different first numbers
 
+    # the camera with more frames has the unmatched one
     pages, own, other, name = (
         (one, a, b, "camera1") if len(one) >= len(two) else (two, b, a, "camera2")
     )
@@ -178,6 +186,7 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
 
 def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
     """Add the pages that a truncated multi-page file has lost, as unreadable ones."""
+    # the other camera shows how many pages there were
     most = max(len(files.pages) for files in cameras)
     for files in cameras:
         last = files.pages[-1]

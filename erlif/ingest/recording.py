@@ -24,8 +24,11 @@ class Run:
     """A run: frame pairs of the joint, one for each row of the encoder log."""
 
     directory: Path
+    """Directory with ``run.toml``."""
     settings: RunSettings
+    """What ``run.toml`` holds."""
     pairs: FramePairs
+    """Frames of camera 1 and camera 2."""
     log: EncoderLog
     """Row k belongs to frame pair k."""
 
@@ -40,8 +43,11 @@ class Fixture:
     """A calibration fixture: frame pairs of a film of known thickness."""
 
     directory: Path
+    """Directory with ``fixture.toml``."""
     settings: FixtureSettings
+    """What ``fixture.toml`` holds."""
     pairs: FramePairs
+    """Frames of camera 1 and camera 2."""
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:
@@ -115,6 +121,7 @@ def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture
 def _open_pairs(
     directory: Path, settings: RunSettings | FixtureSettings, *, skip_bad_frames: bool
 ) -> FramePairs:
+    # the ratio is camera 2 over camera 1: exchanged bands would turn its sign
     one, two = settings.camera1, settings.camera2
     if one.band >= two.band:
         raise FrameError(

@@ -46,6 +46,7 @@ def read_reference_pages(
     >>> next(pages).shape
     (256, 320)
     """
+    # headers of all pages first: a fault in the last one is reported before any work
     found = find_pages(directory, pattern, what)
     if found.faults:
         first = min(found.faults)
