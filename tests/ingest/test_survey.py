@@ -175,7 +175,7 @@ def test_damaged_files_are_listed_and_the_others_read(tmp_path):
     assert frames.pages == 3
 
 
-def test_what_erlif_wrote_is_not_taken_for_frames(tmp_path):
+def test_files_that_erlif_wrote_are_not_taken_for_frames(tmp_path):
     photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
     (tmp_path / "figures").mkdir()
     for name in ("calibration.png", "figures/map.png"):
@@ -201,3 +201,49 @@ def test_too_many_files_are_refused(tmp_path, monkeypatch):
     photograph(tmp_path, *numbered("cam1/{}.tif", 4))
     with pytest.raises(FrameError, match="more than 3 files"):
         survey_directory(tmp_path)
+
+
+def test_hidden_files_links_and_files_too_deep_are_not_searched(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    photograph(tmp_path, ".hidden.tif", "a/b/c/d/deep.tif")
+    (tmp_path / "link.tif").symlink_to(tmp_path / "cam1" / "0.tif")
+    survey = survey_directory(tmp_path)
+    assert survey.unassigned == ()
+    assert [camera.frames.pages for camera in survey.cameras] == [3, 3]
+
+
+def test_a_table_larger_than_any_log_is_not_read(tmp_path, monkeypatch):
+    (tmp_path / "log.csv").write_text("frame,angle_deg\n0,1\n")
+    monkeypatch.setattr("erlif.ingest.survey.LARGEST_TABLE", 18)
+    assert survey_directory(tmp_path).tables == ()
+    monkeypatch.setattr("erlif.ingest.survey.LARGEST_TABLE", 20)
+    assert len(survey_directory(tmp_path).tables) == 1
+
+
+def test_a_camera_whose_files_are_all_damaged_has_no_counts(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    for path in (tmp_path / "cam2").iterdir():
+        path.write_bytes(b"")
+    one, two = survey_directory(tmp_path).cameras
+    assert one.counts.pages == 3
+    assert one.counts.highest == 1000
+    assert two.counts is None
+    assert len(two.frames.faults) == 3
+
+
+def test_the_most_frequent_size_comes_first(tmp_path):
+    photograph(tmp_path, *numbered("cam1/{}.tif"), *numbered("cam2/{}.tif"))
+    photograph(tmp_path, "cam1/0.tif", image=GREY[:, :70])
+    assert survey_directory(tmp_path).cameras[0].frames.kinds == (
+        "80 x 64 uint16",
+        "70 x 64 uint16",
+    )
+
+
+def test_more_than_two_cameras_are_all_listed(tmp_path):
+    photograph(tmp_path, *(name for n in (1, 2, 3) for name in numbered(f"cam{n}/{{}}.tif")))
+    assert [camera.label for camera in survey_directory(tmp_path).cameras] == [
+        "camera 1",
+        "camera 2",
+        "camera 3",
+    ]

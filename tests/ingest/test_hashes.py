@@ -1,0 +1,94 @@
+"""Hashes of the inputs against hashlib over the bytes on the disk."""
+
+import hashlib
+import os
+
+import numpy as np
+import pytest
+import tifffile
+
+from erlif.ingest import hash_inputs, open_fixture, open_run
+
+KEYS = [f"camera{n}{rest}" for n in (1, 2) for rest in ("/*.tif", "_dark.tif", "_flat.tif")]
+
+
+def expected(paths):
+    """SHA-256 of the SHA-256 digests of the files, one after the other."""
+    digests = [hashlib.sha256(path.read_bytes()).digest() for path in paths]
+    return hashlib.sha256(b"".join(digests)).hexdigest()
+
+
+def test_a_run_has_a_hash_for_each_input(run):
+    hashes = hash_inputs(open_run(run.directory))
+    assert set(hashes) == {"run.toml", "encoder.csv", *KEYS}
+    for name in ("run.toml", "encoder.csv", "camera1_dark.tif"):
+        assert hashes[name] == expected([run.directory / name])
+    for camera in (1, 2):
+        assert hashes[f"camera{camera}/*.tif"] == expected(run.frames(camera))
+
+
+def test_a_fixture_has_its_profile_among_the_inputs(fixture):
+    hashes = hash_inputs(open_fixture(fixture.directory))
+    assert set(hashes) == {"fixture.toml", "profile.csv", *KEYS}
+    assert hashes["profile.csv"] == expected([fixture.directory / "profile.csv"])
+
+
+@pytest.mark.parametrize("name", ["run.toml", "encoder.csv", *KEYS])
+def test_a_changed_input_changes_its_own_hash_and_no_other(run, name):
+    before = hash_inputs(open_run(run.directory))
+    path = run.frames(int(name[6]))[5] if "*" in name else run.directory / name
+    if path.suffix == ".tif":
+        pages = np.atleast_3d(tifffile.imread(path))
+        pages.flat[0] -= 1
+        pages = pages if pages.shape[-1] > 1 else pages[..., 0]
+        tifffile.imwrite(path, pages, photometric="minisblack")
+    else:
+        path.write_text(path.read_text() + "\n")
+    after = hash_inputs(open_run(run.directory))
+    assert [key for key in before if before[key] != after[key]] == [name]
+
+
+def test_frames_of_another_order_have_another_hash(run):
+    before = hash_inputs(open_run(run.directory))
+    first, second = run.frames(1)[:2]
+    content = first.read_bytes()
+    first.write_bytes(second.read_bytes())
+    second.write_bytes(content)
+    after = hash_inputs(open_run(run.directory))
+    assert before["camera1/*.tif"] != after["camera1/*.tif"]
+
+
+def test_names_are_relative_and_as_short_as_possible(run):
+    directory = run.directory
+    absolute = os.fspath(directory / "camera1" / "*.tif")
+    run.edit(
+        "run.toml",
+        ('"camera1/*.tif"', f"'{absolute}'"),
+        ('"camera2/*.tif"', f'"../{directory.name}/camera2/*.tif"'),
+    )
+    hashes = hash_inputs(open_run(directory))
+    assert {"camera1/*.tif", "camera2/*.tif"} <= set(hashes)
+
+
+def test_a_file_that_is_left_out_and_unreadable_has_a_place_in_the_hash(run):
+    path = run.frames(2)[2]
+    path.unlink()
+    path.symlink_to(run.directory / "gone.tif")
+    recording = open_run(run.directory, skip_bad_frames=True)
+    digests = [
+        b"unreadable" if k == 2 else hashlib.sha256(one.read_bytes()).digest()
+        for k, one in enumerate(run.frames(2))
+    ]
+    found = hash_inputs(recording)["camera2/*.tif"]
+    assert found == hashlib.sha256(b"".join(digests)).hexdigest()
+
+
+def test_a_run_without_darks_and_flats_has_none_among_its_hashes(run):
+    for n in (1, 2):
+        run.edit(
+            "run.toml",
+            (f'dark = "camera{n}_dark.tif"', 'offset = "64 DN"'),
+            (f'flat = "camera{n}_flat.tif"', ""),
+        )
+    found = set(hash_inputs(open_run(run.directory)))
+    assert found == {"run.toml", "encoder.csv", "camera1/*.tif", "camera2/*.tif"}
