@@ -62,8 +62,8 @@ def reduce_flats(
     """Sort flat pages into light levels, and find the count at which the camera saturates.
 
     Consecutive pages of one brightness form a level; they are scaled to one another, which removes
-    the flicker of the lamp. Pages with saturated pixels are left out, those that saturate below
-    full scale included.
+    the flicker of the lamp. Pages without light and pages with saturated pixels are left out, those
+    that saturate below full scale included.
 
     Parameters
     ----------
@@ -100,11 +100,16 @@ def reduce_flats(
         if counted[top:].sum() > _SATURATED_SHARE * image.size:
             continue
 
-        # the scale removes flicker of the lamp, which would count as noise of the camera
+        # a page without light has no response of the pixels, and nothing to be scaled by
         light = image - dark
-        if not levels or abs(light.mean() / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
+        brightness = light.mean()
+        if brightness <= 0:
+            continue
+
+        # the scale removes flicker of the lamp, which would count as noise of the camera
+        if not levels or abs(brightness / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
             levels.append(PageStack(light))
-        levels[-1].add(light, scale=levels[-1].first.mean() / light.mean())
+        levels[-1].add(light, scale=levels[-1].first.mean() / brightness)
 
     # the histogram of all pages and frames shows a pile-up that single pages hint at
     saturation = find_pile_up(total) or full_scale

@@ -1,0 +1,212 @@
+"""Darks of cameras whose level, noise and defects are known."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scipy.stats import chi2, norm
+
+from erlif.core.errors import FrameError
+from erlif.correction import declare_darks, reduce_darks
+from erlif.correction.darks import median_of_surroundings
+
+SHAPE = (72, 80)
+
+
+def even_pages(count, level=64):
+    return [np.full(SHAPE, level, np.uint16) for _ in range(count)]
+
+
+def alternating(count, amplitude):
+    """Pages that swing about 1000 DN: amplitude^2 n/(n - 1) is the variance of each pixel."""
+    signs = np.resize([1, -1], count)
+    return [1000.0 + sign * np.broadcast_to(amplitude, SHAPE) for sign in signs]
+
+
+# level and noise
+
+
+def test_level_and_noise_are_those_of_the_camera(simulated):
+    camera = simulated()
+    darks = reduce_darks(camera.darks(16, np.random.default_rng(1)))
+    assert darks.pages == 16
+    assert abs(darks.temporal_var - camera.temporal_var) < 4 * darks.temporal_var_std
+    # 16 pages of 5760 pixels: sqrt(2/(15 x 5760)) = 0.48 % of the variance
+    npt.assert_allclose(darks.temporal_var_std / camera.temporal_var, 0.0048, rtol=0.02)
+    npt.assert_allclose(darks.mean_var, darks.temporal_var / 16, rtol=1e-12)
+    assert abs(darks.level - 64) < 4 * np.sqrt(camera.temporal_var / (16 * 5760))
+
+
+@pytest.mark.parametrize("pages", [2, 3, 10])
+def test_noise_of_many_cameras_scatters_by_its_standard_deviation(simulated, check_coverage, pages):
+    rng = np.random.default_rng(pages)
+    camera = simulated(shape=(24, 32))
+    pulls = []
+    for _ in range(200):
+        darks = reduce_darks(camera.darks(pages, rng))
+        pulls.append((darks.temporal_var - camera.temporal_var) / darks.temporal_var_std)
+    # of 200, 3.5 binomial standard deviations are 11 % at one sigma and 5 % at two
+    check_coverage(pulls)
+    assert abs(np.mean(pulls)) < 4 / np.sqrt(200)
+
+
+def test_the_mean_dark_scatters_by_its_variance(simulated, check_coverage):
+    darks = reduce_darks(simulated().darks(9, np.random.default_rng(2)))
+    check_coverage((darks.mean - 64) / np.sqrt(darks.mean_var))
+
+
+def test_a_level_that_drifts_from_page_to_page_is_less_certain(simulated):
+    """A drift of 2 DN from page to page: with 16 pages the mean level is known to 0.5 DN."""
+    rng = np.random.default_rng(3)
+    camera = simulated(shape=(24, 32))
+    levels, stds = [], []
+    for _ in range(120):
+        pages = [page + rng.normal(0, 2) for page in camera.darks(16, rng)]
+        darks = reduce_darks(pages)
+        levels.append(darks.level)
+        stds.append(darks.level_std)
+    # a standard deviation of 16 values is known to 18 %, the mean of 120 of them to 2 %
+    npt.assert_allclose(np.mean(stds), 0.5, rtol=0.06)
+    # that of 120 levels is known to 6.5 %
+    npt.assert_allclose(np.std(levels), 0.5, rtol=0.23)
+
+
+def test_a_steady_level_is_known_to_the_noise_of_its_mean(simulated):
+    camera = simulated()
+    darks = reduce_darks(camera.darks(16, np.random.default_rng(4)))
+    noise = np.sqrt(camera.temporal_var / (16 * 5760))
+    assert noise * 0.98 < darks.level_std < 20 * noise
+
+
+def test_a_fixed_pattern_is_measured_without_the_noise(simulated):
+    rng = np.random.default_rng(5)
+    camera = simulated(read_noise=20.0)
+    pattern = rng.normal(0, 1.5, SHAPE)
+    darks = reduce_darks([page + pattern for page in camera.darks(8, rng)])
+    # 5760 pixels fix a spread to 0.9 %; with the noise of the mean left in it would be 2.2 DN
+    npt.assert_allclose(darks.spread, pattern.std(), rtol=0.05)
+    even = reduce_darks(camera.darks(8, rng))
+    assert even.spread**2 < 4 * camera.temporal_var / 8 * np.sqrt(2 / 5760)
+
+
+@pytest.mark.parametrize("sigma", [0.3, 0.4, 0.45])
+def test_two_pages_of_a_quiet_camera_have_few_noisy_pixels(sigma):
+    """Most pixels read the same count twice, and the median of their variances is zero."""
+    found, bad = [], 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        darks = reduce_darks([np.rint(rng.normal(64, sigma, SHAPE)) for _ in range(2)])
+        found.append(darks.temporal_var)
+        bad += int(darks.bad.sum())
+    assert bad < 5e-4 * len(found) * np.prod(SHAPE)
+    # the variance of a normal variate rounded to whole counts; 4 x 5760 pairs fix it to 1.6 %
+    counts = np.arange(-8, 9)
+    expected = (counts**2 * np.diff(norm.cdf(np.arange(-8.5, 9), scale=sigma))).sum()
+    npt.assert_allclose(np.mean(found), expected, rtol=0.05)
+
+
+def test_equal_pages_have_neither_noise_nor_bad_pixels():
+    darks = reduce_darks(even_pages(4))
+    assert (darks.temporal_var, darks.level, darks.level_std, darks.spread) == (0, 64, 0, 0)
+    assert not darks.bad.any()
+
+
+def test_a_single_page_has_no_variance():
+    darks = reduce_darks(even_pages(1))
+    assert (darks.pages, darks.mean_var, darks.temporal_var) == (1, 0, None)
+    assert np.isnan(darks.level_std)
+    assert np.isnan(darks.spread)
+
+
+def test_no_page_is_refused():
+    with pytest.raises(FrameError, match="at least one dark page"):
+        reduce_darks([])
+
+
+def test_a_declared_level_has_neither_noise_nor_pages():
+    darks = declare_darks(64.5, (3, 4))
+    npt.assert_array_equal(darks.mean, np.full((3, 4), 64.5))
+    assert (darks.level, darks.mean_var, darks.pages, darks.temporal_var) == (64.5, 0, 0, None)
+    assert not darks.bad.any()
+
+
+# bad pixels
+
+
+@pytest.mark.parametrize(("excess", "hot"), [(8, False), (9, True), (-8, False), (-9, True)])
+@pytest.mark.parametrize("pages", [1, 3])
+def test_a_pixel_of_a_quiet_camera_is_hot_beyond_8_counts(pages, excess, hot):
+    images = even_pages(pages)
+    for image in images:
+        image[30, 40] = 64 + excess
+    darks = reduce_darks(images)
+    assert darks.bad[30, 40] == hot
+    assert darks.bad.sum() == int(hot)
+
+
+@pytest.mark.parametrize(("sigmas", "hot"), [(6, False), (11, True), (-6, False), (-11, True)])
+def test_a_pixel_of_a_noisy_camera_is_hot_beyond_8_standard_deviations(sigmas, hot):
+    """The median of 25 neighbours adds 3 % to the scatter of a pixel."""
+    page = np.random.default_rng(6).normal(500, 10, SHAPE)
+    page[30, 40] = 500 + 10 * sigmas
+    assert reduce_darks([page]).bad[30, 40] == hot
+
+
+def test_glow_of_the_amplifier_does_not_make_pixels_hot():
+    y, x = np.indices(SHAPE)
+    glow = 64 + 200 * np.exp(-(x**2 + y**2) / 30.0**2)
+    assert not reduce_darks([glow, glow]).bad.any()
+
+
+def test_the_level_is_that_of_the_good_pixels(simulated):
+    camera = simulated(hot=((10, 12), (50, 3)))
+    darks = reduce_darks(camera.darks(16, np.random.default_rng(7)))
+    assert np.argwhere(darks.bad).tolist() == [[10, 12], [50, 3]]
+    # with its two hot pixels it would be 0.14 DN higher
+    assert abs(darks.level - 64) < 0.03
+    assert darks.spread < 0.1
+
+
+@pytest.mark.parametrize("pages", [4, 16])
+@pytest.mark.parametrize(("share", "noisy"), [(0.95, False), (1.05, True)])
+def test_the_limit_for_noisy_pixels_is_a_chance_of_1e_7(pages, share, noisy):
+    """All pixels have one variance, which is the median of a chi-square of n - 1 degrees."""
+    freedom, amplitude = pages - 1, 20.0
+    variance = amplitude**2 * pages / freedom
+    typical = variance * freedom / chi2.ppf(0.5, freedom)
+    limit = typical * chi2.isf(1e-7, freedom) / freedom + 1
+    swing = np.full(SHAPE, amplitude)
+    swing[30, 40] = amplitude * np.sqrt(share * limit / variance)
+    darks = reduce_darks(alternating(pages, swing))
+    assert darks.bad[30, 40] == noisy
+    assert darks.bad.sum() == int(noisy)
+
+
+def test_a_flickering_pixel_is_bad_and_leaves_the_noise_as_it_is(simulated):
+    rng = np.random.default_rng(8)
+    camera = simulated()
+    pages = camera.darks(16, rng)
+    for page in pages:
+        page[20, 30] += rng.integers(0, 2, dtype=np.uint16) * np.uint16(60)
+    darks = reduce_darks(pages)
+    assert darks.bad[20, 30]
+    assert darks.bad.sum() == 1
+    assert abs(darks.temporal_var - camera.temporal_var) < 4 * darks.temporal_var_std
+
+
+def test_two_pages_leave_good_pixels_good(simulated):
+    """The variance of two pages is a chi-square of one degree of freedom: a long tail by chance."""
+    rng = np.random.default_rng(9)
+    bad = [reduce_darks(simulated().darks(2, rng)).bad.sum() for _ in range(10)]
+    # hot pixels are beyond 8 standard deviations: none by chance; noisy ones 0.006 of 57600
+    assert sum(bad) <= 1
+
+
+def test_the_surroundings_are_25_pixels():
+    image = np.zeros((9, 9))
+    image[2:7, 2:7] = np.arange(25).reshape(5, 5)
+    assert median_of_surroundings(image)[4, 4] == 12
+    image[2:7, 2:7] = 0
+    image[2:4, 2:7] = image[4, 2:5] = 1  # 13 of 25
+    assert median_of_surroundings(image)[4, 4] == 1
+    image[4, 4] = 0  # 12 of 25
+    assert median_of_surroundings(image)[4, 4] == 0

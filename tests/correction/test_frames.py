@@ -1,0 +1,233 @@
+"""Corrected frames: closed forms for every pixel, and the scatter of many exposures."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import ErlifError
+from erlif.core.flags import Flag
+from erlif.core.products import Frames, References
+from erlif.correction import correct_frames
+
+SHAPE = (24, 30)
+IMAGE = ("camera", "y", "x")
+
+
+def make_references(shape=SHAPE, *, bad=(), **changes):
+    """Ideal references, with images or pairs of scalars replaced by name."""
+    values = {"dark": 64.0, "dark_var": 0.0, "flat": 1.0, "flat_var": 0.0}
+    values |= {"gain": (4.4, 4.4), "read_noise": (9.0, 9.0), "full_scale": (4095, 4095)} | changes
+    mask = np.zeros((2, *shape), bool)
+    for pixel in bad:
+        mask[(slice(None), *pixel)] = True
+    data = {"bad": (IMAGE, mask)}
+    for name, value in values.items():
+        if name in ("gain", "read_noise", "full_scale"):
+            data[name] = ("camera", list(value))
+        else:
+            data[name] = (IMAGE, np.broadcast_to(value, (2, *shape)).astype(np.float32))
+    return References(xr.Dataset(data, {"camera": [1, 2]}))
+
+
+def make_frames(*images):
+    """The same images for both cameras."""
+    counts = np.stack([np.stack(images)] * 2).astype(np.uint16)
+    coords = {"camera": [1, 2], "frame": 10 + np.arange(len(images))}
+    return Frames(xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts)}, coords))
+
+
+def flat_frame(counts=1064, shape=SHAPE):
+    return np.full(shape, counts)
+
+
+# values
+
+
+def test_signal_is_light_above_dark_over_the_response():
+    flat, dark = np.linspace(0.5, 1.5, 30), np.linspace(60.0, 90.0, 24)[:, None]
+    corrected = correct_frames(make_frames(flat_frame()), make_references(flat=flat, dark=dark))
+    expected = (1064 - dark) / flat * np.ones(SHAPE)
+    npt.assert_allclose(corrected.signal[0, 0], expected, rtol=1e-6)
+    assert corrected.signal.attrs["units"] == "DN"
+    assert corrected.signal.dims == ("camera", "frame", "y", "x")
+    assert corrected.frame.values.tolist() == [10]
+
+
+def test_variance_is_shot_noise_read_noise_and_rounding_over_the_response_squared():
+    flat = np.linspace(0.5, 1.5, 30)
+    corrected = correct_frames(make_frames(flat_frame()), make_references(flat=flat))
+    expected = (1000 / 4.4 + (9 / 4.4) ** 2 + 1 / 12) / flat**2 * np.ones(SHAPE)
+    npt.assert_allclose(corrected.signal_var[1, 0], expected, rtol=1e-6)
+    npt.assert_allclose(corrected.signal_var_fixed, 0)
+
+
+def test_light_below_dark_is_negative_and_has_no_shot_noise():
+    corrected = correct_frames(make_frames(flat_frame(54)), make_references())
+    npt.assert_allclose(corrected.signal, -10)
+    npt.assert_allclose(corrected.signal_var, (9 / 4.4) ** 2 + 1 / 12, rtol=1e-6)
+
+
+def test_fixed_variance_is_that_of_dark_and_flat():
+    """signal = (counts - dark)/flat: its derivatives are -1/flat and -signal/flat."""
+    references = make_references(flat=0.8, dark_var=0.3, flat_var=1e-4)
+    corrected = correct_frames(make_frames(flat_frame()), references)
+    expected = 0.3 / 0.8**2 + 1e-4 * (1250 / 0.8) ** 2
+    npt.assert_allclose(corrected.signal_var_fixed, expected, rtol=1e-6)
+    npt.assert_allclose(
+        corrected.signal_var, (1000 / 4.4 + (9 / 4.4) ** 2 + 1 / 12) / 0.64, rtol=1e-6
+    )
+
+
+def test_each_camera_has_its_own_references():
+    references = make_references(gain=(2.0, 8.0), read_noise=(0.0, 16.0), full_scale=(1064, 4095))
+    corrected = correct_frames(make_frames(flat_frame()), references)
+    npt.assert_allclose(corrected.signal_var[0], 500 + 1 / 12, rtol=1e-6)
+    npt.assert_allclose(corrected.signal_var[1], 125 + 4 + 1 / 12, rtol=1e-6)
+    assert (corrected.flags[0] == Flag.SATURATED).all()
+    assert (corrected.flags[1] == 0).all()
+
+
+def test_each_frame_is_corrected_by_itself():
+    corrected = correct_frames(make_frames(flat_frame(1064), flat_frame(2064)), make_references())
+    npt.assert_allclose(corrected.signal.mean(("y", "x")), [[1000, 2000]] * 2)
+
+
+# flags
+
+
+@pytest.mark.parametrize(
+    ("counts", "flag"), [(3299, 0), (3300, Flag.SATURATED), (4095, Flag.SATURATED)]
+)
+def test_a_pixel_at_saturation_is_flagged(counts, flag):
+    references = make_references(full_scale=(3300, 3300))
+    assert (correct_frames(make_frames(flat_frame(counts)), references).flags == flag).all()
+
+
+@pytest.mark.parametrize(
+    ("counts", "least", "flag"),
+    [(88, 100, 0), (87, 100, 0), (86, 100, Flag.DIM), (64, 100, Flag.DIM), (86, 90, 0)],
+)
+def test_a_pixel_below_the_least_signal_is_dim(counts, least, flag):
+    """100 electrons are 22.7 DN, 86.7 with the dark."""
+    frames = make_frames(flat_frame(counts))
+    corrected = correct_frames(frames, make_references(), least_signal=least)
+    assert (corrected.flags == flag).all()
+
+
+def test_100_electrons_are_the_usual_limit():
+    image = flat_frame(87)
+    image[3, 4] = 86
+    flags = correct_frames(make_frames(image), make_references()).flags.values[0, 0]
+    assert np.argwhere(flags == Flag.DIM).tolist() == [[3, 4]]
+
+
+def test_dim_is_judged_before_the_response_is_divided_out():
+    """The electrons of the pixel decide on its noise, not the light that a better one would see."""
+    corrected = correct_frames(make_frames(flat_frame(84)), make_references(flat=0.5))
+    assert (corrected.flags == Flag.DIM).all()
+
+
+def test_flags_add_up():
+    image = flat_frame()
+    image[5, 6] = 64
+    image[7, 8] = 4095
+    flags = correct_frames(make_frames(image), make_references(bad=[(5, 6), (7, 8)])).flags
+    assert flags[0, 0, 5, 6] == Flag.DIM | Flag.BAD_PIXEL
+    assert flags[0, 0, 7, 8] == Flag.SATURATED | Flag.BAD_PIXEL
+    assert flags[0, 0, 9, 9] == 0
+    assert "flag_meanings" in flags.attrs
+
+
+# bad pixels
+
+
+def fill(image, bad):
+    frames = make_frames(image)
+    return correct_frames(frames, make_references(image.shape, bad=bad)).signal.values[0, 0]
+
+
+def ramp(shape=SHAPE):
+    """Distinct counts in every pixel."""
+    return 1000 + np.arange(np.prod(shape)).reshape(shape)
+
+
+def test_a_bad_pixel_takes_the_mean_of_its_eight_neighbours():
+    image = ramp() ** 2 % 1000 + 1000
+    ring = [image[10 + i, 12 + j] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    filled = fill(image, [(10, 12)])
+    npt.assert_allclose(filled[10, 12], np.mean(ring) - 64, rtol=1e-6)
+    others = np.ones(SHAPE, bool)
+    others[10, 12] = False
+    npt.assert_allclose(filled[others], (image - 64)[others])
+
+
+@pytest.mark.parametrize(
+    ("pixel", "rows", "columns"),
+    [
+        ((0, 0), [0, 1], [0, 1]),
+        ((23, 29), [22, 23], [28, 29]),
+        ((0, 12), [0, 1], [11, 12, 13]),
+        ((10, 29), [9, 10, 11], [28, 29]),
+    ],
+)
+def test_at_the_edge_the_neighbours_inside_count(pixel, rows, columns):
+    image = ramp()
+    ring = [image[i, j] for i in rows for j in columns if (i, j) != pixel]
+    npt.assert_allclose(fill(image, [pixel])[pixel], np.mean(ring) - 64, rtol=1e-6)
+
+
+def test_bad_neighbours_do_not_count():
+    image = ramp()
+    image[10, 13] = 4000
+    good = [
+        image[10 + i, 12 + j]
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+        if (i, j) not in ((0, 0), (0, 1))
+    ]
+    npt.assert_allclose(fill(image, [(10, 12), (10, 13)])[10, 12], np.mean(good) - 64, rtol=1e-6)
+
+
+@pytest.mark.parametrize("reach", [1, 2, 4, 5])
+def test_a_defect_is_filled_from_up_to_five_rings(reach):
+    """The middle of a square of 2 n + 1 bad pixels is n + 1 rings from the nearest good ones."""
+    image = flat_frame(2064)
+    square = [(i, j) for i in range(12 - reach, 13 + reach) for j in range(15 - reach, 16 + reach)]
+    for pixel in square:
+        image[pixel] = 3000
+    filled = fill(image, square)
+    npt.assert_allclose(filled[12, 15], 2000 if reach < 5 else 2936)
+    npt.assert_allclose(filled[12 - reach, 15], 2000)
+
+
+# scatter
+
+
+def test_variance_matches_the_scatter_of_corrected_counts(simulated, check_coverage):
+    """400 exposures with ideal references: the predicted variance is that of the values."""
+    rng = np.random.default_rng(2)
+    camera = simulated(shape=SHAPE)
+    electrons = np.linspace(200, 14000, SHAPE[1]) * camera.response
+    flat = camera.response / camera.response.mean()
+    frames = make_frames(*(camera.expose(electrons, rng) for _ in range(400)))
+    corrected = correct_frames(frames, make_references(flat=flat)).isel(camera=0)
+    truth = electrons / flat / camera.gain
+    signal, variance = corrected.signal.values, corrected.signal_var.values
+    # 720 pixels, 400 times each; the pulls are those of discrete counts, hence the wider bound
+    check_coverage((signal - truth) / np.sqrt(variance), sigmas=6)
+    ratio = signal.var(axis=0, ddof=1) / variance.mean(axis=0)
+    # a variance of 400 values is known to 7 %, the mean over 720 pixels to 0.26 %
+    assert abs(ratio.mean() - 1) < 4 * np.sqrt(2 / 399 / ratio.size)
+    npt.assert_allclose(signal.mean(), truth.mean(), rtol=1e-3)
+
+
+@pytest.mark.parametrize("name", ["dark", "flat", "bad", "gain", "read_noise", "full_scale"])
+def test_missing_references_are_named(name):
+    with pytest.raises(ErlifError, match=name):
+        correct_frames(make_frames(flat_frame()), make_references().drop_vars(name))
+
+
+def test_frames_without_counts_are_refused():
+    with pytest.raises(ErlifError, match="counts"):
+        correct_frames(make_frames(flat_frame()).drop_vars("counts"), make_references())

@@ -1,0 +1,56 @@
+"""Pages added one at a time, against numpy over all of them."""
+
+import numpy as np
+import numpy.testing as npt
+
+from erlif.correction import PageStack
+
+RNG = np.random.default_rng(20)
+PAGES = RNG.normal(1000, 30, (7, 5, 6))
+
+
+def add_all(pages, scales=None, first=None):
+    stack = PageStack(pages[0] if first is None else first)
+    for page, scale in zip(pages, scales or [1.0] * len(pages), strict=True):
+        stack.add(page, scale=scale)
+    return stack
+
+
+def test_mean_and_variance_are_those_of_the_pages():
+    stack = add_all(PAGES)
+    assert stack.count == 7
+    npt.assert_allclose(stack.mean, PAGES.mean(axis=0), rtol=1e-13)
+    npt.assert_allclose(stack.variance, PAGES.var(axis=0, ddof=1), rtol=1e-10)
+
+
+def test_scaled_pages_count_as_scaled():
+    scales = [1.0, 0.9, 1.1, 1.02, 0.97, 1.0, 1.3]
+    stack = add_all(PAGES, scales)
+    brought = PAGES * np.array(scales)[:, None, None]
+    npt.assert_allclose(stack.mean, brought.mean(axis=0), rtol=1e-13)
+    npt.assert_allclose(stack.variance, brought.var(axis=0, ddof=1), rtol=1e-10)
+    assert stack.scales == scales
+
+
+def test_the_reference_of_the_differences_does_not_enter():
+    about_zero = add_all(PAGES, first=np.zeros((5, 6)))
+    npt.assert_allclose(about_zero.mean, PAGES.mean(axis=0), rtol=1e-13)
+    npt.assert_allclose(about_zero.variance, PAGES.var(axis=0, ddof=1), rtol=1e-8)
+
+
+def test_a_small_variance_on_a_bright_page_is_not_lost():
+    """A variance of 1e-6 on counts of 1e6: sums of squared counts would have no digit left."""
+    pages = 1e6 + 1e-3 * RNG.standard_normal((8, 5, 6))
+    npt.assert_allclose(add_all(pages).variance, pages.var(axis=0, ddof=1), rtol=1e-6)
+
+
+def test_a_single_page_has_no_variance():
+    stack = add_all(PAGES[:1])
+    npt.assert_array_equal(stack.mean, PAGES[0])
+    npt.assert_array_equal(stack.variance, 0)
+
+
+def test_equal_pages_have_no_negative_variance():
+    stack = add_all([np.full((5, 6), 0.1)] * 9, first=np.full((5, 6), 0.3))
+    assert (stack.variance >= 0).all()
+    npt.assert_allclose(stack.variance, 0, atol=1e-15)

@@ -1,0 +1,326 @@
+"""References of two cameras from what was measured, declared and estimated."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.notes import Level, join_notes
+from erlif.correction import (
+    CameraNoise,
+    DeclaredNoise,
+    count_pixels,
+    make_references,
+    measure_camera,
+)
+
+GAIN, READ, OFFSET = 4.4, 9.0, 64.0
+HOT, DEAD = (10, 12), (40, 50)
+LEVELS = (3000, 7000, 12000)
+
+
+@pytest.fixture(scope="module")
+def camera(simulated):
+    return simulated(hot=(HOT,), dead=(DEAD,))
+
+
+def measure(camera, *, darks=16, pages=8, levels=LEVELS, seed=1, histogram=None):
+    """A camera with so many dark pages, or its offset for none, and flats of these levels."""
+    rng = np.random.default_rng(seed)
+    return measure_camera(
+        darks=camera.darks(darks, rng) if darks else camera.offset,
+        flats=camera.flats(levels, pages, rng) if pages else (),
+        histogram=np.zeros(4096, np.int64) if histogram is None else histogram,
+        shape=camera.shape,
+        camera="camera1",
+    )
+
+
+@pytest.fixture(scope="module")
+def measured(camera):
+    return measure(camera)
+
+
+def combine(measured, *, estimated=None, **declared):
+    given = DeclaredNoise(**declared)
+    return make_references([measured] * 2, declared=[given] * 2, estimated=[estimated] * 2)
+
+
+def warnings_of(cameras):
+    return join_notes(note for note in cameras.notes if note.level == Level.WARNING)
+
+
+def summary_of(cameras):
+    return str(cameras.notes[0])
+
+
+# measured
+
+
+def test_gain_and_read_noise_are_those_of_the_camera(measured):
+    references = combine(measured).references
+    assert references.camera.values.tolist() == [1, 2]
+    for name, truth in (("gain", GAIN), ("read_noise", READ), ("dark_signal", OFFSET)):
+        own = references["dark_signal" if name == "dark_signal" else f"{name}_measured"]
+        assert np.all(abs(own - truth) < 4 * references[f"{name}_std"])
+    # 24 flats of 5760 pixels fix the gain to 0.4 %, 16 darks the read noise to 0.24 % beside it
+    assert np.all((references.gain_std / GAIN > 0.002) & (references.gain_std / GAIN < 0.008))
+    assert np.all((references.read_noise_std / READ > 0.002) & (references.read_noise_std < 0.1))
+    npt.assert_array_equal(references.gain, references.gain_measured)
+    assert references.gain_known.all()
+    assert references.read_noise_known.all()
+
+
+def test_read_noise_of_many_cameras_scatters_by_its_standard_deviation(simulated, check_coverage):
+    """From 0.4 DN, where rounding matters, to 4 DN; the error of the gain enters as well."""
+    rng = np.random.default_rng(2)
+    pulls = []
+    for seed in range(120):
+        camera = simulated(shape=(24, 32), read_noise=rng.uniform(2, 18))
+        references = combine(measure(camera, darks=6, pages=3, seed=seed)).references
+        found, std = references.read_noise_measured[0], references.read_noise_std[0]
+        pulls.append(float((found - camera.read_noise) / std))
+    # of 120, 3.5 binomial standard deviations are 15 % at one sigma and 7 % at two
+    check_coverage(pulls)
+
+
+def test_images_and_characteristics_have_their_values(camera, measured):
+    references = combine(measured).references.isel(camera=0)
+    good = ~references.bad.values
+    npt.assert_allclose(references.dark.values[good], OFFSET, atol=5 * np.sqrt(4.27 / 16))
+    npt.assert_allclose(references.dark_var, measured.darks.temporal_var / 16, rtol=1e-6)
+    truth = camera.response / camera.response.mean()
+    pull = ((references.flat - truth) / np.sqrt(references.flat_var)).values[good]
+    assert abs(pull.mean()) < 0.1
+    assert 0.95 < pull.std() < 1.05
+    npt.assert_allclose(
+        references.saturation_capacity, (4095 - references.dark_signal) * references.gain
+    )
+    assert references.full_scale == 4095
+    assert references.has_flat
+    assert references.dark.dtype == np.float32
+
+
+def test_hot_and_dead_pixels_are_bad_and_few_others(measured):
+    bad = combine(measured).references.bad.values[0]
+    assert bad[HOT]
+    assert bad[DEAD]
+    assert bad.sum() <= 4
+
+
+def test_response_spread_is_that_of_the_pattern(camera, measured):
+    """A wave of 1 % of the pixels, compared with its own eight neighbours."""
+    y, x = np.indices(camera.shape)
+    wave = 0.01 * np.sin(1.7 * x + 2.3 * y)
+    shifts = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    around = sum(np.roll(wave, shift, (0, 1)) for shift in shifts) / 8
+    expected = 1.4826 * np.median(np.abs((wave - around)[2:-2, 2:-2])) / np.sqrt(9 / 8)
+    npt.assert_allclose(combine(measured).references.response_spread, expected, rtol=0.1)
+
+
+def test_cameras_are_kept_apart(simulated, measured):
+    other = measure(simulated(gain=2.0, offset=100.0))
+    cameras = make_references([measured, other], declared=[DeclaredNoise()] * 2)
+    npt.assert_allclose(cameras.references.gain, [4.4, 2.0], rtol=0.02)
+    npt.assert_allclose(cameras.references.dark_signal, [64, 100], atol=0.1)
+    assert [note.subject for note in cameras.notes] == ["camera1", "camera2"]
+
+
+def test_the_summary_has_values_with_their_standard_deviations(measured):
+    cameras = combine(measured)
+    line = summary_of(cameras)
+    text = line.split("camera1: gain ")[1].split(" electron/DN")[0]
+    value, std = (float(part) for part in text.split(" ± "))
+    npt.assert_allclose(value, cameras.references.gain[0], atol=0.5 * std)
+    npt.assert_allclose(std, cameras.references.gain_std[0], rtol=0.5)
+    assert "dark 64.0 DN" in line  # with the hot pixel, 400 DN in 5760 pixels, it would be 64.1
+    assert "saturation 4095 DN = 17." in line
+    assert warnings_of(cameras) == ""
+
+
+# declared
+
+
+def test_declared_values_are_used_and_measured_ones_kept(measured):
+    references = combine(measured, gain=4.5, read_noise=9.2).references
+    npt.assert_array_equal(references.gain, 4.5)
+    npt.assert_array_equal(references.read_noise, 9.2)
+    npt.assert_allclose(references.gain_measured, GAIN, rtol=0.015)
+    # in electrons, with the gain in use
+    npt.assert_allclose(references.read_noise_measured, READ * 4.5 / 4.4, rtol=0.02)
+
+
+@pytest.mark.parametrize("factor", [0.85, 1.15])
+def test_a_declared_gain_that_deviates_by_more_than_10_percent_is_reported(measured, factor):
+    own = float(combine(measured).references.gain_measured[0])
+    warning = warnings_of(combine(measured, gain=own * factor))
+    assert f"deviates by {100 * (factor - 1):+.0f} % from the measured one" in warning
+    assert "camera1: the declared gain" in warning
+
+
+@pytest.mark.parametrize("factor", [0.92, 1.08])
+def test_a_declared_gain_within_10_percent_is_not_reported(measured, factor):
+    own = float(combine(measured).references.gain_measured[0])
+    assert warnings_of(combine(measured, gain=own * factor, read_noise=9.0 * factor)) == ""
+
+
+@pytest.mark.parametrize(("factor", "reported"), [(0.8, True), (0.93, False), (1.2, True)])
+def test_a_declared_read_noise_is_compared_with_the_measured_one(measured, factor, reported):
+    warning = warnings_of(combine(measured, read_noise=READ * factor))
+    assert ("differs from the measured one" in warning) == reported
+    assert f"(declared {READ * factor:g})" in summary_of(combine(measured, read_noise=9 * factor))
+
+
+def test_without_darks_the_declared_read_noise_is_part_of_the_photon_transfer(simulated):
+    """Of 20 electrons the variance is an eighth of that of the dimmest level."""
+    camera = simulated(read_noise=20.0)
+    references = combine(measure(camera, darks=0), read_noise=20.0).references
+    assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
+    npt.assert_array_equal(references.dark_var, 0.0)
+    npt.assert_array_equal(references.read_noise, 20.0)
+
+
+def test_a_single_dark_page_brings_the_noise_of_a_page_into_every_frame(camera):
+    references = combine(measure(camera, darks=1), read_noise=READ).references
+    gain = references.gain.values[:, None, None]
+    npt.assert_allclose(
+        references.dark_var, np.broadcast_to((READ / gain) ** 2 + 1 / 12, (2, 72, 80)), rtol=1e-6
+    )
+
+
+def test_two_dark_pages_give_an_unbiased_read_noise(camera):
+    references = combine(measure(camera, darks=2)).references
+    assert np.all(references.bad.sum(("y", "x")) <= 6)
+    # 5760 pixels of one degree of freedom each: 0.9 % of the read noise
+    npt.assert_allclose(references.read_noise, READ, rtol=0.04)
+    assert np.all(abs(references.read_noise - READ) < 4 * references.read_noise_std)
+
+
+def test_read_noise_below_the_rounding_is_measured_as_zero(camera):
+    rng = np.random.default_rng(3)
+    quiet = measure_camera(
+        darks=[np.full(camera.shape, 64, np.uint16)] * 4,
+        flats=camera.flats(LEVELS, 4, rng),
+        histogram=np.zeros(4096, np.int64),
+        shape=camera.shape,
+        camera="camera1",
+    )
+    references = combine(quiet, read_noise=0.2).references
+    npt.assert_array_equal(references.read_noise_measured, 0.0)
+    npt.assert_array_equal(references.read_noise, 0.2)
+    npt.assert_allclose(combine(quiet).references.read_noise, 0.0)
+
+
+# estimated and assumed
+
+
+def test_a_camera_without_flats_has_an_assumed_gain_until_the_frames_are_read(camera):
+    cameras = combine(measure(camera, pages=0))
+    references = cameras.references
+    npt.assert_allclose(references.gain, 16000 / 4095)
+    assert np.isnan(references.gain_measured).all()
+    assert not references.gain_known.any()
+    assert references.read_noise_known.all()
+    assert not references.has_flat.any()
+    npt.assert_array_equal(references.flat, 1)
+    npt.assert_array_equal(references.flat_var, 0)
+    warning = warnings_of(cameras)
+    assert "camera2: neither gain nor flats with two pages of one light level" in warning
+    assert "camera1: no flat; vignetting" in warning
+
+
+def test_without_a_gain_a_declared_read_noise_is_not_compared(camera):
+    cameras = combine(measure(camera, pages=0), read_noise=2 * READ)
+    assert summary_of(cameras) == "camera1: gain not known yet, dark 64.0 DN, saturation 4095 DN"
+    assert "differs" not in warnings_of(cameras)
+
+
+def test_without_darks_the_read_noise_is_assumed(camera):
+    cameras = combine(measure(camera, darks=0, pages=0), gain=4.4)
+    npt.assert_array_equal(cameras.references.read_noise, 10.0)
+    assert not cameras.references.read_noise_known.any()
+    assert cameras.references.gain_known.all()
+    assert "neither read noise nor two dark pages" in warnings_of(cameras)
+    assert "gain 4.4 electron/DN (declared), read noise 10 electron (assumed)" in summary_of(
+        cameras
+    )
+
+
+def test_an_estimate_from_the_frames_replaces_the_assumptions(camera):
+    noise = CameraNoise(4.1, 0.2, 8.0, 0.5, response_spread=0.012)
+    cameras = combine(measure(camera, darks=0, pages=0), estimated=noise)
+    references = cameras.references
+    for name, value in (("gain", 4.1), ("read_noise", 8.0)):
+        npt.assert_array_equal(references[name], value)
+        npt.assert_array_equal(references[f"{name}_measured"], value)
+        assert references[f"{name}_known"].all()
+    npt.assert_array_equal(references.gain_std, 0.2)
+    npt.assert_array_equal(references.read_noise_std, 0.5)
+    # a response that no flat corrects is an error of its own size, the same in every frame
+    npt.assert_allclose(references.flat_var, 0.012**2, rtol=1e-6)
+    npt.assert_allclose(references.response_spread, 0.012)
+    assert "will be estimated" not in warnings_of(cameras)
+
+
+def test_an_estimate_without_a_spread_adds_no_variance(camera):
+    noise = CameraNoise(4.1, 0.2, 8.0, 0.5)
+    references = combine(measure(camera, darks=0, pages=0), estimated=noise).references
+    npt.assert_array_equal(references.flat_var, 0)
+    assert np.isnan(references.response_spread).all()
+
+
+def test_measured_and_declared_values_take_precedence_over_an_estimate(measured, camera):
+    noise = CameraNoise(40.0, 1.0, 80.0, 1.0, response_spread=0.5)
+    references = combine(measured, estimated=noise).references
+    npt.assert_allclose(references.gain, GAIN, rtol=0.015)
+    npt.assert_allclose(references.read_noise, READ, rtol=0.02)
+    assert np.all(references.response_spread < 0.02)
+    bare = combine(measure(camera, darks=0, pages=0), estimated=noise, gain=5.0, read_noise=7.0)
+    npt.assert_array_equal(bare.references.gain, 5.0)
+    npt.assert_array_equal(bare.references.read_noise, 7.0)
+    assert np.isnan(bare.references.gain_measured).all()
+
+
+# saturation and linearity
+
+
+def test_saturation_below_full_scale_is_reported_and_used(simulated):
+    """A camera whose counts stop at 3300: bright flats show it and are left out of the gain."""
+    camera = simulated(top=3300)
+    cameras = combine(measure(camera, levels=(3000, 7000, 15500)))
+    references = cameras.references
+    npt.assert_array_equal(references.full_scale, 3300)
+    warning = warnings_of(cameras)
+    assert "camera1: counts pile up at 3300, below full scale (4095)" in warning
+    assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
+    npt.assert_allclose(references.saturation_capacity, (3300 - 64) * GAIN, rtol=0.02)
+
+
+def test_saturation_is_seen_in_frames_where_flats_are_dim(simulated):
+    rng = np.random.default_rng(6)
+    speckle = 13000 * rng.gamma(40, 1 / 40, (72, 80))
+    frame = simulated(top=3301).expose(speckle, rng)
+    dim = measure(simulated(), histogram=count_pixels(frame, 4095))
+    npt.assert_array_equal(combine(dim).references.full_scale, 3301)
+
+
+def test_a_response_that_is_not_linear_is_reported_and_a_linear_one_is_not(simulated, measured):
+    assert "not straight" not in join_notes(combine(measured).notes)
+    rng = np.random.default_rng(8)
+    camera = simulated()
+    flats = []
+    for page in camera.flats((3000, 7000, 12000, 15000), 16, rng):
+        light = page - OFFSET
+        flats.append(np.rint(light * (1 - 0.1 * light / 3400) + OFFSET).astype(np.uint16))
+    bent = measure_camera(
+        darks=camera.darks(16, rng),
+        flats=flats,
+        histogram=np.zeros(4096, np.int64),
+        shape=camera.shape,
+        camera="camera1",
+    )
+    cameras = combine(bent)
+    assert "camera1: the photon transfer curve is not straight" in warnings_of(cameras)
+    # (1 - 2 u)^2/(1 - u) - 1 is -29 % at u = 0.1, the brightest pixels, and -26 % at their mean
+    bend = cameras.references.bend
+    assert np.all((bend > -0.32) & (bend < -0.22))
+    assert f"changes by {100 * float(bend[0]):+.1f} ±" in warnings_of(cameras)
