@@ -1,5 +1,4 @@
-"""The uncertainty of one map, term by term: what each source of error leaves in a pixel, in the mean
-film thickness and in the minimum film thickness."""
+"""The uncertainty of one map by source of error: in a pixel, in the mean and in the minimum."""
 
 from __future__ import annotations
 
@@ -254,6 +253,7 @@ def _pixel_columns(
     displaced = np.sqrt(sources.ratio.log_ratio_var_shared.values)
     columns = []
     for wanted in films or _typical_films(film[valid]):
+        # a film thickness is represented by the median of the pixels near it
         near = valid & (np.abs(film / wanted - 1) < _NEAR)
         if near.sum() < _LEAST_PIXELS:
             raise ConfigError(
@@ -262,6 +262,7 @@ def _pixel_columns(
                 f"{film[valid].max():.2f} um; got {int(near.sum())}. Name other films or another "
                 "trigger."
             )
+
         terms = {
             source: float(np.median(np.sqrt(variance[near]) * rate[near]))
             for source, variance in sources.variances.items()

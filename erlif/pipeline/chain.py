@@ -111,7 +111,7 @@ class FrameChain:
         return compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
 
     def ratio(self, frame: int) -> RatioImages:
-        """The ratio image of one frame pair, with the coordinates of `FrameCorrection` and `align`."""
+        """The ratio image of one frame pair; coordinates as of `FrameCorrection` and `align`."""
         return self.compute_ratio(self.align(self.correct(frame)))
 
 

@@ -1,4 +1,4 @@
-"""Gain and read noise of cameras from their frames, where settings, darks and flats leave them open."""
+"""Gain and read noise of cameras from their frames, where nothing else determines them."""
 
 from __future__ import annotations
 
@@ -150,8 +150,8 @@ def _describe(estimate: NoiseEstimate, unknown: NoiseUnknowns) -> list[Note]:
                 Level.WARNING,
                 f"camera{n + 1}",
                 f"{' and '.join(what)} estimated from the noise that the two cameras do not share "
-                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}; declare "
-                "them, or record darks and flats, for a better estimate",
+                f"in {estimate.frames} frames{precision}, assuming {' and '.join(assumed)}; "
+                "declare them, or record darks and flats, for a better estimate",
             )
         )
     if unknown.response[1]:

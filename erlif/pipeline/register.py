@@ -1,4 +1,4 @@
-"""The fixed map of the cameras of a recording, from several frames together or from a calibration."""
+"""The fixed map of the cameras of a recording, from several frames or from a calibration."""
 
 from __future__ import annotations
 
@@ -90,9 +90,10 @@ def stored_map(camera_map: CameraMap | None, options: RegistrationOptions) -> Ca
 
 
 class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
-    """Light of frame pairs divided by the light that the film shapes, with the weights of the pixels.
+    """Light of frame pairs, divided by its slow variation, with the weights of the pixels.
 
-    Pairs are read when they are asked for.
+    The film shapes the slow variation, the common texture of both cameras remains. Pairs are read
+    when they are used.
     """
 
     def __init__(self, correct: FrameCorrection, frames: list[int], progress: Progress) -> None:

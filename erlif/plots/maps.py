@@ -275,7 +275,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         text = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
             f"of the rigid gap {1 / gap.radius:.4f} µm/mm²\n"
-            f"minimum of the rigid gap {gap.least:.2f} µm"
+            f"minimum of the rigid gap {gap.minimum:.2f} µm"
         )
         ax.annotate(
             text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5

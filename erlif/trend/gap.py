@@ -35,7 +35,7 @@ _STRIPS_PER_LAG = 6
 """Strips that one lag of correlation takes."""
 
 _LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
-"""Blocks in all, and distinct positions along and across sliding, that determine four parameters."""
+"""Blocks in all, and positions along and across sliding, that determine four parameters."""
 
 _MOST_STEPS = 30
 _CONVERGED = 1e-4
@@ -88,6 +88,30 @@ def fit_gap_minimum(
     -------
     GapMinimum
         NaN where too few blocks are valid.
+
+    Examples
+    --------
+    A parabola of 3 um in the middle that rises by 0.4 um across, 0.2 um to either side:
+
+    >>> import xarray as xr
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.plots import example_calibration
+    >>> from erlif.trend import Region
+    >>> calibration, position = example_calibration(), np.linspace(0, 12, 64)
+    >>> film = 3 + 0.1 * (position - 6) ** 2 + 0.2 * (position[:, None] / 6 - 1)
+    >>> log_ratio = ("y", "x"), calibration.predict_log(film)
+    >>> variance, flags = np.full((64, 64), 1e-6), np.zeros((64, 64), np.uint8)
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": log_ratio,
+    ...     "log_ratio_var": (("y", "x"), variance),
+    ...     "flags": (("y", "x"), flags),
+    ... }))
+    >>> whole = Region(slice(0, 64), slice(0, 64))
+    >>> minimum = fit_gap_minimum(
+    ...     ratios, calibration, x=position, y=position, region=whole, sliding_along_x=True
+    ... )
+    >>> round(minimum.value, 2)
+    2.8
     """
     blocks = _average_blocks(ratios, x, y, region, sliding_along_x=sliding_along_x)
     fit = _fit_gap(blocks, calibration)
@@ -97,8 +121,8 @@ def fit_gap_minimum(
 
     # the minimum lies at the vertex of the parabola where it opens upwards, else at an edge
     _, b, c, d = fit.gap
-    place = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
-    at = np.array([1.0, place, -math.copysign(1.0, c), place**2])
+    along = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
+    at = np.array([1.0, along, -math.copysign(1.0, c), along**2])
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     per_var = fit.response / fit.total_var
@@ -106,6 +130,7 @@ def fit_gap_minimum(
     pull = fit.jacobian @ np.linalg.solve(curvature, at)
     by_block = pull * fit.response / fit.total_var
 
+    # the scatter of the blocks about the fit beyond their noise is that of the surfaces
     score = pull * fit.weight * fit.residual
     random = float((score**2 * blocks.variance / fit.total_var).sum())
     total = max(
@@ -120,7 +145,7 @@ def fit_gap_minimum(
 
 
 def noise_correlation(ratios: RatioImages) -> float:
-    """Variance of a mean over many pixels, relative to that of pixels with independent noise. [1]"""
+    """Variance of a mean over many pixels, relative to that of independent pixels. [1]"""
     return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
 
 

@@ -19,7 +19,7 @@ from erlif.models.contact import conformal_radius
 _RANGE_FLAGS = int(Flag.BELOW_RANGE | Flag.ABOVE_RANGE)
 
 _MOST_BEYOND = 0.02
-"""Share of a line of pixels outside the measurable range above which the rest is a biased sample."""
+"""Share of a line outside the measurable range above which the rest is a biased sample."""
 
 _LEAST_VALID = 0.25
 """Share of valid pixels of a line, at least."""
@@ -55,6 +55,16 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     ------
     ErlifError
         If there is no such trigger.
+
+    Examples
+    --------
+    The example film is a gap with its minimum in the middle of the image:
+
+    >>> from erlif.plots import example_film
+    >>> profile = average_across_sliding(example_film(), trigger=2)
+    >>> minimum = profile.position[np.nanargmin(profile.thickness.values)]
+    >>> bool(abs(minimum - profile.position.mean()) < 1)
+    True
     """
     check_trigger(film, trigger)
     sliding, axial = ("x", "y") if settings_of(film).optics.x_axis == "sliding" else ("y", "x")
@@ -65,12 +75,14 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
     one = film[names].isel(trigger=trigger)
     one = one.transpose(axial, sliding).isel({axial: inside}).load()
 
+    # sums over the valid pixels of each line across sliding
     flags = one.flags.values
     good = flags == 0
     thickness = np.where(good, one.thickness.values.astype(float), 1.0)
     log_ratio = np.where(good, calibration.predict_log(thickness), 0.0)
     variance = np.where(good, one.thickness_std.values.astype(float), 0.0) ** 2
 
+    # a line with many pixels outside the range has lost its thinnest or thickest pixels
     beyond = ((flags & _RANGE_FLAGS) != 0).sum(axis=0)
     enough = good.mean(axis=0) >= _LEAST_VALID
     unbiased = beyond <= _MOST_BEYOND * (good.sum(axis=0) + beyond)
@@ -109,9 +121,9 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
 class RigidGap:
     """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), as fitted."""
 
-    least: float
+    minimum: float
     """h_min. [um]"""
-    place: float
+    position_of_minimum: float
     """x_min. [mm]"""
     radius: float
     """Conformal radius R of pin and bushing. [m]"""
@@ -122,8 +134,8 @@ class RigidGap:
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""
-        away = np.asarray(position, float) - self.place
-        return self.least + away**2 / (2 * self.radius)  # mm2/m = um
+        away = np.asarray(position, float) - self.position_of_minimum
+        return self.minimum + away**2 / (2 * self.radius)  # mm2/m = um
 
 
 def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
@@ -140,10 +152,23 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     -------
     RigidGap or None
         None where fewer than six blocks of eight pixels are valid.
+
+    Examples
+    --------
+    Pin and bushing of 33.36 mm and 33.59 mm have a conformal radius of 4.872 m:
+
+    >>> from erlif.plots import example_film
+    >>> film = example_film()
+    >>> gap = rigid_gap(average_across_sliding(film, trigger=2), film)
+    >>> round(gap.radius, 3)
+    4.872
+    >>> bool(abs(gap.minimum - film.film_min[2]) < 0.05)
+    True
     """
     joint = settings_of(film).joint
     radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
 
+    # blocks of the profile, weighted by their error bars
     x, h, std = (profile[name].values for name in ("position", "thickness", "thickness_std"))
     block = np.arange(x.size) // _BLOCK
     use = np.isfinite(h)
@@ -164,6 +189,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     level, slope = np.linalg.lstsq(design[:, :2] * root[:, None], rest * root, rcond=None)[0]
     solve = np.linalg.pinv(design * root[:, None])
 
+    # the error of the curvature: scatter of the blocks, and what the calibration shares with all
     residual = root * (h - design @ (solve @ (root * h)))
     scale = float(residual @ residual) / max(h.size - 3, 1)
     calibration = calibration_of(film)
@@ -173,8 +199,8 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
         change @ calibration.full_covariance @ change
     )
     return RigidGap(
-        least=float(level - slope**2 * radius / 2),
-        place=float(middle - slope * radius),
+        minimum=float(level - slope**2 * radius / 2),
+        position_of_minimum=float(middle - slope * radius),
         radius=float(radius),
         curvature=float(solve[2] @ (root * h)),
         curvature_std=math.sqrt(variance),

@@ -19,7 +19,7 @@ _LEAST_PIXELS = 64
 """Measurable pixels of a mean, at least."""
 
 _BINS = 4000
-"""Bins of log ratio over the calibrated range: 0.02 % of it each, far below the noise of a pixel."""
+"""Bins of log ratio over the calibrated range, far narrower than the noise of a pixel."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,33 @@ def summarise_film(
     ------
     ErlifError
         If a variable is missing.
+
+    Examples
+    --------
+    An even film of 3 um:
+
+    >>> import xarray as xr
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.plots import example_calibration
+    >>> from erlif.thickness import measure_thickness
+    >>> from erlif.trend import Region
+    >>> calibration, position = example_calibration(), 0.1 * np.arange(64)
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),
+    ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
+    ...     "log_ratio_var_shared": (("y", "x"), np.zeros((64, 64))),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ... }))
+    >>> found = summarise_film(
+    ...     ratios,
+    ...     measure_thickness(ratios, calibration),
+    ...     calibration,
+    ...     x=position,
+    ...     y=position,
+    ...     region=Region(slice(0, 64), slice(0, 64)),
+    ... )
+    >>> round(found.mean, 2), round(found.minimum, 2), found.beyond_range
+    (3.0, 3.0, 0.0)
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
     mean = _average_film(ratios, maps, calibration, region)
@@ -130,8 +157,8 @@ def _average_film(
     """Mean over the pixels of the measurable range, independent of the noise of single pixels.
 
     The inverse h of the log ratio r is expanded about the mean log ratio m of the surroundings of
-    each pixel, h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film
-    whatever the size of the noise.
+    each pixel, h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean
+    film whatever the size of the noise.
     """
     within = region.rows, region.columns
     near = maps.log_ratio_near.values[within]

@@ -33,7 +33,7 @@ def test_gap_is_that_of_two_cylinders(film):
     for trigger in range(film.sizes["trigger"]):
         gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
         assert abs(gap.curvature - 0.20525) < 4 * gap.curvature_std
-        npt.assert_allclose(gap.least, film.film_min[trigger], atol=0.05)
+        npt.assert_allclose(gap.minimum, film.film_min[trigger], atol=0.05)
 
 
 def test_scatter_is_that_of_the_error_bars(film):

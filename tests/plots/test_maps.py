@@ -170,8 +170,8 @@ def test_rigid_gap_has_radius_place_and_minimum_of_the_scene(film):
     for trigger in (1, 4):
         gap = rigid_gap(average_across_sliding(film, trigger=trigger), film)
         npt.assert_allclose(gap.radius, scene.RADIUS, rtol=1e-6)
-        npt.assert_allclose(gap.place, scene.PLACE, atol=0.1)
-        npt.assert_allclose(gap.least, scene.minimum_film()[trigger], atol=0.05)
+        npt.assert_allclose(gap.position_of_minimum, scene.PLACE, atol=0.1)
+        npt.assert_allclose(gap.minimum, scene.minimum_film()[trigger], atol=0.05)
         assert abs(gap.curvature - 0.20525) < 4 * gap.curvature_std  # 1/R of 4.872 m
         assert gap.curvature_std < 0.02
 

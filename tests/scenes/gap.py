@@ -1,0 +1,52 @@
+"""Log ratio of known gaps: a parabola along x with a tilt across, on 160 x 200 pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration import Calibration
+from erlif.core.products import RatioImages
+from erlif.trend import Region
+
+K, P, Q = 0.65, 0.40, 0.25
+RANGE = (0.2, 16.0)  # um
+RADIUS = 4.872  # m, R1 R2/(R1 - R2) of 33.59 and 33.36 mm (Farzaneh 2002)
+TILT = 0.2  # um over the height of the image
+CENTRE = 7.0  # mm, where the gap is thinnest along x
+X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
+WHOLE = Region(slice(0, Y.size), slice(0, X.size))
+
+
+def known_calibration(k: float = K, p: float = P, q: float = Q) -> Calibration:
+    """Calibration of the model that the ratios follow, with correlated errors of 0.2 %."""
+    root = 1e-3 * np.array([[1.4, 0.0, 0.0], [-1.9, 0.8, 0.0], [-0.6, 0.6, 0.3]])
+    return Calibration(k, p, q, root @ root.T, RANGE, (580.0, 610.0), xr.Dataset(), 1.0, "given")
+
+
+def true_log_ratio(film: np.ndarray) -> np.ndarray:
+    """Logarithm of the ratio camera 2 / camera 1 of a film in um, written out."""
+    return np.log(K * P / Q * (1 - np.exp(-Q * film)) / (1 - np.exp(-P * film)))
+
+
+def known_gap(minimum: float, *, centre: float = CENTRE, tilt: float = TILT) -> np.ndarray:
+    """Gap of rigid cylinders with a tilt; its minimum lies at (centre, 0). (y, x) [um]"""
+    parabola = (X - centre) ** 2 / (2 * RADIUS)  # mm2/m = um
+    return minimum + parabola[None, :] + tilt * (Y / Y[-1])[:, None]
+
+
+def noisy_ratios(film: np.ndarray, noise: float, rng: np.random.Generator) -> RatioImages:
+    """Ratio images of a film with normal noise of the log ratio, and its variance."""
+    dims = ("y", "x")
+    values = true_log_ratio(film) + noise * rng.standard_normal(film.shape)
+    variance = np.full(film.shape, noise**2, np.float32)
+    return RatioImages(
+        xr.Dataset(
+            {
+                "log_ratio": (dims, values.astype(np.float32)),
+                "log_ratio_var": (dims, variance),
+                "log_ratio_var_shared": (dims, np.zeros(film.shape, np.float32)),
+                "flags": (dims, np.zeros(film.shape, np.uint8)),
+            }
+        )
+    )

@@ -1,0 +1,116 @@
+"""The speed exponent: known power laws, coverage of its error bar, triggers left out."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.trend import SLOWEST, fit_exponent
+
+SPEED = np.linspace(0.3, 2.5, 40)
+LOAD = np.full(40, 222.0)
+
+
+@pytest.mark.parametrize("power", [0.40, 0.62, 1.0])
+def test_power_law_comes_back_exactly(power):
+    """Film c (|speed|/load)^n on both strokes, with a load that varies."""
+    speed, load = SPEED * np.where(np.arange(40) % 2, 1, -1), LOAD * np.linspace(0.9, 1.1, 40)
+    film = 7.0 * (np.abs(speed) / load) ** power
+    found = fit_exponent(film, 0.01 * film, speed=speed, load=load)
+    npt.assert_allclose([found.value, np.exp(found.log_scale)], [power, 7.0], rtol=1e-9)
+    assert found.triggers == 40
+
+
+def test_std_is_that_of_a_weighted_line():
+    """sigma/sqrt(sum (x - mean)^2) for equal relative errors: the closed form of a straight line.
+
+    Films on the line leave no scatter beyond the error bars.
+    """
+    film = 5.0 * (SPEED / LOAD) ** 0.6
+    found = fit_exponent(film, 0.02 * film, speed=SPEED, load=LOAD)
+    x = np.log(SPEED / LOAD)
+    npt.assert_allclose(found.std, 0.02 / np.sqrt(((x - x.mean()) ** 2).sum()), rtol=1e-6)
+
+
+@pytest.mark.parametrize("power", [0.62, 0.40, 1.0])
+def test_error_bar_covers_the_exponent(power):
+    """300 noisy power laws: 68.3 and 95.4 % of them within one and two standard deviations."""
+    rng = np.random.default_rng(7)
+    angle = np.linspace(0, 2 * np.pi, 50, endpoint=False)
+    speed, load = 2.54 * np.sin(angle), 222 * (1 + 0.01 * np.cos(angle))
+    pulls = []
+    for _ in range(300):
+        film = 6 * (np.abs(speed) / 2.54 * 222 / load) ** power
+        std = 0.01 + 0.02 * film
+        found = fit_exponent(film + std * rng.standard_normal(50), std, speed=speed, load=load)
+        pulls.append((found.value - power) / found.std)
+    within = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
+    # 300 draws scatter by 2.7 and 1.2 %
+    assert abs(within[0] - 0.683) < 3 * 0.027
+    assert abs(within[1] - 0.954) < 3 * 0.012
+
+
+def test_understated_error_bars_are_widened_by_the_scatter():
+    """A scatter of 5 % about error bars of 0.1 nm."""
+    rng = np.random.default_rng(8)
+    pulls = []
+    for _ in range(200):
+        film = 5 * SPEED**0.6 * np.exp(0.05 * rng.standard_normal(40))
+        found = fit_exponent(film, np.full(40, 1e-4), speed=SPEED, load=LOAD)
+        pulls.append((found.value - 0.6) / found.std)
+    assert 0.85 < np.std(pulls) < 1.15  # 200 draws give it to 5 %
+
+
+def test_scatter_below_the_error_bars_does_not_narrow_them():
+    film = 5 * SPEED**0.6
+    wide = fit_exponent(film, 0.1 * film, speed=SPEED, load=LOAD)
+    narrow = fit_exponent(film, 0.01 * film, speed=SPEED, load=LOAD)
+    npt.assert_allclose(wide.std / narrow.std, 10.0, rtol=1e-6)
+
+
+def test_error_common_to_all_triggers_adds_its_share():
+    """Films that share an error proportional to ln(speed) times the film tilt the line by it."""
+    film = 5 * (SPEED / LOAD) ** 0.6
+    shared = (film * np.log(SPEED / LOAD))[:, None]  # d film / d n of the power law itself
+    alone = fit_exponent(film, 0.01 * film, speed=SPEED, load=LOAD)
+    found = fit_exponent(
+        film, 0.01 * film, speed=SPEED, load=LOAD, gradient=shared, covariance=np.array([[0.04**2]])
+    )
+    assert found.value == alone.value
+    npt.assert_allclose(found.std, np.hypot(alone.std, 0.04), rtol=1e-6)
+
+
+def test_error_of_the_scale_of_all_films_leaves_the_exponent():
+    film = 5 * (SPEED / LOAD) ** 0.6
+    alone = fit_exponent(film, 0.01 * film, speed=SPEED, load=LOAD)
+    found = fit_exponent(
+        film, 0.01 * film, speed=SPEED, load=LOAD, gradient=film[:, None], covariance=np.eye(1)
+    )
+    npt.assert_allclose(found.std, alone.std, rtol=1e-6)
+
+
+def test_slow_triggers_are_left_out():
+    """The last two are slower than a tenth of the fastest."""
+    speed = np.array([2.5, 2.0, 1.5, 1.0, 0.6, 0.3, 0.2, 0.1])
+    assert SLOWEST == 0.1
+    film = speed**0.5
+    film[-2:] = 100.0
+    found = fit_exponent(film, np.full(8, 0.01), speed=speed, load=np.ones(8))
+    npt.assert_allclose(found.value, 0.5, atol=1e-6)
+    assert found.triggers == 6
+
+
+@pytest.mark.parametrize("film_3", [np.nan, -0.1, 0.0, np.inf])
+def test_films_without_logarithm_are_left_out(film_3):
+    film = 5 * SPEED**0.6
+    film[3] = film_3
+    found = fit_exponent(film, np.full(40, 0.01), speed=SPEED, load=LOAD)
+    npt.assert_allclose(found.value, 0.6, atol=1e-6)
+    assert found.triggers == 39
+
+
+def test_four_triggers_have_no_exponent():
+    film = np.full(40, np.nan)
+    film[-4:] = 5 * SPEED[-4:] ** 0.6
+    found = fit_exponent(film, np.full(40, 0.01), speed=SPEED, load=LOAD)
+    assert np.isnan([found.value, found.std, found.log_scale]).all()
+    assert found.triggers == 4

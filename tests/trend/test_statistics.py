@@ -1,0 +1,181 @@
+"""Mean and minimum film thickness of a region, with their uncertainties."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.gap import (
+    RANGE,
+    WHOLE,
+    X,
+    Y,
+    known_calibration,
+    known_gap,
+    noisy_ratios,
+    true_log_ratio,
+)
+
+from erlif.core.errors import ErlifError
+from erlif.core.products import RatioImages
+from erlif.thickness import measure_thickness
+from erlif.trend import Region, fit_gap_minimum, summarise_film
+
+EVEN = np.full((Y.size, X.size), 6.0)
+
+
+def summarise(ratios, *, calibration=None, region=WHOLE):
+    calibration = calibration or known_calibration()
+    maps = measure_thickness(ratios, calibration)
+    return summarise_film(ratios, maps, calibration, x=X, y=Y, region=region)
+
+
+def test_mean_of_an_even_film_is_its_thickness():
+    found = summarise(noisy_ratios(EVEN, 1e-3, np.random.default_rng(1)))
+    npt.assert_allclose(found.mean, 6.0, atol=1e-3)
+
+
+def test_mean_of_a_gap_is_that_of_the_parabola():
+    """Mean of (x - c)^2/2R and of the tilt over the region, by the closed form of the sum."""
+    found = summarise(noisy_ratios(known_gap(2.0), 1e-3, np.random.default_rng(1)))
+    npt.assert_allclose(found.mean, known_gap(2.0).mean(), atol=1e-3)
+
+
+def test_mean_is_that_of_the_region_alone():
+    region = Region(slice(20, 100), slice(30, 90))
+    found = summarise(noisy_ratios(known_gap(2.0), 1e-3, np.random.default_rng(1)), region=region)
+    npt.assert_allclose(found.mean, known_gap(2.0)[20:100, 30:90].mean(), atol=1e-3)
+
+
+def test_mean_has_no_bias_where_the_inverse_is_curved():
+    """Noise of 3 % biases the inverse of single pixels at 6 um by more than 0.05 um."""
+    ratios = noisy_ratios(EVEN, 0.03, np.random.default_rng(3))
+    raw = float(measure_thickness(ratios, known_calibration()).thickness.mean()) - 6.0
+    assert raw > 0.05
+    assert abs(summarise(ratios).mean - 6.0) < 0.25 * raw
+
+
+def test_random_error_bar_of_the_mean_is_its_scatter():
+    found = [summarise(noisy_ratios(EVEN, 0.01, np.random.default_rng([4, n]))) for n in range(60)]
+    scatter = np.std([one.mean for one in found], ddof=1)
+    npt.assert_allclose(
+        np.mean([one.mean_random_std for one in found]), scatter, rtol=0.3
+    )  # 60 values give the scatter to 9 %
+
+
+def test_random_error_of_independent_pixels_falls_with_the_root_of_their_number():
+    """Noise of the log ratio over its slope, divided by the root of 32 000 pixels."""
+    film, step = 6.0, 1e-4
+    slope = (true_log_ratio(film + step) - true_log_ratio(film - step)) / (2 * step)
+    found = summarise(noisy_ratios(EVEN, 0.01, np.random.default_rng(5)))
+    npt.assert_allclose(found.mean_random_std, 0.01 / slope / np.sqrt(EVEN.size), rtol=0.01)
+
+
+def test_error_of_the_displacement_is_correlated_over_a_block():
+    """8 x 8 px move together: the error of a mean is eight times that of independent pixels."""
+    ratios = noisy_ratios(EVEN, 0.01, np.random.default_rng(5))
+    plain = summarise(ratios).mean_random_std
+    ratios.log_ratio_var_shared.values[:] = 0.01**2
+    npt.assert_allclose(summarise(ratios).mean_random_std, plain * np.hypot(1, 8), rtol=0.02)
+
+
+def test_minimum_is_that_of_the_smooth_gap():
+    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6))
+    calibration = known_calibration()
+    gap = fit_gap_minimum(ratios, calibration, x=X, y=Y, region=WHOLE, sliding_along_x=True)
+    found = summarise(ratios)
+    assert (found.minimum, found.minimum_random_std) == (gap.value, gap.random_std)
+    assert found.minimum_surface_std == gap.surface_std
+
+
+def test_total_error_bars_add_the_calibration_in_quadrature():
+    """First-order propagation of the covariance through the gradients."""
+    found = summarise(noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6)))
+    covariance = known_calibration().covariance
+    shared = [g @ covariance @ g for g in (found.mean_gradient, found.minimum_gradient)]
+    npt.assert_allclose(found.mean_std**2, found.mean_random_std**2 + shared[0])
+    own = found.minimum_random_std**2 + found.minimum_surface_std**2
+    npt.assert_allclose(found.minimum_std**2, own + shared[1])
+
+
+@pytest.mark.parametrize("parameter", range(3))
+def test_gradients_are_the_change_with_the_calibration(parameter):
+    """Invert the same ratios with a calibration that is slightly off."""
+    ratios = noisy_ratios(known_gap(3.0), 0.002, np.random.default_rng(5))
+    base = summarise(ratios)
+    changed = list(known_calibration().parameters)
+    changed[parameter] += 2e-4
+    moved = summarise(ratios, calibration=known_calibration(*changed))
+    for name in ("mean", "minimum"):
+        change = getattr(moved, name) - getattr(base, name)
+        expected = 2e-4 * getattr(base, f"{name}_gradient")[parameter]
+        npt.assert_allclose(change, expected, rtol=0.03)
+
+
+def test_share_beyond_the_range_is_that_of_the_gap():
+    """A gap that is partly thicker than the calibrated range."""
+    film = known_gap(14.0)
+    found = summarise(noisy_ratios(film, 1e-4, np.random.default_rng(4)))
+    npt.assert_allclose(found.beyond_range, (film > RANGE[1]).mean(), atol=0.01)
+
+
+def test_share_beyond_the_range_is_zero_within_it():
+    found = summarise(noisy_ratios(known_gap(2.0), 1e-4, np.random.default_rng(4)))
+    assert found.beyond_range == 0
+
+
+@pytest.mark.parametrize(("minimum", "noise"), [(9.5, 0.02), (5.0, 0.05)])
+def test_mean_is_that_of_the_valid_pixels_where_much_lies_beyond_the_range(minimum, noise):
+    """No bias by the pixels that noise moves across the limit."""
+    film, calibration = known_gap(minimum), known_calibration()
+    errors = []
+    for seed in range(20):
+        ratios = noisy_ratios(film, noise, np.random.default_rng([9, seed]))
+        maps = measure_thickness(ratios, calibration)
+        found = summarise_film(ratios, maps, calibration, x=X, y=Y, region=WHOLE)
+        errors.append((found.mean - film[maps.flags.values == 0].mean()) / found.mean_random_std)
+    assert found.beyond_range > 0.05
+    assert abs(np.mean(errors)) < 4 / np.sqrt(20)
+    assert np.std(errors) < 1.6
+
+
+def test_mean_remains_where_the_minimum_is_not_determined():
+    """One row of blocks leaves the tilt of the gap open."""
+    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(10))
+    ratios.flags.values[8:] = 128
+    found = summarise(ratios)
+    assert np.isnan([found.minimum, found.minimum_std]).all()
+    assert np.isfinite([found.mean, found.mean_std]).all()
+
+
+def test_region_without_valid_pixels_has_no_statistics():
+    ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(10))
+    ratios.flags.values[:] = 128
+    found = summarise(ratios)
+    assert np.isnan([found.mean, found.mean_std, found.minimum, found.minimum_std]).all()
+    assert found.beyond_range == 0
+
+
+def test_image_with_x_and_y_exchanged_gives_the_same_statistics():
+    ratios, calibration = (
+        noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6)),
+        known_calibration(),
+    )
+    turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
+    one = summarise(ratios)
+    two = summarise_film(
+        turned,
+        measure_thickness(turned, calibration),
+        calibration,
+        x=Y,
+        y=X,
+        region=Region(slice(0, X.size), slice(0, Y.size)),
+        sliding_along_x=False,
+    )
+    npt.assert_allclose([two.mean, two.minimum], [one.mean, one.minimum], rtol=1e-6)
+
+
+def test_missing_variance_is_refused_by_name():
+    ratios = noisy_ratios(EVEN, 0.01, np.random.default_rng(1))
+    maps = measure_thickness(ratios, known_calibration())
+    without = RatioImages(ratios.drop_vars("log_ratio_var"))
+    with pytest.raises(ErlifError, match="log_ratio_var"):
+        summarise_film(without, maps, known_calibration(), x=X, y=Y, region=WHOLE)

@@ -1,0 +1,130 @@
+"""Film thickness by lubrication theory, against values recomputed by hand in the literature study."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.trend import Joint, Solid, VogelLaw, predict_film
+
+ACRYLIC = Solid(2.7e9, 0.37, 0.2e-6)
+STEEL = Solid(200e9, 0.3)  # E* = 109.8901 GPa
+POUND = 4.4482216  # N
+SPEED = 0.0842  # m/s, sliding speed of the joint
+
+
+def joint(solid=ACRYLIC, **changes):
+    values = {"viscosity": 0.12, "pressure_viscosity": 20e-9, **changes}
+    return Joint(33.36e-3, 33.59e-3, 0.237, solid, solid, **values)
+
+
+def at(speed, load, **more):
+    variables = {"sliding_speed": speed, "load": load, **more}
+    return xr.Dataset(
+        {name: ("trigger", np.atleast_1d(value)) for name, value in variables.items()}
+    )
+
+
+def test_radius_is_that_of_the_thesis():
+    """R1 R2/(R1 - R2) of 33.59 and 33.36 mm: 4.872 m, Farzaneh (2002)."""
+    npt.assert_allclose(joint().radius, 4.872010, rtol=1e-6)
+
+
+# film in um: the largest of the four line-contact asymptotes with E' = 2E* and the mean speed
+@pytest.mark.parametrize(
+    ("pounds", "theory", "hamrock_dowson", "regime"),
+    [(50, 128.4, 1.92, "isoviscous-rigid"), (1333, 7.05, 1.25, "isoviscous-elastic")],
+)
+def test_theory_of_the_acrylic_joint(pounds, theory, hamrock_dowson, regime):
+    predicted = predict_film(at(SPEED, pounds * POUND), joint())
+    npt.assert_allclose(predicted.film_theory, theory, rtol=3e-3)
+    npt.assert_allclose(predicted.film_hamrock_dowson, hamrock_dowson, rtol=4e-3)
+    assert predicted.film_theory.attrs["regime"] == regime
+
+
+# Dowson and Higginson (1966): 0.6863 and 0.6272 um for 222.5 and 444.8 kN on the steel joint
+# at 0.084 m/s, the sliding speed of Farzaneh (2002)
+@pytest.mark.parametrize(("load", "film"), [(222.5e3, 0.6863), (444.8e3, 0.6272)])
+def test_formula_of_dowson_and_higginson_has_its_value_for_the_steel_joint(load, film):
+    predicted = predict_film(at(0.084, load), joint(STEEL))
+    npt.assert_allclose(predicted.film_hamrock_dowson, film, rtol=1e-3)
+
+
+def test_formula_has_the_powers_of_speed_and_load():
+    """U^0.7 W^-0.13 at constant joint and oil."""
+    one, faster, heavier = predict_film(
+        at([0.05, 0.10, 0.05], [200.0, 200.0, 400.0]), joint()
+    ).film_hamrock_dowson.values
+    npt.assert_allclose([faster / one, heavier / one], [2**0.7, 2**-0.13], rtol=1e-6)
+
+
+def test_rigid_isoviscous_film_is_proportional_to_speed_over_load():
+    one, faster, heavier = predict_film(
+        at([0.05, 0.10, 0.05], [200.0, 200.0, 220.0]), joint()
+    ).film_theory.values
+    npt.assert_allclose([faster / one, heavier / one], [2, 1 / 1.1], rtol=1e-6)
+
+
+def test_film_is_named_after_the_regime_of_most_triggers():
+    loads = [50 * POUND, 1333 * POUND, 1333 * POUND]
+    attrs = predict_film(at([SPEED] * 3, loads), joint()).film_theory.attrs
+    assert attrs["regime"] == "isoviscous-elastic"
+    assert attrs["regimes_by_trigger"].split() == [
+        "isoviscous-rigid",
+        "isoviscous-elastic",
+        "isoviscous-elastic",
+    ]
+
+
+def test_contact_wider_than_the_stroke_has_a_note():
+    """100 klbf on steel: 20.6 mm of contact, 7.11 mm of entrained stroke."""
+    contact = predict_film(at(SPEED, 444.8e3), joint(STEEL, stroke=7.11e-3))
+    assert "stroke" in contact.film_theory.attrs["notes"]
+    swept = predict_film(at(SPEED, 444.8e3), joint(STEEL))
+    assert "stroke" not in swept.film_theory.attrs["notes"]
+
+
+def test_films_are_in_micrometres():
+    predicted = predict_film(at(SPEED, 222.4), joint())
+    assert {predicted[name].attrs["units"] for name in predicted} == {"um"}
+
+
+def test_film_parameter_is_film_over_combined_roughness():
+    predicted = predict_film(at([0.08], [222.0], film_min=[1.0]), joint())
+    npt.assert_allclose(predicted.film_parameter, 1.0 / (0.2 * np.sqrt(2)))
+
+
+def test_film_parameter_of_a_negative_film_is_zero():
+    """Noise may leave the fitted minimum below zero."""
+    predicted = predict_film(at([0.08], [222.0], film_min=[-0.1]), joint())
+    assert float(predicted.film_parameter[0]) == 0
+
+
+@pytest.mark.parametrize(
+    ("solid", "more"), [(Solid(2.7e9, 0.37), {"film_min": 1.0}), (ACRYLIC, {})]
+)
+def test_film_parameter_needs_roughness_and_film(solid, more):
+    assert "film_parameter" not in predict_film(at(0.08, 222.0, **more), joint(solid))
+
+
+VOGEL = VogelLaw(0.0001, 900.0, -100.0)
+
+
+def test_viscosity_by_vogels_law_follows_the_temperature():
+    """The isoviscous-rigid film is proportional to viscosity: 25 and 40 degC."""
+    predicted = predict_film(
+        at([SPEED] * 2, [222.4] * 2, temperature=[25.0, 40.0]), joint(viscosity=VOGEL)
+    )
+    cold, warm = predicted.film_theory.values
+    npt.assert_allclose(cold / warm, np.exp(900 / 125 - 900 / 140), rtol=1e-6)
+
+
+def test_vogels_law_without_a_temperature_is_refused():
+    with pytest.raises(ConfigError, match="temperature_C"):
+        predict_film(at(SPEED, 222.4), joint(viscosity=VOGEL))
+
+
+def test_missing_load_is_refused_by_name():
+    with pytest.raises(ErlifError, match="load"):
+        predict_film(at(SPEED, 222.4).drop_vars("load"), joint())
