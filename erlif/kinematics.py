@@ -1,4 +1,4 @@
-"""The encoder log against the mechanism: trigger, cycle, stroke, crank angle and speed of every frame."""
+"""Position and speed of the mechanism at every frame, from the encoder log."""
 
 from __future__ import annotations
 
@@ -35,13 +35,22 @@ Mechanism = CrankRocker | SliderCrank
 
 @dataclass(frozen=True)
 class Encoder:
-    """Where the encoder sits and what it counts."""
+    """Where the encoder sits and what it counts.
+
+    Attributes
+    ----------
+    mounted_on : Literal['rocker', 'crank']
+        Link that carries it.
+    zero : float | None
+        Angle of that link at reading 0; None: the extremes of the log are the dead points.
+        [rad]
+    triggers_per_cycle : int | None
+        None: as the angles suggest.
+    """
 
     mounted_on: Literal["rocker", "crank"] = "rocker"
     zero: float | None = None
-    """Angle of that link at reading 0; None: the extremes of the log are the dead points. [rad]"""
     triggers_per_cycle: int | None = None
-    """None: as the angles suggest."""
 
 
 def locate_frames(
@@ -92,6 +101,8 @@ def locate_frames(
     array([  0.,  90., 180., 270.])
     """
     require(log, "angle", "number")
+
+    # on the crank the reading is the crank angle; on the rocker two crank angles fit each reading
     encoder = encoder or Encoder()
     reading = np.radians(log.angle.values)
     on_crank = encoder.mounted_on == "crank"
@@ -101,6 +112,7 @@ def locate_frames(
         crank = _follow_crank(_link_angle(log, mechanism, encoder), mechanism)
     trigger, cycle = _fold(crank, log, encoder)
 
+    # the crank pin of a slider-crank turns against the rod, the rocker pin against the frame
     if isinstance(mechanism, SliderCrank):
         speed = np.asarray(mechanism.joint_speed(crank, crank_speed=crank_speed))
         angle_rate = np.asarray(mechanism.coupler_speed(crank, crank_speed=crank_speed))
@@ -166,6 +178,7 @@ class _Fold(NamedTuple):
 
 def _crank_from_reading(reading: Array, encoder: Encoder) -> Array:
     """Crank angle of an encoder that sits on the crank. [rad]"""
+    # steps of more than half a turn are steps backwards
     turn = 2 * math.pi
     step = np.diff(reading) % turn
     if step.size and np.median(step) > math.pi:
@@ -194,6 +207,7 @@ def _link_angle(log: EncoderLog, mechanism: Mechanism, encoder: Encoder) -> Arra
         angle = reading + (low + high) / 2 - (reading.min() + reading.max()) / 2
         return np.asarray(np.clip(angle, low, high))
 
+    # with a zero every reading is an angle of the link, which must be within its swing
     angle = reading + encoder.zero
     worst = int(np.argmax(np.maximum(low - angle, angle - high)))
     if not low - _ENCODER_ERROR <= angle[worst] <= high + _ENCODER_ERROR:
@@ -239,6 +253,7 @@ def _follow_crank(angle: Array, mechanism: Mechanism) -> Array:
         came_from[k - 1] = total.argmin(axis=0)
         cost = total.min(axis=0) + backward[:, :, k]
 
+    # from the cheapest last pair back to the first frame
     side = np.empty(angle.size, np.intp)
     side[-2:] = np.unravel_index(cost.argmin(), cost.shape)
     for k in range(angle.size - 3, -1, -1):
@@ -252,12 +267,14 @@ def _fold(crank: Array, log: EncoderLog, encoder: Encoder) -> _Fold:
     since = number - number[0]
     per_cycle, source = encoder.triggers_per_cycle, "triggers_per_cycle"
     if per_cycle is None:
+        # the step that follows the last frame completes its turn
         turns = float(np.sum(np.diff(crank) % (2 * math.pi))) / (2 * math.pi)
         cycles = turns + turns / max(since[-1], 1)
         frames = int(since[-1] + 1)
         per_cycle = frames if cycles < _SINGLE_CYCLE else round((since[-1] + 1) / cycles)
         source = "as the angles suggest"
 
+    # filled from the back, so that the first frame of each trigger is the reference
     trigger, cycle = since % per_cycle, since // per_cycle
     first = np.empty(trigger.max() + 1)
     first[trigger[::-1]] = reading[::-1]

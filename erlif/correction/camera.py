@@ -17,19 +17,29 @@ _CLEAR_OF_SATURATION = 0.95
 
 @dataclass(frozen=True)
 class CameraMeasurement:
-    """What the darks and flats of one camera determine without knowing its gain."""
+    """What the darks and flats of one camera determine without knowing its gain.
+
+    Attributes
+    ----------
+    darks : Darks
+    full_scale : int
+        Largest possible count. [DN]
+    saturation : int
+        Count at which the camera saturates. [DN]
+    levels : tuple[LightLevel, ...]
+        Points of the photon transfer curve, of light levels with two and more pages.
+    flat_light : Array | None
+        Light of all flat pages together, (y, x); None without a flat. [DN]
+    flat_pages : int
+        Number of flat pages.
+    """
 
     darks: Darks
     full_scale: int
-    """Largest possible count. [DN]"""
     saturation: int
-    """Count at which the camera saturates. [DN]"""
     levels: tuple[LightLevel, ...] = ()
-    """Points of the photon transfer curve, of light levels with two and more pages."""
     flat_light: Array | None = None
-    """Light of all flat pages together, (y, x); None without a flat. [DN]"""
     flat_pages: int = 0
-    """Number of flat pages."""
 
     @property
     def has_flat(self) -> bool:

@@ -27,24 +27,36 @@ _NOISY_FLOOR = 1.0
 
 @dataclass(frozen=True)
 class Darks:
-    """Darks of one camera, reduced."""
+    """Darks of one camera, reduced.
+
+    Attributes
+    ----------
+    mean : Array
+        Mean of each pixel, (y, x). [DN]
+    mean_var : float
+        Variance of that mean. [DN2]
+    bad : Mask
+        Hot or noisy pixels, (y, x).
+    pages : int
+        Number of pages; 0 where the dark is a declared level.
+    temporal_var : float | None
+        Temporal variance of a pixel; None for fewer than two pages. [DN2]
+    temporal_var_std : float
+        Its standard deviation. [DN2]
+    level_std : float
+        Standard deviation of the mean level, from page to page. [DN]
+    spread : float
+        Standard deviation over the pixels (DSNU). [DN]
+    """
 
     mean: Array
-    """Mean of each pixel, (y, x). [DN]"""
     mean_var: float
-    """Variance of that mean. [DN2]"""
     bad: Mask
-    """Hot or noisy pixels, (y, x)."""
     pages: int
-    """Number of pages; 0 where the dark is a declared level."""
     temporal_var: float | None = None
-    """Temporal variance of a pixel; None for fewer than two pages. [DN2]"""
     temporal_var_std: float = 0.0
-    """Its standard deviation. [DN2]"""
     level_std: float = float("nan")
-    """Standard deviation of the mean level, from page to page. [DN]"""
     spread: float = float("nan")
-    """Standard deviation over the pixels (DSNU). [DN]"""
 
     @property
     def level(self) -> float:

@@ -32,23 +32,36 @@ _DARKEST = 0.02
 
 @dataclass(frozen=True)
 class FlatLevels:
-    """Flats of one camera above dark, level by level."""
+    """Flats of one camera above dark, level by level.
+
+    Attributes
+    ----------
+    stacks : list[PageStack]
+        One for each light level; empty where no flat was recorded.
+    saturation : int
+        Count at which the camera saturates. [DN]
+    """
 
     stacks: list[PageStack]
-    """One for each light level; empty where no flat was recorded."""
     saturation: int
-    """Count at which the camera saturates. [DN]"""
 
 
 class FlatField(NamedTuple):
-    """Response of the pixels of one camera."""
+    """Response of the pixels of one camera.
+
+    Attributes
+    ----------
+    response : Array
+        Relative to the mean, (y, x). [1]
+    response_var : Array
+        Its variance, (y, x). [1]
+    dead : Mask
+        Pixels that hardly respond, or far too much, (y, x).
+    """
 
     response: Array
-    """Relative to the mean, (y, x). [1]"""
     response_var: Array
-    """Its variance, (y, x). [1]"""
     dead: Mask
-    """Pixels that hardly respond, or far too much, (y, x)."""
 
 
 def reduce_flats(

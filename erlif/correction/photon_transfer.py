@@ -27,31 +27,48 @@ _SIGNIFICANT = 4.0
 
 @dataclass(frozen=True)
 class LightLevel:
-    """One point of the photon transfer curve."""
+    """One point of the photon transfer curve.
+
+    Attributes
+    ----------
+    light : float
+        Mean above dark. [DN]
+    variance : float
+        Mean temporal variance of a pixel. [DN2]
+    variance_std : float
+        Its standard deviation. [DN2]
+    dark_scale : float
+        Factor by which scaling the pages to one brightness changed the variance of the dark.
+        [1]
+    """
 
     light: float
-    """Mean above dark. [DN]"""
     variance: float
-    """Mean temporal variance of a pixel. [DN2]"""
     variance_std: float
-    """Its standard deviation. [DN2]"""
     dark_scale: float = 1.0
-    """Factor by which scaling the pages to one brightness changed the variance of the dark. [1]"""
 
 
 @dataclass(frozen=True)
 class PhotonTransfer:
-    """Gain by photon transfer, and the bend of the curve."""
+    """Gain by photon transfer, and the bend of the curve.
+
+    Attributes
+    ----------
+    gain : float
+        [electron/DN]
+    gain_std : float
+        [electron/DN]
+    bend : float
+        Relative change of variance per light from dark to the brightest level; NaN where the
+        levels are too few. [1]
+    bend_std : float
+        [1]
+    """
 
     gain: float
-    """[electron/DN]"""
     gain_std: float
-    """[electron/DN]"""
     bend: float = float("nan")
-    """Relative change of variance per light from dark to the brightest level; NaN where the
-    levels are too few. [1]"""
     bend_std: float = float("nan")
-    """[1]"""
 
     @property
     def is_bent(self) -> bool:

@@ -39,39 +39,60 @@ _NAN = float("nan")
 
 @dataclass(frozen=True)
 class DeclaredNoise:
-    """Gain and read noise of one camera as the settings give them; None where they do not."""
+    """Gain and read noise of one camera as the settings give them; None where they do not.
+
+    Attributes
+    ----------
+    gain : float | None
+        [electron/DN]
+    read_noise : float | None
+        [electron]
+    """
 
     gain: float | None = None
-    """[electron/DN]"""
     read_noise: float | None = None
-    """[electron]"""
 
 
 @dataclass(frozen=True)
 class CameraNoise:
-    """Gain and read noise of one camera as estimated from the frames."""
+    """Gain and read noise of one camera as estimated from the frames.
+
+    Attributes
+    ----------
+    gain : float
+        [electron/DN]
+    gain_std : float
+        [electron/DN]
+    read_noise : float
+        [electron]
+    read_noise_std : float
+        [electron]
+    response_spread : float
+        Relative standard deviation of the response over the pixels; NaN where the frames do not
+        determine it. [1]
+    """
 
     gain: float
-    """[electron/DN]"""
     gain_std: float
-    """[electron/DN]"""
     read_noise: float
-    """[electron]"""
     read_noise_std: float
-    """[electron]"""
     response_spread: float = _NAN
-    """Relative standard deviation of the response over the pixels; NaN where the frames do not
-    determine it. [1]"""
 
 
 @dataclass(frozen=True)
 class Cameras:
-    """Both cameras, characterised."""
+    """Both cameras, characterised.
+
+    Attributes
+    ----------
+    references : References
+        Images and characteristics of camera 1 and camera 2.
+    notes : tuple[Note, ...]
+        What was measured, and what needs attention.
+    """
 
     references: References
-    """Images and characteristics of camera 1 and camera 2."""
     notes: tuple[Note, ...]
-    """What was measured, and what needs attention."""
 
 
 @dataclass(frozen=True)

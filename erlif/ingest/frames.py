@@ -16,18 +16,27 @@ from erlif.ingest.images import Page, check_depth, read_page
 
 @dataclass(frozen=True)
 class FramePairs:
-    """The frames of two cameras, paired; files are read when frames are asked for."""
+    """The frames of two cameras, paired; files are read when frames are asked for.
+
+    Attributes
+    ----------
+    directory : Path
+        The run or fixture directory.
+    pages : tuple[tuple[Page, ...], tuple[Page, ...]]
+        Frame k of camera 1 and frame k of camera 2 belong to the same laser pulse.
+    shape : tuple[int, int]
+        (rows, columns) of every frame. [px]
+    bit_depths : tuple[int, int]
+        Bits per pixel of camera 1 and camera 2.
+    skipped : dict[int, str]
+        Frame pairs left out, with the reason.
+    """
 
     directory: Path
-    """The run or fixture directory."""
     pages: tuple[tuple[Page, ...], tuple[Page, ...]]
-    """Frame k of camera 1 and frame k of camera 2 belong to the same laser pulse."""
     shape: tuple[int, int]
-    """(rows, columns) of every frame. [px]"""
     bit_depths: tuple[int, int]
-    """Bits per pixel of camera 1 and camera 2."""
     skipped: dict[int, str] = field(default_factory=dict)
-    """Frame pairs left out, with the reason."""
 
     @property
     def usable(self) -> list[int]:

@@ -28,12 +28,18 @@ _FEW_LEVELS = 16
 
 @dataclass(frozen=True)
 class Page:
-    """One image in a file."""
+    """One image in a file.
+
+    Attributes
+    ----------
+    path : Path
+        File that holds the image.
+    index : int
+        Position in a multi-page file, counted from 0.
+    """
 
     path: Path
-    """File that holds the image."""
     index: int
-    """Position in a multi-page file, counted from 0."""
 
     @property
     def name(self) -> str:
@@ -44,12 +50,18 @@ class Page:
 
 
 class PageKind(NamedTuple):
-    """Shape and type of an image, from its header."""
+    """Shape and type of an image, from its header.
+
+    Attributes
+    ----------
+    shape : tuple[int, ...]
+        (rows, columns), and colours where there are several. [px]
+    dtype : str
+        Name of the numpy type, such as "uint16".
+    """
 
     shape: tuple[int, ...]
-    """(rows, columns), and colours where there are several. [px]"""
     dtype: str
-    """Name of the numpy type, such as "uint16"."""
 
     def __str__(self) -> str:
         return f"{describe_shape(self.shape)} {self.dtype}"
@@ -61,14 +73,21 @@ UNREADABLE = PageKind((0, 0), "unreadable")
 
 @dataclass
 class CameraFiles:
-    """The pages of one camera in natural order."""
+    """The pages of one camera in natural order.
+
+    Attributes
+    ----------
+    pages : list[Page]
+        Images of all files, unreadable ones included.
+    kinds : list[PageKind]
+        Kind of each page; UNREADABLE for damaged ones.
+    faults : dict[int, str]
+        Reasons why pages are unreadable, by position.
+    """
 
     pages: list[Page] = field(default_factory=list)
-    """Images of all files, unreadable ones included."""
     kinds: list[PageKind] = field(default_factory=list)
-    """Kind of each page; UNREADABLE for damaged ones."""
     faults: dict[int, str] = field(default_factory=dict)
-    """Reasons why pages are unreadable, by position."""
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:

@@ -21,16 +21,24 @@ from erlif.settings import (
 
 @dataclass(frozen=True)
 class Run:
-    """A run: frame pairs of the joint, one for each row of the encoder log."""
+    """A run: frame pairs of the joint, one for each row of the encoder log.
+
+    Attributes
+    ----------
+    directory : Path
+        Directory with ``run.toml``.
+    settings : RunSettings
+        What ``run.toml`` holds.
+    pairs : FramePairs
+        Frames of camera 1 and camera 2.
+    log : EncoderLog
+        Row k belongs to frame pair k.
+    """
 
     directory: Path
-    """Directory with ``run.toml``."""
     settings: RunSettings
-    """What ``run.toml`` holds."""
     pairs: FramePairs
-    """Frames of camera 1 and camera 2."""
     log: EncoderLog
-    """Row k belongs to frame pair k."""
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:
@@ -40,14 +48,21 @@ class Run:
 
 @dataclass(frozen=True)
 class Fixture:
-    """A calibration fixture: frame pairs of a film of known thickness."""
+    """A calibration fixture: frame pairs of a film of known thickness.
+
+    Attributes
+    ----------
+    directory : Path
+        Directory with ``fixture.toml``.
+    settings : FixtureSettings
+        What ``fixture.toml`` holds.
+    pairs : FramePairs
+        Frames of camera 1 and camera 2.
+    """
 
     directory: Path
-    """Directory with ``fixture.toml``."""
     settings: FixtureSettings
-    """What ``fixture.toml`` holds."""
     pairs: FramePairs
-    """Frames of camera 1 and camera 2."""
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:

@@ -69,69 +69,120 @@ _KeyRule = Callable[[str], str | None]
 
 @dataclass(frozen=True)
 class CountsSample:
-    """What the counts of some pages show."""
+    """What the counts of some pages show.
+
+    Attributes
+    ----------
+    pages : int
+        Number of pages read.
+    highest : int
+        Largest count. [DN]
+    unused_bits : int
+        Low bits that no count sets: 4 where 12-bit counts are stored left-aligned in 16 bits.
+    bit_depth : int
+        Smallest usual bit depth that holds the counts, unused bits left out.
+    full_scale_seen : bool
+        Whether several pixels are at the full scale of that depth, which makes it certain.
+    """
 
     pages: int
-    """Number of pages read."""
     highest: int
-    """Largest count. [DN]"""
     unused_bits: int
-    """Low bits that no count sets: 4 where 12-bit counts are stored left-aligned in 16 bits."""
     bit_depth: int
-    """Smallest usual bit depth that holds the counts, unused bits left out."""
     full_scale_seen: bool
-    """Whether several pixels are at the full scale of that depth, which makes it certain."""
 
 
 @dataclass(frozen=True)
 class ImageSet:
-    """Files of one camera that serve one purpose."""
+    """Files of one camera that serve one purpose.
+
+    Attributes
+    ----------
+    files : tuple[Path, ...]
+        In natural order.
+    pattern : str | None
+        Pattern that matches these files and no others; None where there is none.
+    pages : int
+        Number of images in the files.
+    kinds : tuple[str, ...]
+        Different sizes and types, the most frequent first: "320 x 256 uint16".
+    faults : tuple[str, ...]
+        Names of files that cannot be read, with the reason.
+    """
 
     files: tuple[Path, ...]
     pattern: str | None
-    """Pattern that matches these files and no others; None where there is none."""
     pages: int
-    """Number of images in the files."""
     kinds: tuple[str, ...]
-    """Different sizes and types, the most frequent first: "320 x 256 uint16"."""
     faults: tuple[str, ...]
-    """Names of files that cannot be read, with the reason."""
 
 
 @dataclass(frozen=True)
 class CameraSurvey:
-    """What one camera has recorded."""
+    """What one camera has recorded.
+
+    Attributes
+    ----------
+    label : str
+        Part of the names by which the files of this camera are recognised.
+    wavelength : int | None
+        Wavelength in the names of its files; None where there is none. [nm]
+    frames : ImageSet
+        Images that are neither darks nor flats.
+    darks : ImageSet | None
+        None where no name has one of the words for darks.
+    flats : ImageSet | None
+        None where no name has one of the words for flats.
+    counts : CountsSample | None
+        None where no page can be read.
+    """
 
     label: str
-    """Part of the names by which the files of this camera are recognised."""
     wavelength: int | None
-    """Wavelength in the names of its files; None where there is none. [nm]"""
     frames: ImageSet
     darks: ImageSet | None
     flats: ImageSet | None
     counts: CountsSample | None
-    """None where no page can be read."""
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A CSV file."""
+    """A CSV file.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    header : tuple[str, ...]
+        Names of the columns.
+    rows : int
+        Rows below the header.
+    """
 
     path: Path
     header: tuple[str, ...]
     rows: int
-    """Rows below the header."""
 
 
 @dataclass(frozen=True)
 class Survey:
-    """What lies in a directory."""
+    """What lies in a directory.
+
+    Attributes
+    ----------
+    directory : Path
+        Directory that was searched.
+    cameras : tuple[CameraSurvey, ...]
+        In the order of their wavelengths, else of their names.
+    unassigned : tuple[Path, ...]
+        Images that belong to no camera by their names.
+    tables : tuple[TextTable, ...]
+        CSV files, in the order of their names.
+    """
 
     directory: Path
     cameras: tuple[CameraSurvey, ...]
-    """In the order of their wavelengths, else of their names."""
     unassigned: tuple[Path, ...]
-    """Images that belong to no camera by their names."""
     tables: tuple[TextTable, ...]
 
 
