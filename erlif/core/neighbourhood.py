@@ -15,7 +15,7 @@ _NEAR = 9
 """Width of the neighbourhood of a pixel, unless given. [px]"""
 
 _SAMPLE = 97
-"""Every 97th valid pixel gives the offset of the sums; a prime, to avoid one column of the image."""
+"""Step between the pixels whose median is the offset of the sums; a prime, to avoid columns."""
 
 
 def block_light(one: Image, two: Image, width: int = BLOCK) -> Image:

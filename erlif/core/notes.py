@@ -22,6 +22,15 @@ class Level(StrEnum):
 class Note:
     """One finding about an input or a result.
 
+    Attributes
+    ----------
+    level : Level
+        Consequence of the finding.
+    subject : str
+        Camera, file, calibration or frame pair: "camera1", "frame pair 12"; empty for the run.
+    text : str
+        The finding, without its subject.
+
     Examples
     --------
     >>> str(Note(Level.WARNING, "camera2", "no flat"))
@@ -29,11 +38,8 @@ class Note:
     """
 
     level: Level
-    """Consequence of the finding."""
     subject: str
-    """Camera, file, calibration or frame pair: "camera1", "frame pair 12"; empty for the run."""
     text: str
-    """The finding, without its subject."""
 
     def __str__(self) -> str:
         return f"{self.subject}: {self.text}" if self.subject else self.text

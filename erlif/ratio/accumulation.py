@@ -23,6 +23,29 @@ class RatioSum:
     surroundings. Its own variance is correlated with its noise, and a mean weighted by it would be
     biased. A pixel is valid if it is valid in any frame; otherwise it keeps the flags of all.
 
+    Attributes
+    ----------
+    shape : tuple[int, int]
+        Rows and columns of the images. [px]
+    frames : int
+        Frames that were added.
+    weight : Array
+        Sum of the weights w, (y, x). [1]
+    total : Array
+        Sum of w times log_ratio, (y, x). [1]
+    total_var : Array
+        Sum of w^2 times the variance that is new in every frame, (y, x). [1]
+    total_var_fixed : Array
+        Sum of w times the variance that repeats from frame to frame, (y, x). [1]
+    total_var_shared : Array
+        Sum of w times the variance by the registration, (y, x). [1]
+    correlation : float
+        Sum of the noise correlation of the frames. [1]
+    flags : FlagImage
+        Flags of all frames, (y, x).
+    valid : Mask
+        Pixels that are valid in a frame at least, (y, x).
+
     Examples
     --------
     Without frames no pixel is valid, and the mean is NaN:
@@ -33,25 +56,15 @@ class RatioSum:
     """
 
     shape: tuple[int, int]
-    """Rows and columns of the images. [px]"""
     frames: int = 0
-    """Frames that were added."""
     weight: Array = field(init=False)
-    """Sum of the weights w, (y, x). [1]"""
     total: Array = field(init=False)
-    """Sum of w times log_ratio, (y, x). [1]"""
     total_var: Array = field(init=False)
-    """Sum of w^2 times the variance that is new in every frame, (y, x). [1]"""
     total_var_fixed: Array = field(init=False)
-    """Sum of w times the variance that repeats from frame to frame, (y, x). [1]"""
     total_var_shared: Array = field(init=False)
-    """Sum of w times the variance by the registration, (y, x). [1]"""
     correlation: float = 0.0
-    """Sum of the noise correlation of the frames. [1]"""
     flags: FlagImage = field(init=False)
-    """Flags of all frames, (y, x)."""
     valid: Mask = field(init=False)
-    """Pixels that are valid in a frame at least, (y, x)."""
 
     def __post_init__(self) -> None:
         """Set the sums to zero."""
@@ -82,7 +95,11 @@ class RatioSum:
             "log_ratio_var_shared",
             "flags",
         )
+        correlated = "noise_correlation" in ratios
         for n in range(ratios.sizes["frame"]):
+            self.frames += 1
+            self.correlation += float(ratios.noise_correlation[n]) if correlated else 1.0
+
             _add_frame(
                 ratios.log_ratio.values[n],
                 self.weigh(ratios, n),
@@ -97,10 +114,6 @@ class RatioSum:
                 self.total_var_shared,
                 self.flags,
                 self.valid,
-            )
-            self.frames += 1
-            self.correlation += (
-                float(ratios.noise_correlation[n]) if "noise_correlation" in ratios else 1.0
             )
 
     @staticmethod

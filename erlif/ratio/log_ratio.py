@@ -118,7 +118,9 @@ def compute_ratio(
 
 
 @numba.njit(nogil=True, cache=True)
-def _log_ratio(one, two, var, var_fixed, log_ratio, ratio_var, ratio_var_fixed, flag):  # type: ignore[no-untyped-def]
+def _log_ratio(  # type: ignore[no-untyped-def]
+    one, two, var, var_fixed, log_ratio, ratio_var, ratio_var_fixed, flag
+):
     """Fill the last four arguments; return the share of camera 2 in the variance of valid pixels.
 
     Variances of the light are those of cameras 1 and 2, (camera, y, x).

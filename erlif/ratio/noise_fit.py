@@ -28,18 +28,34 @@ _FREEDOM = 10
 """Degrees of freedom of a standard deviation from the blocks, which do not weigh alike."""
 
 _SHARP = 0.005**2
-"""Standard deviation of the response's variance that is small enough even for a zero result. [1]"""
+"""Standard deviation of the variance of the response, small enough for a zero result. [1]"""
 
 _VAGUE = 0.01**2
 """Standard deviation of the response's variance above which it is undetermined. [1]"""
 
 _OUTLIER = 6
-"""Robust standard deviations beyond which a cell is left out: marks, bubbles, wrong registration."""
+"""Residual from which a cell is left out: marks, bubbles, wrong registration. [robust std]"""
 
 
 @dataclass(frozen=True)
 class NoiseUnknowns:
-    """What is to be estimated, (camera,)."""
+    """What is to be estimated.
+
+    Attributes
+    ----------
+    gain : Mask
+        Cameras of unknown gain, (camera,).
+    read_noise : Mask
+        Cameras of unknown read noise, (camera,).
+    response : Mask
+        Cameras without a flat, (camera,).
+
+    Examples
+    --------
+    >>> unknown = NoiseUnknowns(np.array([True, False]), np.array([False, False]), np.array([0, 0]))
+    >>> unknown.noise.tolist(), unknown.any
+    ([True, False], True)
+    """
 
     gain: Mask
     read_noise: Mask
@@ -58,20 +74,30 @@ class NoiseUnknowns:
 
 @dataclass(frozen=True)
 class NoiseCells:
-    """Cells of differences between two frames: their variance, and that of each cause of unit size."""
+    """Cells of differences between two frames: their variance, and that of each cause at unit size.
+
+    Attributes
+    ----------
+    pixels : Array
+        Valid pixels, (cell,).
+    block : npt.NDArray[np.int64]
+        Block of the image, (cell,).
+    variance : Array
+        Variance of the difference, (cell,). [1]
+    shot : Array
+        Variance for a gain of 1 electron/DN, (cell, camera). [1]
+    read : Array
+        Variance for a dark variance of 1 DN2, (cell, camera). [1]
+    pattern : Array
+        Variance for a response of camera 2 with a relative variance of 1, (cell,). [1]
+    """
 
     pixels: Array
-    """Valid pixels, (cell,)."""
     block: npt.NDArray[np.int64]
-    """Block of the image, (cell,)."""
     variance: Array
-    """(cell,). [1]"""
     shot: Array
-    """For a gain of 1 electron/DN, (cell, camera)."""
     read: Array
-    """For 1 DN2 of the dark's variance, (cell, camera)."""
     pattern: Array
-    """For a response of camera 2 with a relative variance of 1, (cell,)."""
 
     @classmethod
     def join(cls, parts: Sequence[NoiseCells]) -> NoiseCells:
@@ -91,20 +117,30 @@ class NoiseCells:
 
 @dataclass(frozen=True)
 class NoiseFit:
-    """Noise as fitted; zeros where gain or dark was known."""
+    """Noise as fitted; zeros where gain or dark was known.
+
+    Attributes
+    ----------
+    slope : Array
+        1/gain, (camera,). [DN/electron]
+    slope_covariance : Array
+        Covariance of the slopes, (camera, camera). [(DN/electron)2]
+    dark : float
+        Variance of the dark. [DN2]
+    dark_std : float
+        Its standard deviation. [DN2]
+    response : float
+        Relative variance of the response of camera 2, NaN where it was left out. [1]
+    response_std : float
+        Its standard deviation. [1]
+    """
 
     slope: Array
-    """1/gain, (camera,). [DN/electron]"""
     slope_covariance: Array
-    """(camera, camera)."""
     dark: float
-    """Variance of the dark. [DN2]"""
     dark_std: float
-    """[DN2]"""
     response: float
-    """Relative variance of the response of camera 2, NaN where it was left out. [1]"""
     response_std: float
-    """[1]"""
 
     @property
     def determines_response(self) -> bool:
@@ -113,11 +149,17 @@ class NoiseFit:
 
 
 class WeighedFit(NamedTuple):
-    """Fit for cameras whose gains may be equal or different."""
+    """Fit for cameras whose gains may be equal or different.
+
+    Attributes
+    ----------
+    fit : NoiseFit
+    alike : float
+        Probability of equal gains. [1]
+    """
 
     fit: NoiseFit
     alike: float
-    """Probability of equal gains. [1]"""
 
 
 class _Solution(NamedTuple):
@@ -142,7 +184,7 @@ def fit_noise(
     ----------
     cells : NoiseCells
     references : References
-        Known gains and read noises, and the flat of camera 2.
+        Gains and read noises, assumed where unknown, and the flat of camera 2.
     unknown : NoiseUnknowns
     one_gain : bool
         Whether unknown gains of both cameras are one.

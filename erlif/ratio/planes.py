@@ -105,7 +105,9 @@ def weigh_pixels(value, variance, shared, sound, middle, reach):  # type: ignore
 
 
 @numba.njit(nogil=True, cache=True)
-def fit_planes(planes, taps, limit, middle, smooth, remaining, suspect):  # type: ignore[no-untyped-def]
+def fit_planes(  # type: ignore[no-untyped-def]
+    planes, taps, limit, middle, smooth, remaining, suspect
+):
     """Fit a plane about every pixel, and mark where a step through the pixel would fit better.
 
     Parameters

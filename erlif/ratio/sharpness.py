@@ -34,6 +34,17 @@ _CORRELATED = 10
 class BlurDifference:
     """Half the difference of the cameras' blur variances, camera 2 less camera 1.
 
+    Attributes
+    ----------
+    x : float
+        Along x. [px2]
+    y : float
+        Along y. [px2]
+    std_x : float
+        [px2]
+    std_y : float
+        [px2]
+
     Examples
     --------
     >>> BlurDifference(x=0.030, y=0.010, std_x=0.004, std_y=0.004).significant
@@ -43,13 +54,9 @@ class BlurDifference:
     """
 
     x: float = 0.0
-    """Along x. [px2]"""
     y: float = 0.0
-    """Along y. [px2]"""
     std_x: float = 0.0
-    """[px2]"""
     std_y: float = 0.0
-    """[px2]"""
 
     @property
     def significant(self) -> bool:
@@ -61,6 +68,17 @@ class BlurDifference:
 class BlurMoments:
     """Sums over frames from which the blur difference is solved.
 
+    Attributes
+    ----------
+    matrix : Array
+        Products of the second differences of camera 1 (rows x, y) and camera 2 (columns). [1]
+    vector : Array
+        Products of the log ratio and the second differences of camera 1, along x and y. [1]
+    noise : Array
+        Covariance of the vector, pixels taken as independent. [1]
+    pixels : int
+        Pixels in the sums.
+
     Examples
     --------
     Without frames there is no difference:
@@ -70,13 +88,9 @@ class BlurMoments:
     """
 
     matrix: Array
-    """Products of the second differences of camera 1 (rows x, y) and camera 2 (columns). [1]"""
     vector: Array
-    """Products of the log ratio and the second differences of camera 1, along x and y. [1]"""
     noise: Array
-    """Covariance of the vector, pixels taken as independent. [1]"""
     pixels: int = 0
-    """Pixels in the sums."""
 
     @classmethod
     def empty(cls) -> BlurMoments:

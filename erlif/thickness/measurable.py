@@ -30,12 +30,18 @@ _OWN = 5
 
 
 class MeasurableRange(NamedTuple):
-    """Mean ratio about each pixel, and where it lies beyond the measurable range."""
+    """Mean ratio about each pixel, and where it lies beyond the measurable range.
+
+    Attributes
+    ----------
+    surroundings : Image
+        Mean of log_ratio about each pixel, (y, x). [1]
+    beyond : FlagImage
+        BELOW_RANGE, ABOVE_RANGE, or 0 within the range, (y, x).
+    """
 
     surroundings: Image
-    """Mean of log_ratio about each pixel, (y, x). [1]"""
     beyond: FlagImage
-    """BELOW_RANGE, ABOVE_RANGE, or 0 within the range, (y, x)."""
 
 
 def find_range(

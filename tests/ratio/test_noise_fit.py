@@ -1,0 +1,214 @@
+"""The variance of differences split into its causes, on variances written out."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.products import References
+from erlif.ratio.noise_fit import (
+    BLOCKS,
+    NoiseCells,
+    NoiseFit,
+    NoiseUnknowns,
+    fit_noise,
+    weigh_gains,
+)
+
+CELLS = 1500
+GAIN = np.array([4.4, 2.2])  # [electron/DN]
+READ = np.array([9.0, 6.0])  # [electron]
+ROUNDING = 1 / 12  # variance of counting in whole DN [DN2]
+
+
+def cells(*, gain=GAIN, dark=(0.0, 0.0), pattern=0.0, constant=0.0, pixels=1e10):
+    """Cells in light of 100 to 3000 DN, each with the scatter of a number of pixels."""
+    rng = np.random.default_rng(1)
+    light = rng.uniform(100, 3000, (CELLS, 2))
+    shot, read = 1 / light, 1 / light**2
+    moves = rng.uniform(0, 1, CELLS)
+    variance = shot @ (1 / np.asarray(gain)) + read @ (np.asarray(dark) + ROUNDING)
+    variance = variance + pattern * moves + constant
+    variance = variance * (1 + np.sqrt(2 / pixels) * rng.standard_normal(CELLS))
+    return NoiseCells(
+        np.full(CELLS, float(pixels)),
+        rng.integers(0, BLOCKS**2, CELLS),
+        variance,
+        shot,
+        read,
+        moves,
+    )
+
+
+def references(flat_var=0.0):
+    dims = ("camera", "y", "x")
+    return References(
+        xr.Dataset(
+            {
+                "gain": ("camera", GAIN),
+                "read_noise": ("camera", READ),
+                "flat": (dims, np.full((2, 3, 4), 0.5)),
+                "flat_var": (dims, np.full((2, 3, 4), flat_var)),
+                "bad": (dims, np.zeros((2, 3, 4), bool)),
+            }
+        )
+    )
+
+
+def unknown(gain=(False, False), read_noise=(False, False), response=(False, False)):
+    return NoiseUnknowns(np.array(gain), np.array(read_noise), np.array(response))
+
+
+def fit(given, what, *, one_gain=False, pattern=False, known=None):
+    known = references() if known is None else known
+    return fit_noise(given, known, what, one_gain=one_gain, pattern=pattern)
+
+
+DARK = (READ / GAIN) ** 2  # [DN2]
+
+
+def test_two_gains_follow_from_the_light_of_each_camera():
+    found = fit(cells(dark=DARK), unknown(gain=(True, True)))
+    npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
+    assert np.isnan(found.response)
+    assert found.dark == 0
+
+
+def test_one_gain_is_that_of_both_cameras():
+    given = cells(gain=(4.4, 4.4), dark=DARK)
+    found = fit(given, unknown(gain=(True, True)), one_gain=True)
+    npt.assert_allclose(found.slope, 1 / 4.4, rtol=1e-4)
+    npt.assert_allclose(found.slope_covariance, found.slope_covariance[0, 0])
+
+
+def test_known_gain_of_one_camera_is_subtracted():
+    found = fit(cells(dark=DARK), unknown(gain=(False, True)))
+    npt.assert_allclose(found.slope, [0, 1 / GAIN[1]], rtol=1e-4)
+    npt.assert_array_equal(found.slope_covariance[0], 0)
+
+
+def test_dark_variance_is_that_of_both_cameras():
+    found = fit(cells(dark=(7.0, 7.0)), unknown(read_noise=(True, True)))
+    npt.assert_allclose(found.dark, 7.0, rtol=1e-4)
+
+
+def test_response_follows_from_the_pattern():
+    found = fit(cells(dark=DARK, pattern=1e-4), unknown(response=(True, True)), pattern=True)
+    npt.assert_allclose(found.response, 1e-4, rtol=1e-4)
+    assert found.determines_response
+
+
+def test_the_noise_of_a_flat_is_subtracted():
+    """Relative variance 1e-4: 0.25e-4 of a flat of 0.5."""
+    given = cells(dark=DARK, pattern=1e-4)
+    found = fit(given, unknown(gain=(True, True)), known=references(flat_var=0.25e-4))
+    npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
+
+
+def test_a_constant_variance_does_not_change_the_gain():
+    found = fit(cells(dark=DARK, constant=2e-4), unknown(gain=(True, True)))
+    npt.assert_allclose(found.slope, 1 / GAIN, rtol=1e-4)
+
+
+def test_outliers_are_left_out():
+    given = cells(dark=DARK, pixels=64)
+    clean = fit(given, unknown(gain=(True, True)))
+    given.variance[::50] *= 1000
+    found = fit(given, unknown(gain=(True, True)))
+    std = np.sqrt(np.diag(found.slope_covariance))
+    assert np.all(np.abs(found.slope - clean.slope) < std)
+    assert np.all(np.abs(found.slope - 1 / GAIN) < 4 * std)
+
+
+def test_results_are_not_negative():
+    given = cells(gain=(np.inf, np.inf), dark=DARK, constant=1e-3, pixels=64)
+    found = fit(given, unknown(gain=(True, True), response=(True, True)), pattern=True)
+    assert np.all(found.slope >= 0)
+    assert found.response >= 0
+
+
+def noise_fit(slope, variance):
+    slope = np.array(slope, float)
+    covariance = np.diag(np.full(2, float(variance)))
+    return NoiseFit(slope, covariance, 0.0, 0.0, float("nan"), float("nan"))
+
+
+SAME = noise_fit([0.25, 0.25], 1e-8)
+
+
+def test_without_information_the_prior_stays():
+    """Standard deviations far above the spread of unequal gains; 5 % are unequal."""
+    weighed = weigh_gains(SAME, noise_fit([0.2, 0.3], 1e6))
+    npt.assert_allclose(weighed.alike, 0.95, rtol=1e-3)
+
+
+def test_equal_slopes_raise_the_probability_of_equal_gains():
+    weighed = weigh_gains(SAME, noise_fit([0.25, 0.25], 1e-8))
+    assert weighed.alike > 0.99
+    npt.assert_allclose(weighed.fit.slope, 0.25, rtol=1e-6)
+
+
+def test_clearly_different_slopes_are_kept():
+    apart = noise_fit([0.20, 0.30], 1e-8)
+    weighed = weigh_gains(SAME, apart)
+    assert weighed.alike < 1e-6
+    npt.assert_allclose(weighed.fit.slope, apart.slope, rtol=1e-3)
+    npt.assert_allclose(np.diag(weighed.fit.slope_covariance), 1e-8, rtol=1e-2)
+
+
+def test_undecided_gains_have_the_variance_of_the_mixture():
+    """At least that between both results, p (1 - p) d^2."""
+    apart = noise_fit([0.235, 0.265], 2e-5)
+    weighed = weigh_gains(SAME, apart)
+    p = weighed.alike
+    assert 0.05 < p < 0.995
+    moved = (weighed.fit.slope - SAME.slope) / (1 - p)
+    between = p * (1 - p) * moved**2
+    assert np.all(np.diag(weighed.fit.slope_covariance) >= between)
+    assert np.all(np.abs(weighed.fit.slope - 0.25) < np.abs(apart.slope - 0.25))
+
+
+def test_exchanged_cameras_exchange_the_result():
+    one = weigh_gains(SAME, noise_fit([0.235, 0.265], 2e-5))
+    two = weigh_gains(SAME, noise_fit([0.265, 0.235], 2e-5))
+    npt.assert_allclose(one.alike, two.alike)
+    npt.assert_allclose(one.fit.slope, two.fit.slope[::-1])
+
+
+@pytest.mark.parametrize(
+    ("response", "std", "expected"),
+    [(0.0, 1e-5, True), (1e-4, 3e-5, True), (1e-4, 5e-5, False), (1e-3, 2e-4, False)],
+)
+def test_a_response_is_determined_by_a_small_error_or_a_clear_value(response, std, expected):
+    found = NoiseFit(np.zeros(2), np.zeros((2, 2)), 0.0, 0.0, response, std)
+    assert found.determines_response is expected
+
+
+@pytest.mark.parametrize(
+    ("what", "noise", "frames"),
+    [
+        (unknown(), [False, False], False),
+        (unknown(gain=(True, False)), [True, False], True),
+        (unknown(read_noise=(False, True)), [False, True], True),
+        (unknown(response=(True, False)), [False, False], False),
+        (unknown(response=(False, True)), [False, False], True),
+    ],
+)
+def test_frames_are_needed_for_noise_and_for_the_response_of_camera_2(what, noise, frames):
+    assert what.noise.tolist() == noise
+    assert what.any is frames
+
+
+def test_cells_of_several_pairs_are_joined():
+    one = cells()
+    both = NoiseCells.join([one, one])
+    assert both.variance.shape == both.pattern.shape == (2 * CELLS,)
+    assert both.shot.shape == both.read.shape == (2 * CELLS, 2)
+    npt.assert_array_equal(both.block[CELLS:], one.block)
+
+
+def test_no_pairs_have_no_cells():
+    none = NoiseCells.join([])
+    assert none.variance.size == 0
+    assert none.shot.shape == (0, 2)
+    assert none.block.dtype == np.int64
