@@ -1,6 +1,7 @@
-"""Figures of the source beside those of well-kept packages of the same field (verde, pvlib, photutils).
+"""Figures of the source beside those of well-kept packages (verde, pvlib, photutils).
 
-Run with ``python benchmarks/anchors.py`` for erlif, with directories for other packages, ``--list`` to see the places.
+Run with ``python benchmarks/anchors.py`` for erlif, with directories for other packages, ``--list``
+to see the places.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ WORDS = re.compile(
     r"deserves?|a word)\b",
     re.IGNORECASE,
 )
-"""Words that a laboratory does not write about pixels and frames (docs/glossary.md has the terms)."""
+"""Words that a laboratory does not write about pixels; docs/glossary.md has the terms."""
 
 
 def code_lines(source: str) -> set[int]:
@@ -54,7 +55,7 @@ def prose(source: str) -> list[tuple[int, str]]:
 
 
 def exported(package: Path) -> set[tuple[Path, str]]:
-    """Functions and classes that stand in the ``__all__`` of a folder, or are public in a module of models."""
+    """Functions in the ``__all__`` of a folder, and the public ones of models."""
     found: set[tuple[Path, str]] = set()
     for init in package.rglob("__init__.py"):
         tree = ast.parse(init.read_text(encoding="utf-8"))
@@ -150,7 +151,7 @@ def measure(package: Path, tests: Path | None, *, places: bool) -> None:
 
 
 def measure_tests(package: Path, tests: Path) -> list[str]:
-    """Print test-to-source lines of each folder; list the modules without a test file of their name."""
+    """Print test-to-source lines of each folder; list modules without a test file."""
     untested = []
     for folder in sorted({path.parent for path in package.rglob("*.py")}):
         own = [path for path in folder.glob("*.py") if path.name != "__init__.py"]

@@ -1,4 +1,6 @@
-"""erlif against the script a user would write today, on the same files in the same run: accuracy, time and memory.
+"""erlif beside the script a user would write today, on the same files in the same run.
+
+Accuracy, time and memory are compared.
 
     pip install -e ".[benchmark]"
     python benchmarks/film.py accuracy            # three seeds, 320 x 256, a full cycle each
@@ -31,7 +33,8 @@ def simulate(out: Path, *, seed: int, **settings) -> Path:
 
 
 def score(maps, truth: xr.Dataset, limit) -> dict[str, float]:
-    """Scatter over the photon limit, error of each map's median, and share answered, for films of 1 to 10 um."""
+    """Scatter over the photon limit, error of each map's median, and share of valid
+    pixels, for films of 1 to 10 um."""
     scatter, medians, share = [], [], []
     for k, found in enumerate(maps):
         film = truth.film.values[k % truth.sizes["trigger"]]
@@ -67,7 +70,8 @@ def accuracy(scratch: Path) -> None:
     import erlif
 
     print(
-        "seed  exponent in  exponent out       coverage  | erlif: scatter, median %, answered % | script: the same"
+        "seed  exponent in  exponent out       coverage  | erlif: scatter, median %, valid % | "
+        "script: the same"
     )
     for seed, exponent, top in ((601, 0.62, 6.0), (602, 0.40, 4.0), (603, 0.62, 3.0)):
         made = simulate(scratch / str(seed), seed=seed, exponent=exponent, film_reference=top)
@@ -84,7 +88,8 @@ def accuracy(scratch: Path) -> None:
         error = np.abs(film.thickness.values - truth.film.values)
         coverage = np.mean((error < film.thickness_std.values)[inside])
         print(
-            f"{seed:5d} {exponent:8.2f} {float(film.speed_exponent):11.3f} ± {float(film.speed_exponent_std):.3f} {coverage:14.3f}    | "
+            f"{seed:5d} {exponent:8.2f} {float(film.speed_exponent):11.3f} ± "
+            f"{float(film.speed_exponent_std):.3f} {coverage:14.3f}    | "
             + ", ".join(f"{value:.3f}" for value in ours.values())
             + " | "
             + ", ".join(f"{value:.3f}" for value in peers.values()),
@@ -120,10 +125,12 @@ def speed(scratch: Path) -> None:
     ours = [t / pairs for t in times]
     print(f"{pairs} pairs of 1280 x 1024 on {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     print(
-        f"erlif process   {min(ours):.3f} {np.median(ours):.3f} {max(ours):.3f} s per pair (min, median, max of 3; first compiles)"
+        f"erlif process   {min(ours):.3f} {np.median(ours):.3f} {max(ours):.3f} s per pair "
+        "(min, median, max of 3; first compiles)"
     )
     print(
-        f"user script     {min(peer):.3f} {np.median(peer):.3f} {max(peer):.3f} s per pair, reading not counted"
+        f"user script     {min(peer):.3f} {np.median(peer):.3f} {max(peer):.3f} s per pair, "
+        "reading not counted"
     )
     print(f"ratio of medians {np.median(peer) / np.median(ours):.1f}")
 
@@ -143,7 +150,8 @@ def memory(scratch: Path) -> None:
             peaks[50 * cycles] = usage.ru_maxrss / 1024
     (few, small), (many, large) = peaks.items()
     print(
-        f"peak memory of the whole process: {few} frames {small:.0f} MB, {many} frames {large:.0f} MB, {large / small - 1:+.1%}"
+        f"peak memory of the whole process: {few} frames {small:.0f} MB, {many} frames "
+        f"{large:.0f} MB, {large / small - 1:+.1%}"
     )
 
 

@@ -1,10 +1,11 @@
-"""Are the error bars true? Virtual rigs of known film at several levels of light and contrasts of texture.
+"""Are the error bars true? Virtual rigs of known film, at several levels of light and contrasts.
 
     pip install -e .
-    python benchmarks/uncertainty.py maps              # five seeds, three levels of light, two contrasts
-    python benchmarks/uncertainty.py fixtures          # film statistics of one run under 200 fixtures
+    python benchmarks/uncertainty.py maps      # five seeds, three levels of light, two contrasts
+    python benchmarks/uncertainty.py fixtures  # film statistics of one run under 200 fixtures
 
-Coverage is the share of errors within one and two stated standard deviations, 68.3 and 95.4 % where the error bars are true.
+Coverage is the share of errors within one and two stated standard deviations, 68.3 and 95.4 %
+where the error bars are true.
 """
 
 import argparse
@@ -21,7 +22,7 @@ import xarray as xr
 from film import photon_limit
 
 FILMS = {701: (0.62, 6.0), 702: (0.40, 4.0), 703: (0.62, 3.0), 704: (0.50, 5.0), 705: (0.70, 8.0)}
-"""Seed: exponent and least film at top speed [um]."""
+"""Seed: exponent and minimum film thickness at top speed [um]."""
 LIGHTS = (1.0, 0.3, 0.1)
 TEXTURES = (0.08, 0.03)
 OCTAVES = ((1, 2), (2, 4), (4, 8), (8, 10))
@@ -48,7 +49,8 @@ def exactly_known(fixture: Path, seed: int) -> Path:
     """The same fixture, measured by a coordinate measuring machine without error."""
     from erlif.rig import RigSettings
     from erlif.rig.film import Wedge
-    from erlif.rig.run import random_stream, write_profile
+    from erlif.rig.run import write_profile
+    from erlif.rig.setup import random_stream
 
     copy = shutil.copytree(fixture, fixture.with_name("fixture_exact"), dirs_exist_ok=True)
     write_profile(
@@ -145,7 +147,10 @@ def region_mean(film: xr.Dataset, truth: xr.Dataset):
 
 
 def weigh_fixture(case: tuple[Path, int]) -> dict:
-    """A rig of its own, fixture, CMM, cameras, surfaces and run all drawn anew: pulls of the film statistics."""
+    """A rig of its own, fixture, CMM, cameras, surfaces and run all drawn anew.
+
+    Returns the pulls of the film statistics.
+    """
     import erlif
     from erlif.rig import RigSettings, simulate
 
@@ -177,7 +182,8 @@ def fixtures(scratch: Path, processes: int, rigs: int) -> None:
         known = np.isfinite(pulls)
         within = [np.mean(np.abs(pulls[known]) < width) for width in (1, 2)]
         print(
-            f"{name:10s}{within[0]:7.1%} within one, {within[1]:6.1%} within two standard deviations; mean pull {pulls[known].mean():+.2f}, "
+            f"{name:10s}{within[0]:7.1%} within one, {within[1]:6.1%} within two standard "
+            f"deviations; mean pull {pulls[known].mean():+.2f}, "
             f"rms {np.sqrt(np.mean(pulls[known] ** 2)):.2f}"
         )
 
@@ -187,7 +193,8 @@ def maps(scratch: Path, processes: int, *, exact: bool) -> None:
     with ProcessPoolExecutor(processes) as pool:
         results = list(pool.map(examine, cases))
     print(
-        "light contrast | scatter/limit | medians rms % (shared std %) | > 5 std | film from: share valid, within 1, within 2, bias/std"
+        "light contrast | scatter/limit | medians rms % (shared std %) | > 5 std | "
+        "film from: share valid, within 1, within 2, bias/std"
     )
     for light, texture in itertools.product(LIGHTS, TEXTURES):
         chosen = [r for r in results if (r["light"], r["texture"]) == (light, texture)]
@@ -203,14 +210,15 @@ def maps(scratch: Path, processes: int, *, exact: bool) -> None:
             share = count / max(sum(r[span][3] for r in chosen), 1)
             bias = [r[span][4] for r in chosen]
             print(
-                f"      {span[0]:2d}-{span[1]:2d} um {share:6.1%} {one / max(count, 1):7.1%} {two / max(count, 1):6.1%}  "
-                + " ".join(f"{b:+.2f}" for b in bias)
+                f"      {span[0]:2d}-{span[1]:2d} um {share:6.1%} {one / max(count, 1):7.1%} "
+                f"{two / max(count, 1):6.1%}  " + " ".join(f"{b:+.2f}" for b in bias)
             )
         for name in ("film_mean", "film_min"):
             pulls = np.concatenate([r[name] for r in chosen])
             pulls = pulls[np.isfinite(pulls)]
             print(
-                f"      {name}: {pulls.size} values, {np.mean(np.abs(pulls) < 1):.1%} {np.mean(np.abs(pulls) < 2):.1%}, mean pull by seed "
+                f"      {name}: {pulls.size} values, {np.mean(np.abs(pulls) < 1):.1%} "
+                f"{np.mean(np.abs(pulls) < 2):.1%}, mean pull by seed "
                 + " ".join(f"{np.nanmean(r[name]):+.2f}({np.nanstd(r[name]):.2f})" for r in chosen)
             )
         print(

@@ -1,6 +1,9 @@
-"""The script a user would write today, as the peer of `erlif process`: OpenPIV per frame, spline warp, curve_fit, interp.
+"""The script a user would write today, as the peer of `erlif process`.
 
-It uses the libraries in their documented way, on the same files, with the settings their tutorials show. No error bars, no flags.
+OpenPIV per frame, spline warp, curve_fit, interp.
+
+It uses the libraries in their documented way, on the same files, with the settings their tutorials
+show. No error bars, no flags.
 """
 
 import tomllib
@@ -25,7 +28,7 @@ def corrected(directory: Path, camera: int):
 
 
 def displacement(one, two, window=32, overlap=24):
-    """Displacement of camera 2 against camera 1 at every pixel, from one pass of window correlation."""
+    """Displacement of camera 2 against camera 1 at every pixel, from one pass."""
     # the ratio changes slowly over the image: take it out before correlating
     flat_one, flat_two = (image / ndimage.gaussian_filter(image, 12) for image in (one, two))
     u, v, s2n = pyprocess.extended_search_area_piv(
@@ -53,7 +56,7 @@ def ratio(one, two):
 
 
 def calibrate(fixture: Path):
-    """Thickness against ratio: the model of eq. 5.7 fitted to the mean ratio over the CMM profile."""
+    """Thickness against ratio: the model of eq. 5.7 fitted to the mean ratio over the profile."""
     settings = tomllib.loads((fixture / "fixture.toml").read_text())
     pitch = float(settings["optics"]["pixel_pitch"].split()[0]) / 1e3
     mean = np.mean(

@@ -5,8 +5,9 @@
 >>> film = erlif.process("data_samples/straight_bushing", calibration=calibration)  # doctest: +SKIP
 >>> erlif.plots.thickness_map(film, trigger=12)  # doctest: +SKIP
 
-The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`, `calibration`, `thickness`,
-`kinematics`, `trend`. Each holds plain functions. `models` is theory, `rig` the virtual rig, `plots` the figures.
+The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`,
+`calibration`, `thickness`, `kinematics`, `trend`. Each holds plain functions. `models` is theory,
+`rig` the virtual rig, `plots` the figures.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""The source as text: plain English, documented functions, a test file for every module, 100 columns."""
+"""The source as text: plain English, documented functions, tests of each module, 100 columns."""
 
 from __future__ import annotations
 
