@@ -12,9 +12,10 @@ from scipy.stats import f as fisher
 
 from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
-from erlif.calibration.regression import MAD_TO_STD, OUTLIER
+from erlif.calibration.regression import OUTLIER
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
+from erlif.core.statistics import robust_rms
 
 FALSE_ALARM = 0.01
 """Probability of chance below which a difference is significant."""
@@ -353,7 +354,7 @@ def _test_pairs(calibration: Calibration, film: Array, pairs: _Pairs) -> _Change
         basis = shapes[use][:, resolved]
         values, *_ = np.linalg.lstsq(basis, change[use], rcond=None)
         residual = change - shapes[:, resolved] @ values
-        spread = MAD_TO_STD * float(np.median(np.abs(residual[use])))
+        spread = robust_rms(residual[use])
         now = np.abs(residual) <= OUTLIER * max(spread, _SMALLEST_SPREAD)
         if np.array_equal(now, use):
             break

@@ -17,14 +17,12 @@ from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
 from erlif.calibration.profile import MINIMUM_POINTS
 from erlif.core.arrays import Array, Mask
+from erlif.core.statistics import robust_rms
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 
 OUTLIER = 4.5
 """Standard deviations from the curve beyond which a point is dust, a bubble or a slip of the
 CMM."""
-
-MAD_TO_STD = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation."""
 
 _PASSES = 6  # without outliers; the set of kept points is stable after two or three
 _FIRST_STD = 0.1  # um: error of the CMM assumed in the first pass where none is stated
@@ -122,9 +120,7 @@ def fit_robustly(points: Points, freedom: Freedom) -> Fit:
         # the new estimate serves the next pass; outliers of this one are judged by the old
         if unknown:
             scatter = residual[kept] / slope[kept]
-            thickness_std = np.full(
-                kept.size, max(MAD_TO_STD * float(np.median(np.abs(scatter))), _SMALLEST_STD)
-            )
+            thickness_std = np.full(kept.size, max(robust_rms(scatter), _SMALLEST_STD))
 
         width = OUTLIER * max(1.0, math.sqrt(fit.reduced_chi_square))
         now = np.abs(residual) <= width * total

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,7 @@ def example_calibration() -> Calibration:
             "curve_residual": ("bin", np.zeros(20), {"units": "1"}),
         }
     )
-    return Calibration(**{**vars(empty), "curve": curve})
+    return replace(empty, curve=curve)
 
 
 def example_film() -> xr.Dataset:

@@ -17,6 +17,7 @@ from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
+from erlif.core.statistics import robust_rms
 from erlif.registration.blocks import FEWEST, agree, match_blocks
 from erlif.registration.interpolation import NOTHING_BAD, sample_spline, spline_coefficients
 from erlif.registration.normalise import binned, normalise
@@ -58,9 +59,6 @@ FARTHEST: Final = 0.75
 
 EVERY: Final = 5
 """Every fifth value is enough for the median of the correlation."""
-
-MEDIAN_TO_STD: Final = 1.4826
-"""Standard deviation of a normal variable over the median of its magnitude."""
 
 CLIPPED: Final = 4.0
 """Textures are clipped at so many rms, so that a few bright specks do not decide. [1]"""
@@ -315,7 +313,7 @@ class Correlator:
         inside = self.enough & near
         if not inside.any():
             return 0.0, np.zeros(2)
-        chance = MEDIAN_TO_STD * float(np.median(np.abs(value[self.enough][::EVERY])))
+        chance = robust_rms(value[self.enough][::EVERY])
         if not chance > 0:
             return 0.0, np.zeros(2)
 

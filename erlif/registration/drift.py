@@ -12,6 +12,7 @@ from scipy import fft
 
 from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.errors import RegistrationError
+from erlif.core.statistics import robust_rms
 from erlif.registration import local
 from erlif.registration.camera_map import CameraMap
 from erlif.registration.matching import (
@@ -46,8 +47,6 @@ FEWEST_CELLS: Final = 16
 """Cells with light in both cameras below which the chance of a correlation cannot be judged."""
 CHANCE: Final = 6.0
 """Standard errors by which the mean or the median product of the textures must exceed 0."""
-NORMAL_MAD: Final = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation."""
 FRAMES_CHECKED: Final = 8
 """Largest number of frames on which a stored map is checked."""
 OFF_SHARE: Final = 0.1
@@ -283,7 +282,7 @@ def beyond_chance(products: Array) -> bool:
     """
     error = np.sqrt(1 / products.size)
     median = float(np.median(products))
-    spread = NORMAL_MAD * float(np.median(np.abs(products - median)))
+    spread = robust_rms(products - median)
     return bool(
         products.mean() > CHANCE * products.std() * error
         or median > CHANCE * np.sqrt(np.pi / 2) * spread * error > 0
