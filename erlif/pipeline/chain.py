@@ -28,12 +28,21 @@ _FRAMES_FOR_BLUR = 4
 
 @dataclass(frozen=True)
 class FrameCorrection:
-    """Counts to light, frame by frame."""
+    """Counts to light, frame by frame.
+
+    Attributes
+    ----------
+    pairs : FramePairs
+        Frame pairs of the recording.
+    references : References
+        Dark, flat, gain and read noise of both cameras.
+    least_signal : float
+        Pixels with less light are flagged dim. [electron]
+    """
 
     pairs: FramePairs
     references: References
     least_signal: float = 100.0
-    """Pixels with less light are flagged dim. [electron]"""
 
     def __call__(self, frame: int) -> CorrectedFrames:
         """One corrected frame pair.
@@ -55,13 +64,23 @@ class FrameChain:
     """Counts to ratio, frame by frame.
 
     Each frame finds its own drift, so that frames depend on nothing but the map.
+
+    Attributes
+    ----------
+    correct : FrameCorrection
+        Counts to light.
+    camera_map : CameraMap
+        Displacement of camera 2.
+    blur : BlurDifference
+        Difference of sharpness that is removed from the ratio.
+    no_film_below : float
+        Light relative to the surroundings below which both bands show a bubble. [1]
     """
 
     correct: FrameCorrection
     camera_map: CameraMap
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
-    """Light relative to the surroundings below which both bands show a bubble. [1]"""
 
     @property
     def pairs(self) -> FramePairs:
@@ -117,14 +136,24 @@ class FrameChain:
 
 @dataclass(frozen=True)
 class RegistrationLight:
-    """Light of one frame pair, as a registration needs it."""
+    """Light of one frame pair, as a registration needs it.
+
+    Attributes
+    ----------
+    one : Image
+        Light of camera 1. [DN]
+    two : Image
+        Light of camera 2. [DN]
+    weight_one : Image
+        1 where a pixel of camera 1 can be used, else 0.
+    weight_two : Image
+        The same for camera 2.
+    """
 
     one: Image
     two: Image
     weight_one: Image
-    """1 where a pixel of camera 1 can be used, else 0."""
     weight_two: Image
-    """The same for camera 2."""
 
 
 def registration_light(corrected: CorrectedFrames) -> RegistrationLight:

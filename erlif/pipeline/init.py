@@ -279,14 +279,21 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
 
 @dataclass(frozen=True)
 class Cycle:
-    """What the angles of an encoder log show of the cycle."""
+    """What the angles of an encoder log show of the cycle.
+
+    Attributes
+    ----------
+    on_crank : bool
+        Whether the angles go round, as on the crank; on the rocker they go to and fro.
+    triggers : int | None
+        Triggers in one cycle; None where the log ends before the first cycle is complete.
+    count : float
+        Number of cycles in the log.
+    """
 
     on_crank: bool
-    """Whether the angles go round, as on the crank; on the rocker they go to and fro."""
     triggers: int | None
-    """Triggers in one cycle; None where the log ends before the first cycle is complete."""
     count: float
-    """Number of cycles in the log."""
 
 
 def find_cycle(angle: Array) -> Cycle:

@@ -27,7 +27,15 @@ _SETTLED = 5e-3
 
 @dataclass(frozen=True)
 class NoiseCompletion:
-    """A chain whose noise is known, and the notes on both cameras."""
+    """A chain whose noise is known, and the notes on both cameras.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        Counts to ratio, frame by frame.
+    notes : tuple[Note, ...]
+        What was measured, estimated and assumed.
+    """
 
     chain: FrameChain
     notes: tuple[Note, ...]

@@ -17,16 +17,24 @@ from erlif.trend import FilmStatistics
 
 @dataclass(frozen=True)
 class FrameResult:
-    """What is kept of one frame pair."""
+    """What is kept of one frame pair.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame pair, counted from 0.
+    drift : tuple[float, float]
+        Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]
+    peaks : tuple[int, int]
+        Highest counts of camera 1 and camera 2. [DN]
+    pulse_energy : float
+        Light of camera 1 over that of the same film at unit energy; NaN without a film. [DN]
+    """
 
     frame: int
-    """Number of the frame pair, counted from 0."""
     drift: tuple[float, float]
-    """Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]"""
     peaks: tuple[int, int]
-    """Highest counts of camera 1 and camera 2. [DN]"""
     pulse_energy: float = float("nan")
-    """Light of camera 1 over that of the same film at unit energy; NaN without a film. [DN]"""
 
     @classmethod
     def of(
@@ -43,7 +51,15 @@ class FrameResult:
 
 @dataclass(frozen=True)
 class TriggerResult:
-    """What is kept of one trigger besides its maps."""
+    """What is kept of one trigger besides its maps.
+
+    Attributes
+    ----------
+    statistics : FilmStatistics
+        Mean and minimum film thickness.
+    frames : tuple[FrameResult, ...]
+        What is kept of its frame pairs.
+    """
 
     statistics: FilmStatistics
     frames: tuple[FrameResult, ...]

@@ -36,14 +36,21 @@ _SIGMAS = 2
 
 @dataclass(frozen=True)
 class RatioShares:
-    """Shares of the valid pixels of one frame."""
+    """Shares of the valid pixels of one frame.
+
+    Attributes
+    ----------
+    regular : float
+        Ratio within the calibrated range. [1]
+    inverted : float
+        Inverse of the ratio within the calibrated range. [1]
+    impossible : float
+        Ratio above that of any film. [1]
+    """
 
     regular: float
-    """Ratio within the calibrated range. [1]"""
     inverted: float
-    """Inverse of the ratio within the calibrated range. [1]"""
     impossible: float
-    """Ratio above that of any film. [1]"""
 
 
 def refuse_swapped_cameras(chain: FrameChain, calibration: Calibration) -> None:

@@ -23,17 +23,33 @@ from erlif.trend import Region, summarise_film
 
 @dataclass(frozen=True)
 class TriggerTask:
-    """How the frames of one trigger become its maps, independent of every other trigger."""
+    """How the frames of one trigger become its maps, independent of every other trigger.
+
+    Attributes
+    ----------
+    chain : FrameChain
+        Counts to ratio, frame by frame.
+    calibration : Calibration
+        Ratio to film thickness.
+    x : Array
+        Positions of the columns. [mm]
+    y : Array
+        Positions of the rows. [mm]
+    region : Region
+        Region of interest of the statistics.
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+    smoothing : int | None
+        Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]
+    """
 
     chain: FrameChain
     calibration: Calibration
     x: Array
-    """Pixel positions. [mm]"""
     y: Array
     region: Region
     sliding_along_x: bool = True
     smoothing: int | None = None
-    """Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]"""
 
     def __call__(self, frames: Sequence[int]) -> tuple[ThicknessMaps, TriggerResult]:
         """Maps and numbers of a trigger.

@@ -18,16 +18,24 @@ _LEAST_TRIGGERS = 5
 
 @dataclass(frozen=True)
 class Exponent:
-    """Power of |speed|/load that the film follows."""
+    """Power of |speed|/load that the film follows.
+
+    Attributes
+    ----------
+    value : float
+        The power. [1]
+    std : float
+        Its standard deviation. [1]
+    log_scale : float
+        Logarithm of the film in um at a speed over load of 1 rad s-1 N-1.
+    triggers : int
+        Triggers of the fit.
+    """
 
     value: float
-    """[1]"""
     std: float
-    """Its standard deviation. [1]"""
     log_scale: float
-    """Logarithm of the film in um at a speed over load of 1 rad s-1 N-1."""
     triggers: int
-    """Triggers of the fit."""
 
 
 def fit_exponent(

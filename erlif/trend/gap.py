@@ -49,17 +49,25 @@ _DECISIVE = 0.2
 
 
 class GapMinimum(NamedTuple):
-    """Minimum of a smooth gap, with the parts of its standard deviation."""
+    """Minimum of a smooth gap, with the parts of its standard deviation.
+
+    Attributes
+    ----------
+    value : float
+        Minimum within the region. [um]
+    random_std : float
+        From the noise of the ratio. [um]
+    surface_std : float
+        From marks and waviness of the surfaces about a smooth gap. [um]
+    gradient : Array
+        Change with the parameters of the calibration, in the order of
+        `Calibration.full_covariance`.
+    """
 
     value: float
-    """[um]"""
     random_std: float
-    """From the noise of the ratio. [um]"""
     surface_std: float
-    """From marks and waviness of the surfaces about a smooth gap. [um]"""
     gradient: Array
-    """Change with the parameters of the calibration, in the order of
-    `Calibration.full_covariance`."""
 
 
 def fit_gap_minimum(

@@ -119,18 +119,27 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class RigidGap:
-    """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), as fitted."""
+    """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), as fitted.
+
+    Attributes
+    ----------
+    minimum : float
+        h_min. [um]
+    position_of_minimum : float
+        x_min. [mm]
+    radius : float
+        Conformal radius R of pin and bushing. [m]
+    curvature : float
+        Second derivative of a parabola with free curvature, for comparison with 1/R. [um/mm2]
+    curvature_std : float
+        Its standard deviation, from scatter and calibration. [um/mm2]
+    """
 
     minimum: float
-    """h_min. [um]"""
     position_of_minimum: float
-    """x_min. [mm]"""
     radius: float
-    """Conformal radius R of pin and bushing. [m]"""
     curvature: float
-    """Second derivative of a parabola with free curvature, for comparison with 1/R. [um/mm2]"""
     curvature_std: float
-    """Its standard deviation, from scatter and calibration. [um/mm2]"""
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""

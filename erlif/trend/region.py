@@ -17,7 +17,15 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of pixels."""
+    """A rectangle of pixels.
+
+    Attributes
+    ----------
+    rows : slice
+        Rows of the image.
+    columns : slice
+        Columns of the image.
+    """
 
     rows: slice
     columns: slice

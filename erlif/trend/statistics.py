@@ -24,30 +24,44 @@ _BINS = 4000
 
 @dataclass(frozen=True)
 class FilmStatistics:
-    """Film thickness of one trigger, over the region of interest."""
+    """Film thickness of one trigger, over the region of interest.
+
+    Attributes
+    ----------
+    mean : float
+        Mean over the measurable pixels. [um]
+    mean_std : float
+        Random and shared errors together. [um]
+    mean_random_std : float
+        The part of it that is new at every trigger. [um]
+    mean_gradient : Array
+        Change of the mean with what was fitted to the fixture, (parameter,), in the order of
+        `Calibration.full_covariance`.
+    minimum : float
+        Minimum of a smooth gap. [um]
+    minimum_std : float
+        Random and shared errors together, marks of the surfaces included. [um]
+    minimum_random_std : float
+        The part of it that is new at every trigger. [um]
+    minimum_surface_std : float
+        The part that marks and waviness of the surfaces leave, the same at every trigger. [um]
+    minimum_gradient : Array
+        As mean_gradient, for the minimum.
+    beyond_range : float
+        Share of the region outside the measurable range. The mean is that of the rest; the
+        minimum is not affected. [1]
+    """
 
     mean: float
-    """[um]"""
     mean_std: float
-    """Random and shared errors together. [um]"""
     mean_random_std: float
-    """The part of it that is new at every trigger. [um]"""
     mean_gradient: Array
-    """Change of the mean with what was fitted to the fixture, (parameter,), in the order of
-    `Calibration.full_covariance`."""
     minimum: float
-    """Minimum of a smooth gap. [um]"""
     minimum_std: float
-    """Random and shared errors together, marks of the surfaces included. [um]"""
     minimum_random_std: float
-    """The part of it that is new at every trigger. [um]"""
     minimum_surface_std: float
-    """The part that marks and waviness of the surfaces leave, the same at every trigger. [um]"""
     minimum_gradient: Array
-    """As mean_gradient, for the minimum."""
     beyond_range: float
-    """Share of the region outside the measurable range. The mean is that of the rest; the minimum
-    is not affected. [1]"""
 
 
 class _Mean(NamedTuple):

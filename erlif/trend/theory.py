@@ -20,46 +20,74 @@ _ZERO_CELSIUS = 273.15
 
 @dataclass(frozen=True)
 class Solid:
-    """One side of the joint."""
+    """One side of the joint.
+
+    Attributes
+    ----------
+    youngs_modulus : float
+        Young's modulus. [Pa]
+    poissons_ratio : float
+        Poisson's ratio. [1]
+    roughness : float | None
+        rms roughness; None where it is not known. [m]
+    """
 
     youngs_modulus: float
-    """[Pa]"""
     poissons_ratio: float
-    """[1]"""
     roughness: float | None = None
-    """rms. [m]"""
 
 
 @dataclass(frozen=True)
 class VogelLaw:
-    """Viscosity a exp(b / (T - c))."""
+    """Viscosity a exp(b / (T - c)).
+
+    Attributes
+    ----------
+    a : float
+        [Pa s]
+    b : float
+        [K]
+    c : float
+        [degC]
+    """
 
     a: float
-    """[Pa s]"""
     b: float
-    """[K]"""
     c: float
-    """[degC]"""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """The loaded joint and its oil."""
+    """The loaded joint and its oil.
+
+    Attributes
+    ----------
+    pin_radius : float
+        Radius of the pin. [m]
+    bushing_radius : float
+        Radius of the bore. [m]
+    length : float
+        Loaded length along the axis. [m]
+    pin : Solid
+        Material of the pin.
+    bushing : Solid
+        Material of the bushing.
+    viscosity : float | VogelLaw
+        Dynamic viscosity [Pa s], or its law with temperature.
+    pressure_viscosity : float
+        Barus coefficient. [1/Pa]
+    stroke : float
+        Travel of the entrained oil in half a cycle. [m]
+    """
 
     pin_radius: float
-    """[m]"""
     bushing_radius: float
-    """[m]"""
     length: float
-    """Loaded length along the axis. [m]"""
     pin: Solid
     bushing: Solid
     viscosity: float | VogelLaw
-    """Dynamic viscosity [Pa s], or its law with temperature."""
     pressure_viscosity: float
-    """Barus coefficient. [1/Pa]"""
     stroke: float = math.inf
-    """Travel of the entrained oil in half a cycle. [m]"""
 
     @property
     def radius(self) -> float:

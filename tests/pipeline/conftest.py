@@ -1,0 +1,32 @@
+"""The small rig's run, opened and prepared once."""
+
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.progress import silent
+from erlif.ingest import open_run
+from erlif.pipeline.prepare import prepare_chain
+
+
+@pytest.fixture(scope="session")
+def run(small_rig):
+    return open_run(small_rig.run)
+
+
+@pytest.fixture(scope="session")
+def prepared(run):
+    """Chain and notes of the run; never to be changed."""
+    return prepare_chain(run, silent)
+
+
+@pytest.fixture(scope="session")
+def calibration(small_rig):
+    return erlif.open_calibration(small_rig.fixture / "calibration.nc")
+
+
+@pytest.fixture(scope="session")
+def truth(small_rig):
+    """Film, displacement and all other inputs of the rig."""
+    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as dataset:
+        return dataset.load()

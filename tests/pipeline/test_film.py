@@ -1,0 +1,240 @@
+"""The film beside its maps: triggers, statistics, exponents, frames and notes."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.film import RUN_TOML
+from scenes.results import make_result
+
+from erlif.core.errors import ConfigError
+from erlif.core.notes import Level, Note
+from erlif.ingest import FramePairs, open_run
+from erlif.ingest.images import Page
+from erlif.pipeline.film import (
+    choose_region,
+    describe_exponents,
+    describe_film,
+    describe_frames,
+    describe_registration,
+    describe_statistics,
+    describe_triggers,
+    group_frames,
+    pixel_positions,
+)
+from erlif.pipeline.joint import locate_run
+from erlif.ratio import BlurDifference
+from erlif.settings import RunSettings
+from erlif.trend import Region
+
+SETTINGS = RunSettings.model_validate(tomllib.loads(RUN_TOML))
+
+
+def pairs_of(count, skipped=()):
+    pages = tuple(Page(Path(f"frame_{k}.tif"), 0) for k in range(count))
+    reasons = dict.fromkeys(skipped, "damaged")
+    return FramePairs(Path(), (pages, pages), (64, 80), (12, 12), reasons)
+
+
+def cycle_of(*triggers):
+    return xr.Dataset({"trigger": ("frame", np.array(triggers))})
+
+
+def test_frames_of_two_cycles_belong_to_their_triggers():
+    frames = group_frames(cycle_of(0, 1, 2, 0, 1, 2), pairs_of(6))
+    assert frames == [[0, 3], [1, 4], [2, 5]]
+
+
+def test_frames_that_were_left_out_belong_to_no_trigger():
+    """Trigger 1 has lost both its frames and keeps its place."""
+    frames = group_frames(cycle_of(0, 1, 2, 0, 1, 2), pairs_of(6, skipped=(1, 3, 4)))
+    assert frames == [[0], [], [2, 5]]
+
+
+def test_pixels_lie_at_multiples_of_the_pitch():
+    """Pixel centres lie at integers; the pitch of the scene is 200 um."""
+    x, y = pixel_positions(SETTINGS, (3, 5))
+    npt.assert_allclose(x, [0.0, 0.2, 0.4, 0.6, 0.8])
+    npt.assert_allclose(y, [0.0, 0.2, 0.4])
+
+
+def test_region_of_the_settings_is_chosen():
+    """x from 3.1 to 12.9 mm and y from 1.1 to 10.9 mm, 200 um a pixel."""
+    raw = tomllib.loads(RUN_TOML)
+    raw["thickness"]["roi"] = {"x": [3.1, 12.9], "y": [1.1, 10.9]}
+    region = choose_region(RunSettings.model_validate(raw), (64, 80))
+    assert region == Region(rows=slice(6, 55), columns=slice(16, 65))
+
+
+def test_region_outside_the_image_is_refused():
+    with pytest.raises(ConfigError, match="region of interest"):
+        choose_region(SETTINGS, (64, 20))
+
+
+# triggers of two cycles
+
+
+@pytest.fixture(scope="module")
+def cycles(two_cycles):
+    run = open_run(two_cycles.run)
+    return run, locate_run(run)
+
+
+@pytest.fixture(scope="module")
+def logged(two_cycles):
+    """Columns of the encoder log, read as text."""
+    lines = (two_cycles.run / "encoder.csv").read_text().splitlines()
+    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    return dict(zip(lines[0].split(","), rows.T, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("name", "column"),
+    [("load", "load_N"), ("temperature", "temperature_C"), ("encoder_angle", "angle_deg")],
+)
+def test_triggers_of_two_cycles_have_the_means_of_the_log(cycles, logged, name, column):
+    triggers = describe_triggers(*cycles)
+    expected = (logged[column][:6] + logged[column][6:]) / 2
+    npt.assert_allclose(triggers[name], expected)
+
+
+def test_trigger_has_the_mean_of_the_frames_that_are_left(cycles, logged):
+    """Frame 7 belongs to trigger 1; both frames of trigger 2 are lost, and their log remains."""
+    run, cycle = cycles
+    pairs = replace(run.pairs, skipped=dict.fromkeys((7, 2, 8), "damaged"))
+    load = describe_triggers(replace(run, pairs=pairs), cycle)["load"].values
+    npt.assert_allclose(load[1], logged["load_N"][1])
+    npt.assert_allclose(load[2], (logged["load_N"][2] + logged["load_N"][8]) / 2)
+
+
+def test_mean_crank_angle_passes_through_zero(cycles):
+    """359 and 3 degree have a mean of 1 degree."""
+    run, cycle = cycles
+    angle = cycle.crank_angle.values.copy()
+    angle[[0, 6]] = 359.0, 3.0
+    triggers = describe_triggers(run, cycle.assign(crank_angle=cycle.crank_angle.copy(data=angle)))
+    npt.assert_allclose(triggers.crank_angle[0], 1.0)
+
+
+def test_load_of_the_settings_serves_where_the_log_has_none(cycles):
+    run, cycle = cycles
+    log = run.log.drop_vars("load")
+    npt.assert_allclose(describe_triggers(replace(run, log=log), cycle)["load"], 222.411)
+    joint = run.settings.joint.model_copy(update={"load": None})
+    settings = run.settings.model_copy(update={"joint": joint})
+    with pytest.raises(ConfigError, match="no load_N and"):
+        describe_triggers(replace(run, log=log, settings=settings), cycle)
+
+
+# statistics and exponents
+
+
+def test_statistics_stand_in_the_order_of_the_triggers():
+    results = [make_result(minimum=value, mean=2 * value) for value in (1.0, 2.0, 3.0)]
+    film = xr.Dataset(describe_statistics(results))
+    assert film.film_min.values.tolist() == [1.0, 2.0, 3.0]
+    assert film.film_mean.values.tolist() == [2.0, 4.0, 6.0]
+    assert film.film_min_std.values.tolist() == [0.06] * 3
+    assert film.film_mean.attrs["share_beyond_range"].tolist() == [0.007] * 3
+
+
+@pytest.fixture
+def power_law():
+    """Triggers whose minimum follows the power 0.62 and whose mean follows 0.4."""
+    speed, load = np.linspace(0.5, 2.5, 12), np.full(12, 222.0)
+    film = xr.Dataset({"rocker_speed": ("trigger", speed), "load": ("trigger", load)})
+    nothing = np.zeros(3)
+    results = [
+        make_result(
+            minimum=3 * value**0.62,
+            mean=6 * value**0.4,
+            minimum_random_std=0.01,
+            mean_random_std=0.01,
+            minimum_surface_std=0.0,
+            minimum_gradient=nothing,
+            mean_gradient=nothing,
+        )
+        for value in speed
+    ]
+    return film, results
+
+
+def test_exponents_are_those_of_minimum_and_mean(power_law, calibration):
+    found = xr.Dataset(describe_exponents(*power_law, calibration))
+    npt.assert_allclose([found.speed_exponent, found.speed_exponent_mean], [0.62, 0.4], rtol=1e-6)
+    assert found.speed_exponent.attrs["triggers_used"] == 12
+
+
+def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):
+    film, results = power_law
+    plain = xr.Dataset(describe_exponents(film, results, calibration))
+    marked = [
+        replace(one, statistics=replace(one.statistics, minimum_surface_std=0.2)) for one in results
+    ]
+    found = xr.Dataset(describe_exponents(film, marked, calibration))
+    assert found.speed_exponent_std > 2 * plain.speed_exponent_std
+    assert found.speed_exponent_mean_std == plain.speed_exponent_mean_std
+
+
+# the film and its groups
+
+
+def make_film(cycles, calibration, **changes):
+    run, cycle = cycles
+    results = [make_result(k, k + 6, **changes) for k in range(6)]
+    return describe_film(
+        run,
+        describe_triggers(run, cycle),
+        results,
+        calibration,
+        hashes={"run.toml": "ab" * 32},
+        notes=[Note(Level.WARNING, "camera1", "a note of the cameras")],
+    )
+
+
+def test_film_counts_the_frames_of_each_trigger(cycles, calibration):
+    film = make_film(cycles, calibration)
+    assert film.frames_used.values.tolist() == [2] * 6
+    assert (film.sizes["x"], film.sizes["y"]) == (128, 96)
+    npt.assert_allclose(film.x[:3], [0.0, 0.15, 0.30])
+    assert "camera1: a note of the cameras" in film.attrs["notes"]
+
+
+def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(cycles, calibration):
+    assert "too thin or too thick" not in make_film(cycles, calibration).attrs["notes"]
+    notes = make_film(cycles, calibration, beyond_range=0.12).attrs["notes"]
+    assert "up to 12% of the region of interest (trigger 0)" in notes
+
+
+def test_frames_have_their_drift_about_the_mean_and_relative_pulse_energy(cycles):
+    """Drifts 0.1 k and -0.2 k px less the mean; energies 100 + k over their mean 105.5."""
+    run, cycle = cycles
+    results = [make_result(k, k + 6) for k in range(6)]
+    frames = describe_frames(run, cycle, results, np.array([0.55, -1.1]))
+    number = np.arange(12)
+    npt.assert_allclose(frames.drift_x, 0.1 * number - 0.55, atol=1e-12)
+    npt.assert_allclose(frames.drift_y, -0.2 * number + 1.1, atol=1e-12)
+    npt.assert_allclose(frames.pulse_energy, (100 + number) / 105.5)
+    assert str(frames.file_camera2.values[3]) == "frame_0003.tif"
+
+
+def test_frames_that_were_left_out_have_no_drift(cycles):
+    run, cycle = cycles
+    run = replace(run, pairs=replace(run.pairs, skipped={7: "damaged"}))
+    results = [make_result(*([k, k + 6] if k != 1 else [k])) for k in range(6)]
+    frames = describe_frames(run, cycle, results, np.zeros(2))
+    assert np.flatnonzero(np.isnan(frames.drift_x)).tolist() == [7]
+    assert "damaged" in frames.attrs["skipped_frames"]
+
+
+def test_registration_has_map_and_difference_of_sharpness(prepared):
+    group = describe_registration(
+        prepared.chain.camera_map, BlurDifference(0.03, -0.02, 0.001, 0.002)
+    )
+    assert group.attrs["blur_difference"] == [0.03, -0.02]
+    assert group.attrs["blur_difference_std"] == [0.001, 0.002]
+    npt.assert_array_equal(group.displacement_x, prepared.chain.camera_map.displacement_x)

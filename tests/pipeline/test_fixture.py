@@ -1,0 +1,86 @@
+"""A fixture directory to a calibration, and the calibration of a run."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+import erlif
+from erlif.core.errors import CalibrationError
+from erlif.core.progress import silent
+from erlif.ingest import open_run
+from erlif.pipeline.fixture import calibrate, combine_all, find_calibration
+from erlif.rig.dyes import BANDS, tabulate_signal
+
+
+@pytest.mark.parametrize("film", [1.0, 3.0, 10.0])
+def test_calibration_is_the_ratio_of_the_dyes(calibration, film):
+    """Slope of the log ratio by the spectra of the rig, whose integral is not the fitted model."""
+    one, two = (tabulate_signal(band) for band in BANDS)
+    near = film + np.array([-0.05, 0.05])
+    expected = np.diff(np.log(two(near) / one(near)))
+    npt.assert_allclose(np.diff(calibration.predict_log(near)), expected, rtol=0.05)
+
+
+def test_calibration_records_its_day_and_its_inputs(small_rig, calibration, monkeypatch):
+    """SOURCE_DATE_EPOCH replaces the time of the first frame: 86400 s is 2 January 1970."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    made = calibrate(small_rig.fixture)
+    assert made.date == "1970-01-02"
+    assert made.profile_file == "profile.csv"
+    assert {"fixture.toml", "profile.csv"} <= {
+        name.rpartition("/")[2] for name in made.input_hashes
+    }
+    npt.assert_array_equal(made.parameters, calibration.parameters)
+
+
+def test_frames_of_a_film_at_rest_are_combined(prepared):
+    """The mean of all frames has less noise than one of them; every frame is kept by number."""
+    steps = []
+    chain = prepared.chain
+    pairs = replace(chain.pairs, skipped=dict.fromkeys((0, 3, 4), "left out"))
+    few = replace(chain, correct=replace(chain.correct, pairs=pairs))
+    ratio, frames = combine_all(few, lambda *step: steps.append(step))
+    assert [one.frame for one in frames] == [1, 2, 5]
+    assert steps == [("ratio", 1, 3), ("ratio", 2, 3), ("ratio", 3, 3)]
+    single = chain.ratio(1)
+    valid = (ratio.flags.values == 0) & (single.flags.values.squeeze() == 0)
+    noise = [np.median(one.log_ratio_var.values.squeeze()[valid]) for one in (ratio, single)]
+    npt.assert_allclose(noise[1] / noise[0], 3, rtol=0.2)
+
+
+# the calibration of a run
+
+
+def test_given_calibration_takes_precedence(run, calibration):
+    assert find_calibration(run, calibration) is calibration
+
+
+def test_calibration_is_read_from_a_given_path(run, small_rig, calibration):
+    found = find_calibration(run, small_rig.fixture / "calibration.nc")
+    npt.assert_array_equal(found.parameters, calibration.parameters)
+
+
+def test_calibration_that_run_toml_names_is_read(run, calibration):
+    npt.assert_array_equal(find_calibration(run, None).parameters, calibration.parameters)
+
+
+def test_run_without_a_calibration_is_refused(run):
+    settings = run.settings.model_copy(update={"calibration": None})
+    with pytest.raises(CalibrationError, match=r"run\.toml names none"):
+        find_calibration(replace(run, settings=settings), None)
+
+
+def test_calibration_and_fixture_that_do_not_exist_are_refused(run):
+    settings = run.settings.model_copy(update={"calibration": "../nowhere/calibration.nc"})
+    with pytest.raises(CalibrationError):
+        find_calibration(replace(run, settings=settings), None)
+
+
+def test_missing_calibration_is_made_from_its_fixture_and_kept(lab, calibration):
+    (lab.fixture / "calibration.nc").unlink()
+    made = find_calibration(open_run(lab.run), None, progress=silent)
+    npt.assert_array_equal(made.parameters, calibration.parameters)
+    kept = erlif.open_calibration(lab.fixture / "calibration.nc")
+    npt.assert_array_equal(kept.parameters, calibration.parameters)

@@ -1,0 +1,31 @@
+"""Results of triggers with given numbers, without any image."""
+
+import numpy as np
+
+from erlif.pipeline.results import FrameResult, TriggerResult
+from erlif.trend import FilmStatistics
+
+
+def make_statistics(**changes) -> FilmStatistics:
+    """Statistics whose fields all differ."""
+    values = {
+        "mean": 5.0,
+        "mean_std": 0.05,
+        "mean_random_std": 0.02,
+        "mean_gradient": np.array([1.0, 2.0, 3.0]),
+        "minimum": 3.0,
+        "minimum_std": 0.06,
+        "minimum_random_std": 0.03,
+        "minimum_surface_std": 0.04,
+        "minimum_gradient": np.array([4.0, 5.0, 6.0]),
+        "beyond_range": 0.007,
+    }
+    return FilmStatistics(**(values | changes))
+
+
+def make_result(*frames: int, **changes) -> TriggerResult:
+    """Result of a trigger with these frame pairs; every frame has its own numbers."""
+    kept = tuple(
+        FrameResult(k, (0.1 * k, -0.2 * k), (3000 + k, 2000 + k), 100.0 + k) for k in frames
+    )
+    return TriggerResult(make_statistics(**changes), kept)
