@@ -1,4 +1,4 @@
-"""A small virtual rig for the tests that damage what it wrote, and the command line as a user meets it."""
+"""A small virtual rig, copies of it that a test may damage, and the command line."""
 
 import hashlib
 import shutil
@@ -110,7 +110,10 @@ def command() -> Callable[..., Result]:
 
 @pytest.fixture
 def refused(tmp_path) -> Callable[..., str]:
-    """Run an erlif command on bad input: status 2, one message, and not a byte written; gives the message."""
+    """Run an erlif command on bad input; gives its message.
+
+    The status is 2, there is one message, and no file has changed.
+    """
 
     def run(*arguments: object) -> str:
         before = snapshot(tmp_path)

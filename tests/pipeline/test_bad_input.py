@@ -1,4 +1,4 @@
-"""Bad input as the contract answers it, met through the command line: one message, status 2, and nothing half-written."""
+"""Bad input on the command line: one message, status 2, and no half-written file."""
 
 import errno
 import os
@@ -109,7 +109,7 @@ def test_colour_frames_are_refused(lab, refused):
     assert "grey frames" in refused("process", lab.run)
 
 
-def test_counts_above_the_depth_tell_the_depth_that_fits(lab, refused):
+def test_counts_above_the_depth_are_refused_with_the_depth_that_fits(lab, refused):
     lab.edit("run/run.toml", ("bit_depth = 12", "bit_depth = 10"))
     message = refused("process", lab.run)
     assert "up to 1023" in message
@@ -176,7 +176,7 @@ def test_a_damaged_frame_is_refused_with_its_name(lab, refused, reason):
     assert "--skip-bad-frames" in message
 
 
-def test_damaged_frames_are_left_out_on_request_and_the_film_says_so(lab, command):
+def test_damaged_frames_are_left_out_on_request_and_have_notes(lab, command):
     for k, damage in enumerate(DAMAGE.values()):
         damage(lab.frames(1 + k % 2)[k])
     command("process", lab.run, "--skip-bad-frames")
@@ -351,20 +351,20 @@ def write_profile(lab, rows):
 def test_the_part_of_the_image_that_the_profile_covers_is_used(lab, command):
     rows = profile_rows(lab)
     write_profile(lab, [rows[0], *rows[1 : len(rows) // 2]])
-    said = command("calibrate", lab.fixture, "--overwrite").stdout
-    assert "the profile covers" in said
+    printed = command("calibrate", lab.fixture, "--overwrite").stdout
+    assert "the profile covers" in printed
     low, high = erlif.open_calibration(lab.fixture / "calibration.nc").thickness_range
     assert low < 1.0
     assert 8.0 < high < 10.0  # half of a wedge from 0.1 to 18 um
 
 
-def test_profile_points_out_of_order_are_sorted_and_it_is_said(lab, command):
+def test_profile_points_out_of_order_are_sorted_with_a_note(lab, command):
     rows = profile_rows(lab)
     before = erlif.open_calibration(lab.fixture / "calibration.nc")
     write_profile(lab, [rows[0], *rows[:0:-1], rows[5]])
-    said = command("calibrate", lab.fixture, "--overwrite").stdout
-    assert "sorted" in said
-    assert "repeat" in said
+    printed = command("calibrate", lab.fixture, "--overwrite").stdout
+    assert "sorted" in printed
+    assert "repeat" in printed
     after = erlif.open_calibration(lab.fixture / "calibration.nc")
     np.testing.assert_allclose(after.parameters, before.parameters, rtol=0.01)
 
@@ -382,7 +382,7 @@ def test_profile_points_out_of_order_are_sorted_and_it_is_said(lab, command):
         (lambda rows: [], "x_mm,thickness_um"),
     ],
 )
-def test_a_profile_that_does_not_do_is_refused(lab, refused, change, expected):
+def test_a_profile_that_cannot_be_used_is_refused(lab, refused, change, expected):
     write_profile(lab, change(profile_rows(lab)))
     assert expected in refused("calibrate", lab.fixture, "--overwrite")
 
@@ -459,7 +459,7 @@ def test_foreign_work_under_the_name_of_the_partial_film_is_left_alone(lab, refu
 
 
 def process_and_die(lab, *, at, option=()):
-    """Run `erlif process` in a process of its own that is killed, with no chance to tidy up, when it reaches `at`."""
+    """Run `erlif process` in a process of its own that is killed when it reaches `at`."""
     script = f"""
 import os, signal, sys
 import numpy as np
@@ -492,7 +492,7 @@ main({["process", str(lab.run), "--workers", "1", *option]!r})
 
 @pytest.fixture
 def computed(monkeypatch):
-    """Triggers that are computed, as they are."""
+    """Numbers of the triggers in the order in which they are computed."""
     triggers = []
     put = PartialFilm.put
 
@@ -548,7 +548,7 @@ def test_a_partial_film_of_another_frame_or_calibration_is_not_resumed(lab, monk
 
 
 def interrupt_at_third_trigger(monkeypatch, lab, error=KeyboardInterrupt):
-    """Process the run with an error when the third trigger is kept; gives the result and the triggers kept till then."""
+    """Process the run with an error at the third trigger; gives result and triggers kept."""
     put = PartialFilm.put
 
     def put_others(partial, trigger, *rest):
@@ -567,7 +567,7 @@ def interrupt_at_third_trigger(monkeypatch, lab, error=KeyboardInterrupt):
     return result, kept
 
 
-def test_an_interrupted_process_says_so_keeps_the_previous_film_and_resumes(
+def test_an_interrupted_process_keeps_the_previous_film_and_resumes(
     lab, film, monkeypatch, command, computed
 ):
     lab.film.write_bytes(b"")
@@ -607,7 +607,7 @@ def test_a_disk_that_fills_up_between_triggers_keeps_what_is_done(
 
 
 def test_a_disk_too_full_for_the_film_leaves_the_previous_one(lab, film):
-    """No file of the process may grow beyond a limit that the film exceeds and a trigger does not."""
+    """Files of the process are limited to a size that the film exceeds and a trigger does not."""
     shutil.copy(film, lab.film)
     script = f"""
 import resource, signal
@@ -645,8 +645,8 @@ def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
     assert not list(lab.run.glob("**/*.unfinished*"))
 
 
-def test_a_second_process_on_the_same_output_is_told_so(lab, refused):
-    """The first is held by an open lock, as a process that is still at work holds it."""
+def test_a_second_process_on_the_same_output_is_refused(lab, refused):
+    """The lock is held, as by a process that is still at work."""
     from erlif.files import PartialFilm
 
     with PartialFilm(lab.film, "key of the first"):
@@ -665,7 +665,7 @@ def test_a_second_process_on_the_same_output_is_told_so(lab, refused):
         (("report", "run/run.toml"), "Make one with: erlif process"),
     ],
 )
-def test_a_name_of_the_wrong_kind_is_answered_with_the_right_one(lab, refused, arguments, expected):
+def test_a_name_of_the_wrong_kind_is_refused_with_the_right_one(lab, refused, arguments, expected):
     command, target, *rest = arguments
     rest = [lab.directory / item if not item.startswith("-") else item for item in rest]
     assert expected in refused(command, lab.directory / target, *rest)

@@ -1,4 +1,4 @@
-"""The budget adds up to the error bars that the maps carry."""
+"""The budget adds up to the error bars of the maps and of the statistics."""
 
 import re
 import shutil
@@ -48,7 +48,7 @@ def test_terms_add_up_to_the_error_bars_of_the_pixels(lab):
 
 
 def test_pixels_that_some_frames_lack_have_a_budget_too(lab, tmp_path):
-    """One frame of the trigger black: its other frame answers, and the terms are those of that frame alone."""
+    """With one of two frames black, the terms are those of the other frame alone."""
     _, whole, out, calibration = lab
     copy = shutil.copytree(out / "run", tmp_path / "run")
     triggers = len(list((copy / "camera1").iterdir())) // 2

@@ -1,4 +1,4 @@
-"""From counts to ratios with what a whole recording has to say: stored maps and misfired pulses."""
+"""From counts to ratios with the map of a whole recording: stored maps, misfired pulses."""
 
 import numpy as np
 import numpy.testing as npt
@@ -12,8 +12,8 @@ from erlif.core.flags import Flag
 REUSE = ("[thickness]", "[registration]\nreuse = true\n\n[thickness]")
 
 
-def test_map_stored_with_the_calibration_serves_a_run(lab):
-    """The run's camera 2 has moved against the fixture's session; the map is as good as one of the run's own frames."""
+def test_map_stored_with_the_calibration_is_used_for_a_run(lab):
+    """Camera 2 has moved since the fixture; the map is as good as one of the run's own frames."""
     own = erlif.process(lab.run, output=lab.directory / "own.nc")
     lab.edit("run/run.toml", REUSE)
     reused = erlif.process(lab.run, output=lab.directory / "reused.nc")
@@ -29,8 +29,8 @@ def test_map_stored_with_the_calibration_serves_a_run(lab):
     npt.assert_allclose(reused.film_mean, own.film_mean, rtol=0.01)
 
 
-def test_stored_map_that_fits_no_longer_is_refused(lab, refused):
-    """Camera 2 has been turned by two degrees since, which moves the edge of its image by two pixels."""
+def test_stored_map_that_no_longer_fits_is_refused(lab, refused):
+    """Camera 2 has been turned by two degrees since, two pixels at the edge of its image."""
     lab.edit("run/run.toml", REUSE)
     y, x = np.indices((96, 128))
     angle = np.radians(2.0)
@@ -48,7 +48,7 @@ def test_stored_map_that_fits_no_longer_is_refused(lab, refused):
     assert "stored camera map fits no longer" in message or "no common texture" in message
 
 
-def test_calibration_without_a_map_cannot_be_asked_for_one(lab, refused):
+def test_reuse_with_a_calibration_without_a_map_is_refused(lab, refused):
     lab.edit("run/run.toml", REUSE)
     calibration = erlif.open_calibration(lab.fixture / "calibration.nc")
     with xr.open_dataset(lab.fixture / "calibration.nc", engine="h5netcdf") as dataset:
@@ -61,8 +61,8 @@ def test_calibration_without_a_map_cannot_be_asked_for_one(lab, refused):
 
 
 @pytest.mark.parametrize("camera", [1, 2])
-def test_frame_of_a_misfired_pulse_is_flagged_and_said(lab, camera):
-    """One frame shows nothing but the lamp of the room: it has no texture in common with the other camera's."""
+def test_frame_of_a_misfired_pulse_is_flagged_and_has_a_note(lab, camera):
+    """One frame shows nothing but room light, without the texture of the other camera."""
     rng = np.random.default_rng(1)
     path = lab.frames(camera)[2]
     tifffile.imwrite(path, rng.normal(900, 14, (96, 128)).astype(np.uint16))

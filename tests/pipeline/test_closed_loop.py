@@ -67,8 +67,8 @@ def process(out, seed, rig):
     return Case(film, *groups, truth, rig.exponent)
 
 
-def answered(case):
-    """Pixels off the border, off the bubbles, with a film of 1 to 10 um; and those of them that were answered."""
+def valid_pixels(case):
+    """Pixels off border and bubbles with a film of 1 to 10 um, and the valid ones of them."""
     film = case.truth.film.values
     bubble = case.truth.bubble.values.reshape(-1, *film.shape).max(axis=0)  # of all cycles
     wanted = (film >= 1) & (film <= 10) & (bubble == 0)
@@ -77,7 +77,7 @@ def answered(case):
 
 
 def photon_limit(case):
-    """Least standard deviation of a pixel (um) by its photons: physics of the rig, not of the fitted model."""
+    """Smallest standard deviation of a pixel by its photons and the dyes of the rig. [um]"""
     gain, read = 4.4, 9.0
     electrons = case.truth.expected_electrons.values
     variance = ((electrons + read**2 + gain**2 / 12) / electrons**2).sum(axis=0)
@@ -89,7 +89,7 @@ def photon_limit(case):
 
 @pytest.mark.slow
 def test_pixels_scatter_at_the_photon_limit(case):
-    _, good = answered(case)
+    _, good = valid_pixels(case)
     error = (case.film.thickness.values - case.truth.film.values)[good] / photon_limit(case)[good]
     scatter = 1.4826 * np.median(np.abs(error - np.median(error)))
     assert scatter <= 1.10
@@ -98,7 +98,7 @@ def test_pixels_scatter_at_the_photon_limit(case):
 
 @pytest.mark.slow
 def test_medians_of_the_maps_are_right_to_a_per_cent(case):
-    _, good = answered(case)
+    _, good = valid_pixels(case)
     relative = (case.film.thickness.values - case.truth.film.values) / case.truth.film.values
     medians = [
         np.median(values[use])
@@ -110,8 +110,8 @@ def test_medians_of_the_maps_are_right_to_a_per_cent(case):
 
 
 @pytest.mark.slow
-def test_nearly_all_pixels_are_answered(case):
-    wanted, good = answered(case)
+def test_nearly_all_pixels_are_valid(case):
+    wanted, good = valid_pixels(case)
     assert good.sum() / wanted.sum() >= 0.97
 
 
@@ -126,17 +126,16 @@ def test_error_bars_cover_in_dim_light(dim_case):
 
 
 def check_coverage(case):
-    """66 to 70 and 94.5 to 96.5 % of the errors within one and two standard deviations, overall and octave by octave."""
-    _, good = answered(case)
+    """66 to 70 and 94.5 to 96.5 % of the errors within one and two std, in all and by octave."""
+    _, good = valid_pixels(case)
     known = case.truth.film.values
     total = np.hypot(case.film.thickness_std.values, case.film.thickness_std_shared.values)
     pull = np.abs(case.film.thickness.values - known) / total
     octaves = 0
     for low, high in ((1, 10), (1, 2), (2, 4), (4, 8), (8, 10)):
         here = good & (known >= low) & (known < high)
-        if (
-            here.sum() < 5000
-        ):  # where the calibration's own error, one for all, does not decide alone
+        # in few pixels the error of the calibration, common to all, would decide alone
+        if here.sum() < 5000:
             continue
         octaves += 1
         assert 0.66 <= np.mean(pull[here] < 1) <= 0.70, (low, high)
@@ -146,8 +145,8 @@ def check_coverage(case):
 
 @pytest.mark.slow
 def test_dim_light_leaves_no_bias(dim_case):
-    """Mean error of the answered pixels of each octave, against the standard deviation of one of them."""
-    _, good = answered(dim_case)
+    """Mean error of the valid pixels of each octave, against the standard deviation of one."""
+    _, good = valid_pixels(dim_case)
     known = dim_case.truth.film.values
     for low, high in ((1, 2), (2, 4), (4, 8), (8, 10)):
         here = good & (known >= low) & (known < high)
@@ -157,8 +156,8 @@ def test_dim_light_leaves_no_bias(dim_case):
 
 
 @pytest.mark.slow
-def test_medians_of_dim_maps_stay_within_what_the_calibration_leaves(dim_case):
-    _, good = answered(dim_case)
+def test_medians_of_dim_maps_stay_within_the_error_of_the_calibration(dim_case):
+    _, good = valid_pixels(dim_case)
     known = dim_case.truth.film.values
     error, std = [], []
     for values, shared, film, use in zip(
@@ -186,7 +185,7 @@ def test_nothing_unflagged_is_far_off(case):
 
 
 def check_far_off(case):
-    """At the edge of the overlap and at bubbles too: not more than 0.1 % of the pixels beyond five standard deviations."""
+    """At most 0.1 % of all pixels beyond five std, edges and bubbles included."""
     inside = (
         (case.truth.film.values >= 1)
         & (case.truth.film.values <= 10)
@@ -205,27 +204,26 @@ def test_speed_exponent_comes_back(case):
 
 
 @pytest.mark.slow
-def test_least_film_follows_the_truth_within_its_error_bars(case):
-    check_least_film(case)
+def test_minimum_film_thickness_follows_the_truth_within_its_error_bars(case):
+    check_minimum_film_thickness(case)
 
 
 @pytest.mark.slow
-def test_least_film_follows_the_truth_in_dim_light(dim_case):
-    check_least_film(dim_case)
+def test_minimum_film_thickness_follows_the_truth_in_dim_light(dim_case):
+    check_minimum_film_thickness(dim_case)
 
 
-def check_least_film(case):
+def check_minimum_film_thickness(case):
     error = (case.film.film_min - case.truth.film_min).values
     std = case.film.film_min_std.values
     assert np.abs(error).max() < 5 * std.max()
-    assert (
-        np.sqrt(np.mean((error / std) ** 2)) < 2
-    )  # one calibration, one surface: the errors of all triggers go together
+    # one calibration, one surface: the errors of all triggers are correlated
+    assert np.sqrt(np.mean((error / std) ** 2)) < 2
 
 
 @pytest.mark.slow
 def test_profile_has_the_curvature_of_the_rigid_gap(case):
-    """Load has no part in it: 1/R of pin and bushing, 0.2053 um/mm2, at every fifth trigger."""
+    """1/R of pin and bushing, 0.2053 um/mm2, whatever the load, at every fifth trigger."""
     pulls = []
     for trigger in range(0, 50, 5):
         gap = rigid_gap(average_across_sliding(case.film, trigger=trigger), case.film)

@@ -232,7 +232,7 @@ def test_single_frame_without_gain_is_refused(lab, refused):
 
 @pytest.mark.slow
 def test_gain_is_right_to_five_per_cent_and_its_uncertainty_covers(tmp_path):
-    """Images of the rig's usual size; fixtures and runs of three seeds, in full and in dim light."""
+    """Images of the usual size; fixtures and runs of three seeds, in full and in dim light."""
     errors, pulls = [], []
     for seed, light, kinds in (
         (821, 1.0, ["fixture"]),

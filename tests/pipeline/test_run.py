@@ -22,7 +22,7 @@ DECISIONS = {
     "gain of camera 1": r"camera1: gain 4\.\d+ ± 0\.\d+ electron/DN",
     "gain of camera 2": r"camera2: gain 4\.\d+ ± 0\.\d+ electron/DN",
     "camera map": r"rms displacement \d+\.\d+ px, correlation of the textures 0\.\d+",
-    "blur difference": r"difference of blur variance -?\d+\.\d+ px2 along x, -?\d+\.\d+ px2 along y",
+    "blur difference": r"difference of blur variance \S+ px2 along x, \S+ px2 along y",
     "calibration and range": r"calibration '.+' of .+, calibrated range \d+\.\d+ to \d+\.\d+ um",
     "exponent": r"minimum film thickness \d+\.\d+ to \d+\.\d+ um, speed exponent \S+ ± \S+",
     "file": r"film\.nc written, \d+\.\d+ MB",

@@ -1,4 +1,4 @@
-"""Film thickness by lubrication theory, against values recomputed by hand in the literature study."""
+"""Film thickness by lubrication theory, against values recomputed by hand."""
 
 import numpy as np
 import numpy.testing as npt
