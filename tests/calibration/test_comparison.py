@@ -79,6 +79,37 @@ def test_the_same_cmm_readings_make_the_check_sharper():
     assert "measurably" in uncertain.verdict
 
 
+def autoregression(rng, r, count):
+    """First-order autoregression with variance 1 and correlation `r` of neighbours."""
+    values = [rng.normal()]
+    for _ in range(count - 1):
+        values.append(r * values[-1] + np.sqrt(1 - r**2) * rng.normal())
+    return np.array(values)
+
+
+def test_correlated_noise_is_no_drift_and_hides_none():
+    """Noise of 0.1 % whose neighbours are correlated by 0.8, on the readings of one fixture.
+
+    The variance of its mean is (1 + r)/(1 - r) = 9 times that of independent noise. Without this
+    factor most of the changes by chance are significant at 1 %; with one degree of freedom a
+    change of K by 1 % is not.
+    """
+    rng = np.random.default_rng(7)
+    earlier = calibrate_wedge(rng)
+    count = earlier.curve.curve_ratio.size
+    noise = [np.exp(1e-3 * autoregression(rng, 0.8, count)) for _ in range(100)]
+
+    def compare(factor):
+        curve = earlier.curve.assign(curve_ratio=earlier.curve.curve_ratio * factor)
+        return compare_calibrations(replace(earlier, curve=curve), earlier)
+
+    by_chance = [compare(factor) for factor in noise]
+    assert all(each.paired for each in by_chance)
+    assert sum(each.significant for each in by_chance) <= binom.ppf(0.999, 100, 0.05)
+    assert all(compare(1.01 * factor).probability < 1e-6 for factor in noise[:20])
+    assert not any(compare(1.01 * factor).bends for factor in noise[:5])
+
+
 def test_a_calibration_has_not_drifted_from_itself():
     calibration = calibrate_wedge(np.random.default_rng(4))
     found = compare_calibrations(calibration, calibration)

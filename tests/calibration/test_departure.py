@@ -19,7 +19,10 @@ from scenes.fixture import (
 )
 
 from erlif.calibration import Profile
-from erlif.calibration.departure import Correlation, Departure, find_correlation
+from erlif.calibration.departure import Correlation, Departure, find_correlation, fit_departure
+from erlif.calibration.points import Points
+from erlif.calibration.pose import Freedom
+from erlif.calibration.regression import fit_robustly
 from erlif.plots import ratio_residuals
 from erlif.report import describe_calibration
 from erlif.rig import dyes
@@ -185,6 +188,36 @@ def test_films_measured_with_a_departure_cover(noise):
         assert calibration.departure is not None
         pulls.append((calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS))
     assert_covers(pulls)
+
+
+def test_displacement_is_found_with_the_spline():
+    """Films misplaced by 0.2 um in every second point; the spline starts without a displacement.
+
+    The ratio includes background light, so the model alone does not follow it.
+    """
+    rng = np.random.default_rng(10)
+    film = np.linspace(0.2, 15, 160)
+    half = np.where(np.arange(film.size) % 2, 1.0, -1.0)[:, None]
+    blank, axis = np.zeros(film.size), np.zeros((film.size, 1))
+    points = Points(
+        thickness=film - 0.2 * half[:, 0] + rng.normal(0, 0.01, film.size),
+        thickness_std=np.full(film.size, 0.01),
+        log_ratio=log_ratio(film, background=BACKGROUND) + rng.normal(0, 1e-4, film.size),
+        log_ratio_std=np.full(film.size, 1e-4),
+        pixel_var=blank,
+        fixed_var=blank,
+        position=film[:, None],
+        gradient=half,
+        ratio_gradient=axis,
+        mean_across=blank,
+        across_slope=blank,
+        across_slope_std=blank,
+    )
+    freedom = Freedom(half, np.eye(4)[:, :1], np.zeros(2), np.array([1.0, 0, 0, 0]))
+    fit = fit_robustly(points, freedom)
+    found = fit_departure(points, replace(fit, displacement=np.zeros(1)), freedom, 3)
+    assert abs(found.displacement[0] - 0.2) < 4 * 0.01 / np.sqrt(film.size)
+    npt.assert_allclose(found.true_thickness, film, atol=5 * 0.01)
 
 
 # the spline
