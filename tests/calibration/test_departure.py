@@ -1,5 +1,6 @@
 """Departure from the reabsorption model: found where there is one, and only there."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -120,6 +121,17 @@ def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
     npt.assert_allclose(
         np.interp(place, np.arange(table.thickness.size), table.thickness), film, atol=2e-5
     )
+
+
+def test_note_names_the_place_of_the_largest_departure():
+    """A ratio that is 1.5 % higher about 6 um; the spline is noisiest at the thin end."""
+    rng = np.random.default_rng(14)
+    higher = log_ratio(WEDGE) + 0.015 * np.exp(-(((WEDGE - 6) / 1.5) ** 2))
+    calibration = calibrate(image(rng, higher), wedge_profile(rng, noise=0.02))
+    text = next(note.text for note in calibration.notes if "departs from the" in note.text)
+    stated, film = map(float, re.search(r"by ([+-][\d.]+) .* % at ([\d.]+) um", text).groups())
+    assert stated > 0
+    assert abs(film - 6) < 0.75
 
 
 def test_departure_is_described_and_drawn(departing):

@@ -137,6 +137,16 @@ def test_a_camera_that_drifts_shows_the_spread_of_its_response():
     npt.assert_allclose([c.response_spread for c in found.cameras], 0.01, rtol=0.05)
 
 
+def test_the_response_is_estimated_for_camera_2_alone_where_only_its_own_is_unknown():
+    """Camera 1 has a flat field; its response is not replaced by that of camera 2."""
+    pattern = 1 + 0.01 * np.random.default_rng(17).standard_normal(SHAPE)
+    taken = views(np.random.default_rng(18), pattern=pattern, drift=1)
+    found = estimate(taken, unknown(response=(False, True)), references(gain=(GAIN, GAIN)))
+    one, two = found.cameras
+    assert np.isnan(one.response_spread)
+    npt.assert_allclose(two.response_spread, 0.01, rtol=0.05)
+
+
 def test_cameras_at_rest_do_not_determine_the_spread_of_the_response():
     pattern = 1 + 0.01 * np.random.default_rng(11).standard_normal(SHAPE)
     taken = views(np.random.default_rng(12), pattern=pattern)

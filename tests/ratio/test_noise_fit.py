@@ -92,6 +92,14 @@ def test_dark_variance_is_that_of_both_cameras():
     npt.assert_allclose(found.dark, 7.0, rtol=1e-4)
 
 
+@pytest.mark.parametrize("camera", [0, 1])
+def test_dark_variance_of_one_camera_is_found_beside_the_known_one(camera):
+    dark = DARK.copy()
+    dark[camera] = 7.0
+    found = fit(cells(dark=dark), unknown(read_noise=(camera == 0, camera == 1)))
+    npt.assert_allclose(found.dark, 7.0, rtol=1e-3)
+
+
 def test_response_follows_from_the_pattern():
     found = fit(cells(dark=DARK, pattern=1e-4), unknown(response=(True, True)), pattern=True)
     npt.assert_allclose(found.response, 1e-4, rtol=1e-4)

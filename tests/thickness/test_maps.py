@@ -125,6 +125,20 @@ def test_nothing_is_extrapolated_beyond_what_the_fixture_covers(calibration):
     assert np.count_nonzero(maps.flags) == 2
 
 
+@pytest.mark.parametrize(
+    ("film", "outwards", "flag"), [(0.2, -1, Flag.BELOW_RANGE), (16.0, 1, Flag.ABOVE_RANGE)]
+)
+def test_the_covered_range_ends_sharply_for_a_single_pixel(calibration, film, outwards, flag):
+    """Pixels whose ratio is 0.002 % within and beyond that of the last film, among valid ones."""
+    log_ratio = np.full((30, 30), log_ratio_of(5.0))
+    log_ratio[8, 8] = log_ratio_of(film) - outwards * 2e-5
+    log_ratio[22, 22] = log_ratio_of(film) + outwards * 2e-5
+    maps = measure_thickness(ratio_images(log_ratio, variance=1e-8), calibration)
+    assert maps.flags.values[8, 8] == 0
+    assert maps.flags.values[22, 22] == flag
+    assert np.isnan(maps.thickness.values[22, 22])
+
+
 def test_each_frame_is_measured_by_itself(calibration):
     films = np.stack([np.full((10, 10), film) for film in (2.0, 5.0, 0.1)])
     single = [ratio_images(log_ratio_of(film), variance=1e-8) for film in films]
