@@ -10,6 +10,7 @@ from erlif.core.errors import FrameError
 from erlif.core.products import AlignedFrames, RatioImages, References
 from erlif.ratio import BlurDifference, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import _overlap, cell_size
+from erlif.ratio.sharpness import take_out_ghost
 from erlif.registration import CameraMap, MapKind, interpolation_variance_factor
 
 GAIN = 4.4  # [electron/DN]
@@ -107,6 +108,28 @@ def test_read_noise_of_both_cameras_is_found():
     for camera in found.cameras:
         assert abs(camera.read_noise - 6.0 * GAIN) < 3 * camera.read_noise_std
         assert camera.read_noise_std < 0.1 * 6.0 * GAIN
+
+
+def test_noise_that_the_removed_ghost_adds_is_not_taken_for_shot_noise():
+    """Removing the ghost mixes the noise of neighbours; the gains stay those of the cameras."""
+    blur = BlurDifference(0.5, 0.4, 0.01, 0.01)
+    rng = np.random.default_rng(19)
+    taken = []
+    for _ in range(6):
+        one, two = (np.rint(rng.poisson(GAIN * image) / GAIN) for image in LIGHT)
+        log_ratio = np.log(two / one)
+        take_out_ghost(log_ratio, one, two, blur.x, blur.y)
+        taken.append(NoiseView(log_ratio, 1 / LIGHT, 1 / LIGHT**2, np.zeros((2, *CELLS))))
+    found = estimate_camera_noise(
+        taken,
+        unknown(gain=(True, True)),
+        references=references(),
+        blur=blur,
+        shape=SHAPE,
+        frames=len(taken),
+    )
+    for camera in found.cameras:
+        assert abs(camera.gain - GAIN) < 3 * camera.gain_std < 0.1 * GAIN
 
 
 def test_film_and_marks_that_stand_still_have_no_effect():
