@@ -112,7 +112,7 @@ def test_read_noise_of_both_cameras_is_found():
 
 def test_noise_that_the_removed_ghost_adds_is_not_taken_for_shot_noise():
     """Removing the ghost mixes the noise of neighbours; the gains stay those of the cameras."""
-    blur = BlurDifference(0.5, 0.4, 0.01, 0.01)
+    blur = BlurDifference(0.5, -0.3, 0.01, 0.01)
     rng = np.random.default_rng(19)
     taken = []
     for _ in range(6):
