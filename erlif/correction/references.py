@@ -6,6 +6,7 @@ Gain and read noise come from the settings where they are declared, else from da
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -33,6 +34,9 @@ _ASSUMED_CAPACITY = 16000.0
 
 _ASSUMED_READ_NOISE = 10.0
 """Read noise of a camera until it is estimated. [electron]"""
+
+_TRIAL_VAR = 1.0
+"""Dark variance by which the fitted slope is differentiated; the dependence is linear. [DN2]"""
 
 _NAN = float("nan")
 
@@ -308,14 +312,17 @@ def _fit_transfer(measured: CameraMeasurement, declared: DeclaredNoise) -> Photo
             levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
         )
 
-    # a read noise in electrons is a variance of counts once the gain is known: three rounds settle
-    # both to far below their standard deviations
-    found = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
-    for _ in range(3):
-        if found is not None:
-            dark_variance = (declared.read_noise / found.gain) ** 2 + QUANTISATION_VAR
-            found = fit_photon_transfer(levels, dark_variance=dark_variance)
-    return found
+    # A read noise R in electrons is the variance R^2 s^2 in counts, where s = 1/gain is the slope of
+    # the curve. The fitted slope falls in proportion to the variance that is subtracted,
+    # s = s0 - c R^2 s^2, so that s is the positive root of this equation.
+    start = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
+    shifted = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR + _TRIAL_VAR)
+    if start is None or shifted is None:
+        return start
+    squared = (1 / start.gain - 1 / shifted.gain) / _TRIAL_VAR * declared.read_noise**2
+    slope = 2 / start.gain / (1 + math.sqrt(1 + 4 * squared / start.gain))
+    dark_variance = (declared.read_noise * slope) ** 2 + QUANTISATION_VAR
+    return fit_photon_transfer(levels, dark_variance=dark_variance)
 
 
 def _find_gain(

@@ -170,13 +170,16 @@ def test_a_declared_read_noise_is_compared_with_the_measured_one(measured, facto
     assert f"(declared {READ * factor:g})" in summary_of(combine(measured, read_noise=9 * factor))
 
 
-def test_without_darks_the_declared_read_noise_is_part_of_the_photon_transfer(simulated):
-    """Of 20 electrons the variance is an eighth of that of the dimmest level."""
-    camera = simulated(read_noise=20.0)
-    references = combine(measure(camera, darks=0), read_noise=20.0).references
+@pytest.mark.parametrize("read_noise", [20.0, 60.0])
+def test_without_darks_the_declared_read_noise_is_part_of_the_photon_transfer(
+    simulated, read_noise
+):
+    """The variance of 20 electrons is an eighth of that of the dimmest level, of 60 all of it."""
+    camera = simulated(read_noise=read_noise)
+    references = combine(measure(camera, darks=0), read_noise=read_noise).references
     assert np.all(abs(references.gain - GAIN) < 4 * references.gain_std)
     npt.assert_array_equal(references.dark_var, 0.0)
-    npt.assert_array_equal(references.read_noise, 20.0)
+    npt.assert_array_equal(references.read_noise, read_noise)
 
 
 def test_a_single_dark_page_brings_the_noise_of_a_page_into_every_frame(camera):
