@@ -32,7 +32,15 @@ _SURFACE_NEIGHBOURS = 13  # cells for the six terms of a parabola: a point and t
 
 
 class Pairing(NamedTuple):
-    """CMM points with the ratio there, and notes on what was left out."""
+    """CMM points with the ratio there, and notes on what was left out.
+
+    Attributes
+    ----------
+    points : Points
+        The points that can be used.
+    notes : list[Note]
+        What was left out, and why.
+    """
 
     points: Points
     notes: list[Note]

@@ -312,9 +312,9 @@ def _fit_transfer(measured: CameraMeasurement, declared: DeclaredNoise) -> Photo
             levels, dark_variance=darks.temporal_var, dark_variance_std=darks.temporal_var_std
         )
 
-    # A read noise R in electrons is the variance R^2 s^2 in counts, where s = 1/gain is the slope of
-    # the curve. The fitted slope falls in proportion to the variance that is subtracted,
-    # s = s0 - c R^2 s^2, so that s is the positive root of this equation.
+    # a read noise R in electrons is the variance R^2 s^2 in counts, where s = 1/gain is the slope
+    # of the curve; the fitted slope falls in proportion to the variance that is subtracted,
+    # s = s0 - c R^2 s^2, so that s is the positive root of this equation
     start = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR)
     shifted = fit_photon_transfer(levels, dark_variance=QUANTISATION_VAR + _TRIAL_VAR)
     if start is None or shifted is None:
