@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,16 +30,31 @@ from erlif.trend import FilmStatistics, summarise_film
 RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
 """Errors that average out over pixels and frames, over pixels only, and not at all."""
 
-_SOURCES = {
-    "photons, camera 1": RANDOM,
-    "photons, camera 2": RANDOM,
-    "reading and rounding, camera 1": RANDOM,
-    "reading and rounding, camera 2": RANDOM,
-    "dark frames, camera 1": FIXED,
-    "dark frames, camera 2": FIXED,
-    "flat frames, camera 1": FIXED,
-    "flat frames, camera 2": FIXED,
-}
+
+class _Source(NamedTuple):
+    """A source of noise in one camera."""
+
+    what: str
+    camera: int
+    kind: str
+
+    @property
+    def term(self) -> str:
+        """Its name in the budget."""
+        return f"{self.what}, camera {self.camera}"
+
+
+_SOURCES = tuple(
+    _Source(what, camera, kind)
+    for what, kind in (
+        ("photons", RANDOM),
+        ("reading and rounding", RANDOM),
+        ("dark frames", FIXED),
+        ("flat frames", FIXED),
+    )
+    for camera in (1, 2)
+)
+_NOISE_TERMS = tuple(source.term for source in _SOURCES)
 
 _SHARED_TERMS = ("registration", "calibration", "marks of the surfaces")
 _ALL_NOISE = "noise of all kinds"
@@ -65,7 +81,7 @@ class _Column:
 class _Sources:
     """Variance of the log ratio of one trigger by source, (y, x)."""
 
-    variances: dict[str, Array]
+    variances: dict[_Source, Array]
     ratio: RatioImages
     averaging: float
     """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
@@ -186,12 +202,12 @@ def _split_variance(chain: FrameChain, frames: Sequence[int]) -> _Sources:
     # random errors of frames add in quadrature, those of dark and flat linearly
     weight = np.where(total.weight > 0, total.weight, np.inf)
     for source, variance in variances.items():
-        variance /= weight**2 if _SOURCES[source] == RANDOM else weight
+        variance /= weight**2 if source.kind == RANDOM else weight
     return _Sources(variances, total.mean(), float(np.mean(averaging)))
 
 
 def _add_sources(
-    variances: dict[str, Array],
+    variances: dict[_Source, Array],
     chain: FrameChain,
     corrected: CorrectedFrames,
     aligned: AlignedFrames,
@@ -226,10 +242,10 @@ def _add_sources(
         for name, image in ((one, moved.signal_var), (other, moved.signal_var_fixed)):
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
-            for camera in (1, 2):
-                source = f"{name}, camera {camera}"
-                power = weight**2 if _SOURCES[source] == RANDOM else weight
-                variances[source] += power * np.where(weight > 0, relative[camera - 1], 0.0)
+            for source in (source for source in _SOURCES if source.what == name):
+                power = weight**2 if source.kind == RANDOM else weight
+                share = np.where(weight > 0, relative[source.camera - 1], 0.0)
+                variances[source] += power * share
 
 
 def _smooth_film(maps: ThicknessMaps, calibration: Calibration) -> Array:
@@ -264,7 +280,7 @@ def _pixel_columns(
             )
 
         terms = {
-            source: float(np.median(np.sqrt(variance[near]) * rate[near]))
+            source.term: float(np.median(np.sqrt(variance[near]) * rate[near]))
             for source, variance in sources.variances.items()
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
@@ -291,9 +307,9 @@ def _mean_column(
     """
     terms = {}
     for source, variance in sources.variances.items():
-        spread = sources.averaging if source.endswith("camera 2") else 1.0
+        spread = sources.averaging if source.camera == 2 else 1.0
         total = float(np.sqrt((rate[region] ** 2 * variance[region]).sum() / spread))
-        terms[source] = total / int(region.sum())
+        terms[source.term] = total / int(region.sum())
 
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
@@ -318,7 +334,7 @@ def _by_calibration(gradient: Array, calibration: Calibration) -> float:
 
 def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:
     """Terms in the order of the chain, with the sums of the random and of the shared ones."""
-    random = [*_SOURCES, _ALL_NOISE]
+    random = [*_NOISE_TERMS, _ALL_NOISE]
     sums = {
         "random part": random,
         "shared part": list(_SHARED_TERMS),
@@ -326,7 +342,7 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
     }
     rows = {
         term: [column.terms.get(term, np.nan) for column in columns]
-        for term in (*_SOURCES, *_SHARED_TERMS)
+        for term in (*_NOISE_TERMS, *_SHARED_TERMS)
     }
     for title, members in sums.items():
         rows[title] = [
@@ -334,8 +350,9 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
             for column in columns
         ]
 
-    order = [*_SOURCES, "random part", *_SHARED_TERMS, "shared part", "total"]
-    kinds = _SOURCES | dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
+    order = [*_NOISE_TERMS, "random part", *_SHARED_TERMS, "shared part", "total"]
+    kinds = {source.term: source.kind for source in _SOURCES}
+    kinds |= dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
     std = np.array([rows[term] for term in order])
     return xr.Dataset(
         {
