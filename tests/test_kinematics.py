@@ -70,7 +70,7 @@ def test_limits_and_top_speeds_are_those_of_the_linkage():
     found = locate(log)
     assert float(log.angle.min()) == pytest.approx(LOW, abs=1e-4)
     assert float(log.angle.max()) == pytest.approx(HIGH, abs=1e-4)
-    # exact kinematics; the sense in which the crank turns gives the faster stroke to the rising angle
+    # exact kinematics; with this sense of rotation the rising stroke is the faster one
     assert float(found.rocker_speed.max()) == pytest.approx(2.552104, rel=1e-6)
     assert float(found.rocker_speed.min()) == pytest.approx(-2.540492, rel=1e-6)
 

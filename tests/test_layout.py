@@ -45,7 +45,7 @@ MODULES = modules()
 
 
 def imports(name: str) -> set[str]:
-    """Modules of erlif that a module imports anywhere in its text, for its types only or inside a function included."""
+    """Modules of erlif that a module imports, for types only and inside functions included."""
     found = set()
     for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

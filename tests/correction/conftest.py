@@ -1,4 +1,4 @@
-"""A camera of known gain, read noise and defects, drawn by numpy alone; shared by the tests of this stage."""
+"""A camera of known gain, read noise and defects, drawn by numpy alone."""
 
 from __future__ import annotations
 

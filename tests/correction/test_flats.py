@@ -193,7 +193,7 @@ def test_vignetting_by_half_makes_no_pixel_dead():
 
 @pytest.mark.parametrize(("share", "dead"), [(0.015, True), (0.025, False)])
 def test_a_dark_patch_is_dead_below_a_fiftieth_of_the_mean(share, dead):
-    """Its pixels resemble their surroundings; only the mean of the image shows that they do not see."""
+    """Its pixels resemble their surroundings; only the mean shows that they are dead."""
     total = np.full(SHAPE, 1000.0)
     total[10:22, 10:22] = share * 950
     found = field(total)

@@ -74,7 +74,8 @@ def test_an_unknown_dark_variance_is_fitted_along():
         shares.append(found.gain / 4.0)
     assert abs(np.mean(pulls)) < 0.4
     assert 0.8 < np.std(pulls) < 1.2
-    # with none taken off, the read variance would make a third of the dimmest level's and a few per cent of the gain
+    # not subtracted, the read variance would be a third of that of the dimmest level and change the
+    # gain by a few per cent
     npt.assert_allclose(np.mean(shares), 1, atol=0.01)
 
 
@@ -103,7 +104,10 @@ def test_straight_curves_are_seldom_reported_as_bent():
 
 
 def test_a_response_that_falls_short_bends_the_curve_three_times_as_much():
-    """f = N (1 - e N/Nmax): variance per light is f'^2 N/f = N (1 - 2 e u)^2/(1 - e u), to first order 1 - 3 e u."""
+    """The response f = N (1 - e N/Nmax) bends the curve.
+
+    Variance per light is f'^2 N/f = N (1 - 2 e u)^2/(1 - e u), to first order 1 - 3 e u.
+    """
     rng = np.random.default_rng(13)
     top, short = 14000.0, 0.04
     bends, stds = [], []
@@ -190,7 +194,7 @@ def test_a_straight_line_gives_its_gain(known, scale):
 
 
 def test_the_standard_deviation_of_the_gain_is_that_of_a_weighted_mean():
-    """One level: slope = (variance - dark)/light, and the error of the dark adds to that of both."""
+    """One level: slope = (variance - dark)/light; the errors of both add."""
     levels = levels_on_a_line(gain=4.0, dark=5.0, lights=(1000.0,), std=3.0, scale=2.0)
     found = fit_photon_transfer(levels, dark_variance=5.0, dark_variance_std=1.5)
     slope_std = np.sqrt(3.0**2 + (2 * 1.5) ** 2) / 1000
@@ -258,7 +262,7 @@ def test_a_level_is_the_mean_of_its_usable_pixels():
 
 
 def test_scaled_pages_keep_their_scales_in_the_level():
-    """Scaled by s, a page has s times the shot variance of its level and s^2 times that of the dark."""
+    """A page scaled by s has s times the shot variance, and s^2 times that of the dark."""
     pages = PageStack(np.full((2, 2), 100.0))
     for scale in (1.0, 0.5, 2.0):
         pages.add(np.full((2, 2), 100.0 / scale), scale=scale)

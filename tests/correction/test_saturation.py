@@ -1,4 +1,4 @@
-"""Saturation below full scale: histograms of drawn images, with and without a count at which they stop."""
+"""Saturation below full scale: histograms of drawn images that stop at a count or not."""
 
 import numpy as np
 import numpy.testing as npt

@@ -1,4 +1,4 @@
-"""A small run and a small fixture, written by tifffile and as text: the virtual rig is not needed."""
+"""A small run and a small fixture, written by tifffile and as text."""
 
 from __future__ import annotations
 

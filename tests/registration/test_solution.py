@@ -1,4 +1,4 @@
-"""The dense displacement and the camera map made of it: overlap, poor pixels, windows or surface."""
+"""The dense displacement and its camera map: overlap, poor pixels, windows or surface."""
 
 from dataclasses import replace
 

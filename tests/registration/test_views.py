@@ -1,4 +1,4 @@
-"""Frames summed over each other: cells in full pixels, drift of each frame, expected differences."""
+"""Frames summed up: cells in full pixels, drift of each frame, expected differences."""
 
 import numpy as np
 import numpy.testing as npt
