@@ -217,7 +217,11 @@ def _check_header(header: list[str], path: Path) -> None:
     known = f"frame, {', '.join(_KNOWN_COLUMNS)}"
     for required in ("frame", "angle_deg"):
         if required not in header:
-            comma = "" if len(header) > 1 else " Separate the columns with commas."
+            comma = (
+                ""
+                if len(header) > 1
+                else " Separate the columns with commas, and write decimal points."
+            )
             raise EncoderError(
                 f"Expected a column {required} in {path.name}; its header is "
                 f"{','.join(header)}.{comma} Columns erlif knows: {known}."

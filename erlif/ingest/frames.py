@@ -91,7 +91,8 @@ def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
     for camera, (pages, bit_depth) in enumerate(zip(pairs.pages, pairs.bit_depths, strict=True)):
         for n, k in enumerate(frames):
             counts[camera, n] = read_page(pages[k], pairs.directory, pairs.shape)
-            check_depth(counts[camera, n], bit_depth=bit_depth, name=pages[k].name)
+            name = f"camera{camera + 1}/{pages[k].name}"
+            check_depth(counts[camera, n], bit_depth=bit_depth, name=name)
 
     attrs = {"units": "DN", "long_name": "raw counts"}
     return Frames(

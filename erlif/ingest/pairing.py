@@ -82,11 +82,10 @@ def pair_cameras(
     rows, columns = _check_kinds((one, two), good)
 
     # the first pair is decoded here, so that a wrong bit depth is reported before any work
-    for bit_depth, files in zip(bit_depths, (one, two), strict=True):
+    for camera, (bit_depth, files) in enumerate(zip(bit_depths, (one, two), strict=True), 1):
         page = files.pages[good[0]]
-        check_depth(
-            read_page(page, directory, (rows, columns)), bit_depth=bit_depth, name=page.name
-        )
+        counts = read_page(page, directory, (rows, columns))
+        check_depth(counts, bit_depth=bit_depth, name=f"camera{camera}/{page.name}")
     pages = tuple(one.pages), tuple(two.pages)
     return FramePairs(directory, pages, (rows, columns), bit_depths, faults)
 
@@ -158,7 +157,7 @@ def _check_pairs(one: Sequence[Page], two: Sequence[Page]) -> None:
             "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
             f"{len(one)}, camera2 has {len(two)}. The first unmatched one is {unmatched}. To drop "
             "it, put an empty file of its name into the other camera's folder and use "
-            "--skip-bad-frames, or take it out of this one."
+            "--skip-bad-frames, or take it out of this one, and its row out of the encoder log."
         )
 
 

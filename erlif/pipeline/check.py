@@ -53,11 +53,11 @@ def check(directory: str | Path) -> list[Note]:
     --------
     >>> for note in check("an empty folder"):
     ...     print(note.level, note.subject)
-    error settings
+    error settings and files
     """
     directory = Path(directory)
     notes: list[Note] = []
-    subject = "settings"
+    subject = "settings and files"
     try:
         recording = _open(directory)
         height, width = recording.pairs.shape
@@ -160,7 +160,7 @@ def _check_calibration(run: Run) -> Iterator[Note]:
         calibration = open_calibration(path)
         check_bands(calibration, (settings.camera1.band, settings.camera2.band))
         low, high = calibration.thickness_range
-        text = f"{calibration.fixture!r}, measurable from {low:.2f} to {high:.2f} um"
+        text = f"{calibration.fixture!r}, calibrated range {low:.2f} to {high:.2f} um"
         yield Note(Level.NOTE, "calibration", text)
     elif (path.parent / "fixture.toml").is_file():
         text = f"{settings.calibration} is not made yet; process will make it from the fixture"

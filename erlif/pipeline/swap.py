@@ -85,10 +85,11 @@ def _check_map(chain: FrameChain, calibration: Calibration) -> None:
     )
     if comparison.inverted:
         raise CalibrationError(
-            "Expected the cameras in the order of the calibration; the displacement between them "
-            f"is the inverse of the calibration's, within {comparison.misfit_inverse:.2f} px (the "
-            f"calibration's own displacement is {comparison.misfit:.2f} px away). The cameras look "
-            "swapped: exchange the files of [camera1] and [camera2] in run.toml."
+            "Expected the cameras in the order of the calibration; magnification, rotation and "
+            "distortion between them are the inverse of the calibration's: rms deviation "
+            f"{comparison.misfit_inverse:.2f} px, against {comparison.misfit:.2f} px from the "
+            "calibration's own. The cameras look swapped: exchange the files of [camera1] and "
+            "[camera2] in run.toml."
         )
 
 

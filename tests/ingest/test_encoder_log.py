@@ -160,7 +160,9 @@ def test_a_missing_column_is_named_with_the_known_ones(refusal, missing):
 
 
 def test_semicolons_are_recognised(refusal):
-    assert "Separate the columns with commas." in refusal("frame;angle_deg\n0;1\n")
+    assert "Separate the columns with commas, and write decimal points." in refusal(
+        "frame;angle_deg\n0;1\n"
+    )
 
 
 def test_a_decimal_comma_is_recognised(refusal):

@@ -47,7 +47,7 @@ def test_highest_counts_and_saturation_of_each_camera_are_reported(lab):
 def test_the_calibration_is_opened_and_its_range_reported(lab):
     low, high = erlif.open_calibration(lab.fixture / "calibration.nc").thickness_range
     (note,) = about(erlif.check(lab.run), "calibration")
-    assert note.text == f"'virtual wedge', measurable from {low:.2f} to {high:.2f} um"
+    assert note.text == f"'virtual wedge', calibrated range {low:.2f} to {high:.2f} um"
 
 
 def test_a_calibration_that_the_fixture_can_give_is_no_warning(lab):
@@ -84,7 +84,7 @@ def test_a_profile_out_of_order_is_a_warning_with_one_mention_of_its_subject(lab
 
 @pytest.mark.parametrize(
     ("remove", "subject"),
-    [("camera1_flat.tif", "darks and flats"), ("encoder.csv", "settings")],
+    [("camera1_flat.tif", "darks and flats"), ("encoder.csv", "settings and files")],
 )
 def test_the_audit_ends_with_the_first_error_and_its_subject(lab, remove, subject):
     (lab.run / remove).unlink()
