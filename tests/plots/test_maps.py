@@ -341,3 +341,18 @@ def test_curves_of_a_profile_differ_in_look(film):
     assert above.get_linestyle() == below.get_linestyle() != line.get_linestyle()
     assert band.get_alpha() < 1
     assert below.get_label().startswith("_")  # one key for both limits
+
+
+def test_colour_scale_of_chosen_triggers_leaves_the_others_out(film):
+    """One map of 2 um and one of 9 um: the scale of the first does not reach the second."""
+    thickness = np.full((2, *film.thickness.shape[1:]), 2.0)
+    thickness[1] = 9.0
+    two = film.isel(trigger=[0, 1]).assign(thickness=(film.thickness.dims, thickness))
+    assert common_limits(two, [0])[1] < 9.0
+    assert common_limits(two) == (2.0, 9.0)
+
+
+def test_image_keeps_the_proportions_of_the_joint(film):
+    """Twice the pitch along y doubles the height at the same width."""
+    tall = film.assign_coords(y=2 * film.y)
+    assert image_height(tall, 3.0) == pytest.approx(2 * image_height(film, 3.0))
