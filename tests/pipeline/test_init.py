@@ -13,7 +13,6 @@ import xarray as xr
 import erlif
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.notes import Level
-from erlif.pipeline.init import Cycle, find_cycle
 
 
 def photograph(directory: Path, *names: str, highest: int = 4000, shape=(64, 80)) -> None:
@@ -173,28 +172,6 @@ def test_triggers_per_cycle_and_crank_speed_come_from_the_log(folder):
     assert read(folder)["mechanism"]["crank_speed"] == "?? rpm"
     # twelve triggers of 50 ms: a turn in 0.6 s
     assert "The times of the log give 100 rpm." in (folder / "run.toml").read_text()
-
-
-@pytest.mark.parametrize(
-    ("angle", "expected"),
-    [
-        (np.arange(10) * 36.0, Cycle(True, 10, 1.0)),
-        (np.arange(25) * 36.0, Cycle(True, 10, 2.5)),
-        (-7.0 + np.arange(30) * 36.0 % 360, Cycle(True, 10, 3.0)),
-        (np.arange(5) * 5.0, Cycle(False, None, 1.0)),
-        (30 * np.cos(np.radians(7.2 * np.arange(50))), Cycle(False, 50, 1.0)),
-        (30 * np.cos(np.radians(7.2 * np.arange(150))), Cycle(False, 50, 3.0)),
-        (np.array([12.0]), Cycle(False, None, 1.0)),
-    ],
-)
-def test_a_cycle_is_recognised_by_its_angles(angle, expected):
-    assert find_cycle(angle) == expected
-
-
-def test_noise_of_the_encoder_does_not_hide_the_cycle():
-    angle = 30 * np.cos(np.radians(7.2 * np.arange(150)))
-    noisy = angle + np.random.default_rng(3).normal(0, 0.02, angle.size)
-    assert find_cycle(noisy).triggers == 50
 
 
 def test_the_fixture_beside_the_run_is_named_as_its_calibration(lab):
