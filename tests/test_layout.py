@@ -24,6 +24,7 @@ ORDER = (
     "thickness",
     "kinematics",
     "trend",
+    "passes",
     "pipeline",
     "plots",
     "report",

@@ -1,0 +1,10 @@
+"""The fast path: few compiled passes over a frame pair, in place of one for each idea.
+
+Each pass fills plain arrays. The functions of the stages (`erlif.correction`, `erlif.registration`,
+`erlif.ratio`, `erlif.thickness`, `erlif.trend`) do the same in plain steps and are the reference:
+tests hold the passes to them.
+"""
+
+from erlif.passes.pair import PairRatio
+
+__all__ = ["PairRatio"]

@@ -1,0 +1,112 @@
+"""The ratio of one frame pair as plain arrays, as the passes hand it on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from erlif.core.arrays import FlagImage, Image
+from erlif.core.flags import FLAG_ATTRS
+from erlif.core.products import RatioImages
+
+
+@dataclass(frozen=True)
+class PairRatio:
+    """Logarithm of camera 2 over camera 1 of one frame pair; every image is (y, x).
+
+    Attributes
+    ----------
+    log_ratio : Image
+        NaN where a camera has no light. [1]
+    variance : Image
+        Variance of a pixel without that of the registration; it includes variance_fixed. [1]
+    variance_fixed : Image
+        Part of the variance that repeats from frame to frame: dark and flat. [1]
+    variance_shared : Image
+        Variance by the registration, common to neighbouring pixels. [1]
+    flags : FlagImage
+        Bits of `erlif.core.flags.Flag`.
+    light_one : Image
+        Light of camera 1. [DN]
+    noise_correlation : float
+        Variance of a mean over many pixels, relative to that of independent pixels. [1]
+    drift : tuple[float, float]
+        Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]
+    peaks : tuple[int, int]
+        Highest counts of camera 1 and camera 2. [DN]
+    """
+
+    log_ratio: Image
+    variance: Image
+    variance_fixed: Image
+    variance_shared: Image
+    flags: FlagImage
+    light_one: Image
+    noise_correlation: float = 1.0
+    drift: tuple[float, float] = (0.0, 0.0)
+    peaks: tuple[int, int] = (0, 0)
+
+    @classmethod
+    def of(cls, ratios: RatioImages, frame: int = 0) -> PairRatio:
+        """One frame of ratio images.
+
+        Parameters
+        ----------
+        ratios : RatioImages
+            On dim frame, as `erlif.ratio.compute_ratio` returns them; the coordinates drift_x,
+            drift_y, peak_camera1 and peak_camera2 are read where they exist.
+        frame : int
+            Position on dim frame.
+
+        Returns
+        -------
+        PairRatio
+        """
+
+        def number(name: str, default: float) -> float:
+            return float(ratios[name].values[frame]) if name in ratios.variables else default
+
+        return cls(
+            ratios.log_ratio.values[frame],
+            ratios.log_ratio_var.values[frame],
+            ratios.log_ratio_var_fixed.values[frame],
+            ratios.log_ratio_var_shared.values[frame],
+            ratios.flags.values[frame],
+            ratios.signal_camera1.values[frame],
+            number("noise_correlation", 1.0),
+            (number("drift_x", 0.0), number("drift_y", 0.0)),
+            (int(number("peak_camera1", 0)), int(number("peak_camera2", 0))),
+        )
+
+    def to_images(self) -> RatioImages:
+        """The same as a dataset with one frame, as the stages after the ratio take it.
+
+        Returns
+        -------
+        RatioImages
+            As `erlif.ratio.compute_ratio` returns them, with the coordinates that `of` reads.
+        """
+        import xarray as xr
+
+        dims, unit = ("frame", "y", "x"), {"units": "1"}
+        images = {
+            "log_ratio": self.log_ratio,
+            "log_ratio_var": self.variance,
+            "log_ratio_var_fixed": self.variance_fixed,
+            "log_ratio_var_shared": self.variance_shared,
+        }
+        dataset = xr.Dataset(
+            {name: (dims, image[None], unit) for name, image in images.items()}
+            | {
+                "flags": (dims, self.flags[None], FLAG_ATTRS),
+                "signal_camera1": (dims, self.light_one[None], {"units": "DN"}),
+                "noise_correlation": ("frame", [self.noise_correlation], unit),
+            }
+        )
+        return RatioImages(
+            dataset.assign_coords(
+                drift_x=("frame", [self.drift[0]]),
+                drift_y=("frame", [self.drift[1]]),
+                peak_camera1=("frame", [self.peaks[0]]),
+                peak_camera2=("frame", [self.peaks[1]]),
+            )
+        )
