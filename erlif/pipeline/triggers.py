@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.progress import Progress
@@ -51,7 +51,7 @@ class TriggerTask:
     sliding_along_x: bool = True
     smoothing: int | None = None
 
-    def __call__(self, frames: Sequence[int]) -> tuple[ThicknessMaps, TriggerResult]:
+    def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
 
         Parameters
@@ -61,7 +61,8 @@ class TriggerTask:
 
         Returns
         -------
-        maps : ThicknessMaps
+        maps : dict of str to array
+            The variables of `MAPS`, (y, x).
         result : TriggerResult
         """
         total = RatioSum(self.chain.pairs.shape)
@@ -93,7 +94,8 @@ class TriggerTask:
         if self.smoothing is not None:
             smooth = smooth_ratio(ratio, resolution=self.smoothing)
             maps = measure_thickness(smooth, self.calibration)
-        return maps, TriggerResult(statistics, tuple(kept))
+        images = {variable.name: maps[variable.name].values for variable in MAPS}
+        return images, TriggerResult(statistics, tuple(kept))
 
     def _describe_frame(self, frame: int, ratios: RatioImages, maps: ThicknessMaps) -> FrameResult:
         """Drift, highest counts and pulse energy of one frame pair, given its film."""
@@ -108,7 +110,7 @@ class TriggerTask:
 
 
 def run_triggers(
-    task: Callable[[Sequence[int]], tuple[ThicknessMaps, TriggerResult]],
+    task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]],
     frames_of: Sequence[Sequence[int]],
     unfinished: PartialFilm,
     *,
@@ -137,8 +139,7 @@ def run_triggers(
 
     def compute(trigger: int) -> None:
         maps, result = task(frames_of[trigger])
-        images = {variable.name: maps[variable.name].values for variable in MAPS}
-        unfinished.put(trigger, images, MAPS, result.to_arrays())
+        unfinished.put(trigger, maps, MAPS, result.to_arrays())
 
     triggers = range(len(frames_of))
     todo = [trigger for trigger in triggers if not unfinished.has(trigger)]

@@ -6,11 +6,9 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
-import xarray as xr
 from scenes.results import make_result
 
 from erlif.core.flags import Flag
-from erlif.core.products import ThicknessMaps
 from erlif.core.progress import silent
 from erlif.files import PartialFilm
 from erlif.pipeline.film import choose_region, pixel_positions
@@ -24,9 +22,8 @@ def compute(frames):
     """Maps that hold the number of the first frame."""
     image = np.full((4, 6), float(frames[0]), np.float32)
     names = ("thickness", "thickness_std", "thickness_std_shared")
-    maps = dict.fromkeys(names, (("y", "x"), image))
-    flags = {"flags": (("y", "x"), np.zeros((4, 6), np.uint8))}
-    return ThicknessMaps(xr.Dataset(maps | flags)), make_result(*frames)
+    maps = dict.fromkeys(names, image) | {"flags": np.zeros((4, 6), np.uint8)}
+    return maps, make_result(*frames)
 
 
 @pytest.mark.parametrize("workers", [1, 3, None])
@@ -103,8 +100,8 @@ def test_film_of_a_frame_is_that_of_the_rig(task, truth):
     """Errors of the valid pixels within their error bars, of which 68 % are one std."""
     maps, result = task([2])
     known = truth.film.values[2]
-    std = np.hypot(maps.thickness_std, maps.thickness_std_shared).values
-    pull = ((maps.thickness - known).values / std)[maps.flags.values == 0]
+    std = np.hypot(maps["thickness_std"], maps["thickness_std_shared"])
+    pull = ((maps["thickness"] - known) / std)[maps["flags"] == 0]
     assert 0.5 < np.mean(np.abs(pull) < 1) < 0.8
     assert abs(result.statistics.minimum - truth.film_min.values[2]) < (
         4 * result.statistics.minimum_std
@@ -130,8 +127,8 @@ def test_pulse_energies_of_frames_follow_the_rig(task, truth):
 
 def test_trigger_without_frames_is_outside_the_overlap(task):
     maps, result = task([])
-    assert (maps.flags == Flag.OUTSIDE_OVERLAP).all()
-    assert np.isnan(maps.thickness).all()
+    assert (maps["flags"] == Flag.OUTSIDE_OVERLAP).all()
+    assert np.isnan(maps["thickness"]).all()
     assert np.isnan([result.statistics.mean, result.statistics.minimum]).all()
     assert result.frames == ()
 
@@ -143,5 +140,5 @@ def test_smoothing_changes_the_maps_and_not_the_statistics(task):
     assert result.to_arrays().keys() == raw.to_arrays().keys()
     for name, values in result.to_arrays().items():
         npt.assert_array_equal(values, raw.to_arrays()[name])
-    steps = [np.nanstd(np.diff(one.thickness.values, axis=1)) for one in (raw_maps, maps)]
+    steps = [np.nanstd(np.diff(one["thickness"], axis=1)) for one in (raw_maps, maps)]
     assert steps[1] < 0.7 * steps[0]
