@@ -73,7 +73,7 @@ class _Commands(click.Group):
     "-v",
     "--verbose",
     count=True,
-    help="Show the decisions and times of each stage; -vv shows details.",
+    help="Show decisions, times and memory of each stage; -vv shows details.",
 )
 def main(verbose: int) -> None:
     """Oil-film thickness maps with error bars from two-camera fluorescence.

@@ -1,18 +1,39 @@
 """Stages in the log."""
 
 import logging
+import sys
 
+import numpy as np
 import pytest
 
-from erlif.core.timing import stage
+from erlif.core.timing import peak_memory, stage
 
 
-def test_a_stage_is_logged_with_its_duration(caplog, monkeypatch):
-    times = iter([10.0, 12.5])
-    monkeypatch.setattr("erlif.core.timing.time.perf_counter", lambda: next(times))
+@pytest.fixture
+def clocks(monkeypatch):
+    """A stage of 2.5 s on the wall and 4 s of the processors, in a program of 300 MB."""
+    wall, processor = iter([10.0, 12.5]), iter([3.0, 7.0])
+    monkeypatch.setattr("erlif.core.timing.time.perf_counter", lambda: next(wall))
+    monkeypatch.setattr("erlif.core.timing.time.process_time", lambda: next(processor))
+    monkeypatch.setattr("erlif.core.timing.peak_memory", lambda: 300_000_000)
+
+
+@pytest.mark.usefixtures("clocks")
+def test_a_stage_is_logged_with_its_duration_work_and_memory(caplog):
     with caplog.at_level(logging.INFO, logger="erlif"), stage("registration"):
         pass
-    assert caplog.messages == ["registration: started", "registration: finished after 2.50 s"]
+    assert caplog.messages == [
+        "registration: started",
+        "registration: finished after 2.50 s, processor 4.00 s, peak memory 300 MB",
+    ]
+
+
+@pytest.mark.usefixtures("clocks")
+def test_memory_is_left_out_where_the_system_does_not_count_it(caplog, monkeypatch):
+    monkeypatch.setattr("erlif.core.timing.peak_memory", lambda: None)
+    with caplog.at_level(logging.INFO, logger="erlif"), stage("registration"):
+        pass
+    assert caplog.messages[-1].endswith("finished after 2.50 s, processor 4.00 s")
 
 
 def test_a_stage_that_fails_is_logged_as_stopped(caplog):
@@ -30,3 +51,17 @@ def test_a_stage_is_logged_under_the_logger_of_its_module(caplog):
     with caplog.at_level(logging.INFO, logger="erlif"), stage("film", logger):
         pass
     assert {record.name for record in caplog.records} == {"erlif.pipeline.run"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows does not count it this way")
+def test_peak_memory_holds_an_array_that_was_freed_again():
+    block = np.ones(20_000_000)  # every page is touched
+    del block
+    held = peak_memory()
+    assert held is not None
+    assert 160e6 < held < 1e12
+
+
+def test_peak_memory_is_missing_where_the_system_has_no_such_count(monkeypatch):
+    monkeypatch.setitem(sys.modules, "resource", None)
+    assert peak_memory() is None

@@ -49,7 +49,7 @@ def lines(small_rig, tmp_path_factory):
 def test_each_stage_is_shown_with_its_duration(lines, name):
     found = [line for line in lines["-v"] if re.search(rf": {name}: finished after", line)]
     assert len(found) == 1
-    assert re.search(r"finished after \d+\.\d\d s$", found[0])
+    assert re.search(r"finished after \d+\.\d\d s, processor \d+\.\d\d s", found[0])
 
 
 def test_stages_are_shown_in_their_order(lines):
