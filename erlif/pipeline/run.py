@@ -20,6 +20,7 @@ from erlif.core.version import __version__
 from erlif.files import PartialFilm, describe_hashes, open_film, refuse_existing, write_film
 from erlif.ingest import Run, hash_inputs, open_run
 from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines import Engine, Threads
 from erlif.pipeline.film import (
     MAPS,
     choose_region,
@@ -93,7 +94,7 @@ def process(
     options: dict[str, Any] = {
         "calibration": calibration,
         "skip_bad_frames": skip_bad_frames,
-        "workers": workers,
+        "engine": Threads(workers),
         "progress": progress,
     }
     if output is not None:
@@ -112,10 +113,10 @@ def process_run(
     calibration: Calibration | str | Path | None,
     overwrite: bool,
     skip_bad_frames: bool,
-    workers: int | None,
+    engine: Engine,
     progress: Progress,
 ) -> None:
-    """Process a run into a file; parameters as for `process`."""
+    """Process a run into a file; parameters as for `process`, and where triggers are computed."""
     refuse_existing(output, overwrite=overwrite)
     run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
     settings = run.settings
@@ -141,7 +142,7 @@ def process_run(
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
         with stage("film", _logger):
             task = trigger_task(run, chain, calibration)
-            results = run_triggers(task, frames_of, unfinished, workers=workers, progress=progress)
+            results = run_triggers(task, frames_of, unfinished, engine=engine, progress=progress)
 
         # the whole: statistics, theory, exponent, and the record of how it was made
         frames = [one for result in results for one in result.frames]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from erlif.calibration import Calibration
@@ -13,7 +11,8 @@ from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.progress import Progress
 from erlif.files import PartialFilm
-from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.results import FrameResult, TriggerResult
 from erlif.ratio import RatioSum, smooth_ratio
@@ -114,7 +113,7 @@ def run_triggers(
     frames_of: Sequence[Sequence[int]],
     unfinished: PartialFilm,
     *,
-    workers: int | None = None,
+    engine: Engine,
     progress: Progress,
 ) -> list[TriggerResult]:
     """Compute the triggers that are not finished yet, and return the results of all.
@@ -127,8 +126,8 @@ def run_triggers(
         Frame pairs of each trigger.
     unfinished : PartialFilm
         Receives the maps and numbers of each trigger as soon as they are computed.
-    workers : int, optional
-        Threads; default: one per processor.
+    engine : Engine
+        Computes the triggers.
     progress : callable
 
     Returns
@@ -143,16 +142,11 @@ def run_triggers(
 
     triggers = range(len(frames_of))
     todo = [trigger for trigger in triggers if not unfinished.has(trigger)]
-    done = len(frames_of) - len(todo)
-    with one_thread_per_frame(), ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
-        jobs = [pool.submit(compute, trigger) for trigger in todo]
-        try:
-            for job in jobs:
-                job.result()
-                done += 1
-                progress("film", done, len(frames_of))
-        except BaseException:
-            for job in jobs:
-                job.cancel()
-            raise
+    finished = len(frames_of) - len(todo)
+    place = {trigger: finished + n for n, trigger in enumerate(todo, 1)}
+
+    def report(trigger: int, _: None) -> None:
+        progress("film", place[trigger], len(frames_of))
+
+    engine.compute(compute, todo, report)
     return [TriggerResult.from_arrays(unfinished.numbers(trigger)) for trigger in triggers]

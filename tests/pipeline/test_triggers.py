@@ -11,6 +11,7 @@ from scenes.results import make_result
 from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.files import PartialFilm
+from erlif.pipeline.engines import Threads
 from erlif.pipeline.film import choose_region, pixel_positions
 from erlif.pipeline.run import trigger_task
 from erlif.pipeline.triggers import run_triggers
@@ -29,7 +30,9 @@ def compute(frames):
 @pytest.mark.parametrize("workers", [1, 3, None])
 def test_results_stand_in_the_order_of_the_triggers(tmp_path, workers):
     with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
-        results = run_triggers(compute, FRAMES, unfinished, workers=workers, progress=silent)
+        results = run_triggers(
+            compute, FRAMES, unfinished, engine=Threads(workers), progress=silent
+        )
     assert [[one.frame for one in result.frames] for result in results] == FRAMES
 
 
@@ -37,7 +40,11 @@ def test_progress_counts_the_triggers(tmp_path):
     steps = []
     with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
         run_triggers(
-            compute, FRAMES, unfinished, workers=1, progress=lambda *step: steps.append(step)
+            compute,
+            FRAMES,
+            unfinished,
+            engine=Threads(1),
+            progress=lambda *step: steps.append(step),
         )
     assert steps == [("film", 1, 3), ("film", 2, 3), ("film", 3, 3)]
 
@@ -52,12 +59,12 @@ def test_finished_triggers_are_not_computed_again(tmp_path):
         return compute(frames)
 
     with PartialFilm(tmp_path / "film.nc", "key") as unfinished, pytest.raises(KeyboardInterrupt):
-        run_triggers(fail_at_the_third, FRAMES, unfinished, workers=1, progress=silent)
+        run_triggers(fail_at_the_third, FRAMES, unfinished, engine=Threads(1), progress=silent)
     assert done == [0, 1, 2]
 
     with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
         results = run_triggers(
-            compute, FRAMES, unfinished, progress=lambda *step: steps.append(step)
+            compute, FRAMES, unfinished, engine=Threads(), progress=lambda *step: steps.append(step)
         )
     assert steps == [("film", 3, 3)]
     assert len(results) == 3
@@ -75,7 +82,7 @@ def test_triggers_after_a_fault_are_not_started(tmp_path):
         PartialFilm(tmp_path / "film.nc", "key") as unfinished,
         pytest.raises(ValueError, match="a fault"),
     ):
-        run_triggers(fail, many, unfinished, workers=1, progress=silent)
+        run_triggers(fail, many, unfinished, engine=Threads(1), progress=silent)
     assert len(started) < 50
 
 

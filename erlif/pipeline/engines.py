@@ -1,0 +1,93 @@
+"""Where triggers are computed: in threads of this process, or elsewhere by the same interface."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from erlif.pipeline.chain import one_thread_per_frame
+
+_Result = TypeVar("_Result")
+
+_AHEAD = 4
+"""Items in work or waiting for each thread: none waits for the collection of its results, and the
+memory of uncollected results does not grow with the run."""
+
+
+class Engine(Protocol):
+    """Computes the items of a piece of work, several at a time."""
+
+    def compute(
+        self,
+        work: Callable[[int], _Result],
+        items: Sequence[int],
+        collect: Callable[[int, _Result], None],
+    ) -> None:
+        """Compute all items and collect their results.
+
+        Parameters
+        ----------
+        work : callable
+            Number of an item to its result; called for several items at the same time.
+        items : sequence of int
+            Numbers of the items.
+        collect : callable
+            Receives number and result of each item, in the order of `items`, in the calling thread.
+
+        Raises
+        ------
+        Exception
+            What `work` or `collect` raise; items that are not begun yet are then left out.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Threads:
+    """Threads of this process.
+
+    Attributes
+    ----------
+    workers : int | None
+        Number of threads; default: one per processor.
+
+    Examples
+    --------
+    >>> squares = {}
+    >>> Threads(2).compute(lambda n: n**2, [1, 2, 3], squares.__setitem__)
+    >>> squares
+    {1: 1, 2: 4, 3: 9}
+    """
+
+    workers: int | None = None
+
+    def compute(
+        self,
+        work: Callable[[int], _Result],
+        items: Sequence[int],
+        collect: Callable[[int, _Result], None],
+    ) -> None:
+        """As `Engine.compute`."""
+        threads = self.workers or os.cpu_count() or 1
+        jobs: deque[tuple[int, Future[_Result]]] = deque()
+
+        def collect_first() -> None:
+            item, job = jobs.popleft()
+            collect(item, job.result())
+
+        with one_thread_per_frame(), ThreadPoolExecutor(threads) as pool:
+            try:
+                for item in items:
+                    if len(jobs) >= _AHEAD * threads:
+                        collect_first()
+                    jobs.append((item, pool.submit(work, item)))
+                while jobs:
+                    collect_first()
+            except BaseException:
+                for _, job in jobs:
+                    job.cancel()
+                raise
