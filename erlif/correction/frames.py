@@ -89,7 +89,7 @@ def correct_frames(
                 fixed[camera, n],
                 flags[camera, n],
             )
-            _fill_from_neighbours(signal[camera, n], bad, rows, columns)
+            fill_from_neighbours(signal[camera, n], bad, rows, columns)
 
     dims = ("camera", "frame", "y", "x")
     light = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
@@ -149,7 +149,7 @@ def _correct(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
+def fill_from_neighbours(signal, bad, rows, columns):  # type: ignore[no-untyped-def]
     """Replace each bad pixel by the mean of the good pixels of the smallest ring that has some."""
     height, width = signal.shape
     for n in range(rows.size):

@@ -5,6 +5,7 @@ Each pass fills plain arrays. The functions of the stages (`erlif.correction`, `
 tests hold the passes to them.
 """
 
+from erlif.passes.light import PairLight
 from erlif.passes.pair import PairRatio
 
-__all__ = ["PairRatio"]
+__all__ = ["PairLight", "PairRatio"]

@@ -19,6 +19,7 @@ from erlif.core.flags import Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.correction import correct_frames
 from erlif.ingest import FramePairs, read_frames
+from erlif.passes import PairRatio
 from erlif.ratio import BlurDifference, BlurMoments, compute_ratio
 from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
 
@@ -132,6 +133,13 @@ class FrameChain:
     def ratio(self, frame: int) -> RatioImages:
         """The ratio image of one frame pair; coordinates as of `FrameCorrection` and `align`."""
         return self.compute_ratio(self.align(self.correct(frame)))
+
+    def measure(self, frame: int) -> PairRatio:
+        """The ratio of one frame pair as plain arrays.
+
+        They may be those of the thread, filled again by the next call: copy what is kept.
+        """
+        return PairRatio.of(self.ratio(frame))
 
 
 @dataclass(frozen=True)
