@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
-from scipy.stats import chi2
-from scipy.stats import f as fisher
+import scipy
 
 from erlif.calibration.curve import Calibration, share_bands
 from erlif.calibration.departure import find_correlation
@@ -276,12 +274,12 @@ def _test_curves(calibration: Calibration, earlier: Calibration, film: Array) ->
     std = np.sqrt(variance[resolved])
     own = shapes[:, resolved].T @ difference / std
     count = int(resolved.sum())
-    probability = float(chi2.sf(float(own @ own), count))
+    probability = float(scipy.stats.chi2.sf(float(own @ own), count))
 
     # what the best constant leaves is a bend
     constant = shapes[:, resolved].T @ np.ones(difference.size) / std
     left = own - constant * float(constant @ own) / float(constant @ constant)
-    bends = bool(chi2.sf(float(left @ left), max(count - 1, 1)) < FALSE_ALARM)
+    bends = bool(scipy.stats.chi2.sf(float(left @ left), max(count - 1, 1)) < FALSE_ALARM)
     return _Change(difference, np.sqrt(np.diag(covariance)), probability, bends)
 
 
@@ -305,7 +303,7 @@ def _match_points(calibration: Calibration, earlier: Calibration) -> _Pairs | No
         np.stack([each.curve[name].values for name in [*names, "curve_thickness"]], axis=1)
         for each in (calibration, earlier)
     )
-    distance, other = (np.asarray(found) for found in cKDTree(others).query(ones))
+    distance, other = (np.asarray(found) for found in scipy.spatial.cKDTree(others).query(ones))
     shared = distance <= _ROUNDING
     if shared.sum() < _MINIMUM_PAIRS or shared.sum() < _SHARED * min(len(ones), len(others)):
         return None
@@ -372,10 +370,10 @@ def _test_pairs(calibration: Calibration, film: Array, pairs: _Pairs) -> _Change
 
     # F test of the whole change, then of what a constant does not explain
     explained = float(change[use] @ change[use] - residual[use] @ residual[use])
-    probability = float(fisher.sf(explained / count / variance, count, freedom))
+    probability = float(scipy.stats.f.sf(explained / count / variance, count, freedom))
     beyond_constant = explained - points * float(change[use].mean()) ** 2
     bend = max(count - 1, 1)
-    bends = bool(fisher.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
+    bends = bool(scipy.stats.f.sf(beyond_constant / bend / variance, bend, freedom) < FALSE_ALARM)
 
     at = (calibration.gradient(film).T / scale) @ turn.T[:, resolved] / sizes[resolved]
     covariance = variance * np.linalg.inv(basis.T @ basis)

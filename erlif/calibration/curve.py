@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 import xarray as xr
-from scipy.linalg import block_diag
-from scipy.optimize import brentq
 
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
@@ -153,7 +152,7 @@ class Calibration:
         return (
             self.covariance
             if self.departure is None
-            else block_diag(self.covariance, self.departure.covariance)
+            else scipy.linalg.block_diag(self.covariance, self.departure.covariance)
         )
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
@@ -177,7 +176,9 @@ class Calibration:
         values = np.asarray(log_ratio, float)
         limits = self.predict_log([low, high])
         found = [
-            brentq(lambda t, goal=goal: float(self.predict_log(t)) - goal, low, high, xtol=1e-10)
+            scipy.optimize.brentq(
+                lambda t, goal=goal: float(self.predict_log(t)) - goal, low, high, xtol=1e-10
+            )
             if limits[0] <= goal <= limits[1]
             else math.nan
             for goal in values.ravel()

@@ -18,9 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 import xarray as xr
-from scipy.interpolate import BSpline
-from scipy.stats import chi2
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Freedom
@@ -62,7 +61,7 @@ class Departure:
         t = np.asarray(thickness, float)
         low, high = self.knots[0], self.knots[-1]
         inside = np.clip(t, low, high)
-        functions = BSpline(self.knots, np.eye(self.coefficients.size), 3)
+        functions = scipy.interpolate.BSpline(self.knots, np.eye(self.coefficients.size), 3)
         if not derivative:
             return np.moveaxis(np.asarray(functions(inside)), -1, 0)
         slopes = np.moveaxis(np.asarray(functions.derivative()(inside)), -1, 0)
@@ -204,7 +203,7 @@ def choose_departure(points: Points, fit: Fit, freedom: Freedom) -> Choice | Non
     evidence = gain - freed * math.log(count)
 
     smooth = candidates[most // 2]
-    chance = float(chi2.sf(gain[most // 2], smooth.freedom))
+    chance = float(scipy.stats.chi2.sf(gain[most // 2], smooth.freedom))
     chosen, falling = None, False
     if evidence.max() >= VERY_STRONG:
         chosen = next((candidate for candidate in candidates[::-1] if _rises(fit, candidate)), None)

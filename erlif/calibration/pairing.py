@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
+import scipy
 
 from erlif.calibration.points import Points
 from erlif.calibration.pose import Pose
@@ -144,7 +144,7 @@ def _assign_pixels(ratios: RatioImages, position: Array, pose: Pose) -> _Pixels:
 
     along, across = pose.place(column.astype(float), row.astype(float))
     place = along[:, None] if position.shape[1] == 1 else np.stack([along, across], axis=1)
-    tree = cKDTree(position)
+    tree = scipy.spatial.cKDTree(position)
     spacing = float(np.median(np.asarray(tree.query(position, k=2)[0])[:, 1]))
     distance, cell = (np.asarray(found) for found in tree.query(place))
     near = distance <= _CELL * spacing * math.sqrt(place.shape[1])
@@ -296,7 +296,7 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> 
     """Slope of the cell means at each CMM point of a line, (point, 1), from neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
     neighbours = min(_LINE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
+    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])
     places, values = centre[used], mean[used]
     for n in np.nonzero(used)[0]:
         around = nearest[n]
@@ -320,7 +320,7 @@ def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> _For
     """
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
     neighbours = min(_SURFACE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(cKDTree(centre[used]).query(position, k=neighbours)[1])
+    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])
     places, values = centre[used], mean[used]
     for n in np.nonzero(used)[0]:
         x, y = (places[nearest[n]] - position[n]).T

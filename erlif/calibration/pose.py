@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from erlif.calibration.points import Points
 from erlif.core.arrays import Array, Mask
@@ -282,7 +282,7 @@ def _smooth_functions(thickness: Array) -> Array:
     low, high = float(thickness.min()), float(thickness.max())
     inside = np.quantile(thickness, np.linspace(0, 1, inner + 2)[1:-1])
     knots = np.concatenate([[low] * 4, inside, [high] * 4])
-    return np.asarray(BSpline.design_matrix(thickness, knots, 3).toarray())
+    return np.asarray(scipy.interpolate.BSpline.design_matrix(thickness, knots, 3).toarray())
 
 
 class Turn(NamedTuple):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
 from erlif.core.errors import CalibrationError, ErlifError, OutputError
@@ -40,11 +41,12 @@ def calibrate(
       erlif calibrate calibration/wedge
       erlif calibrate calibration/wedge_in_may --against calibration/wedge/calibration.nc
     """
-    from erlif import pipeline
-    from erlif.calibration import save_calibration
-    from erlif.files import refuse_existing
-    from erlif.plots import write_calibration_figure
-    from erlif.report import describe_calibration
+    with large_imports():
+        from erlif import pipeline
+        from erlif.calibration import save_calibration
+        from erlif.files import refuse_existing
+        from erlif.plots import write_calibration_figure
+        from erlif.report import describe_calibration
 
     # everything that can be refused is refused before the work starts
     output = output or fixture_dir / "calibration.nc"

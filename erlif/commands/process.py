@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
 
@@ -36,8 +37,9 @@ def process(
     Example:
       erlif process data_samples/straight_bushing
     """
-    from erlif import pipeline
-    from erlif.report import summarise
+    with large_imports():
+        from erlif import pipeline
+        from erlif.report import summarise
 
     # a name that promises another format is refused before the work starts
     output = output or run_dir / "film.nc"

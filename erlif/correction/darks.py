@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from erlif.core.arrays import Array, Counts, Mask
 from erlif.core.detector import QUANTISATION_VAR
@@ -160,11 +160,11 @@ def _find_noisy(variance: Array, pages: int) -> Mask:
     """
     freedom = pages - 1
     typical = max(
-        float(np.median(variance)) * freedom / chi2.ppf(0.5, freedom),
+        float(np.median(variance)) * freedom / scipy.special.chdtri(freedom, 0.5),
         # few pages of a quiet camera hold mostly equal counts, and the median is 0; the mean of
         # the variance is then the better estimate, without the noisy pixels themselves
         float(np.minimum(variance, np.quantile(variance, 0.99)).mean()),
         QUANTISATION_VAR,
     )
-    limit = typical * chi2.isf(_FALSE_NOISY, freedom) / freedom + _NOISY_FLOOR
+    limit = typical * scipy.special.chdtri(freedom, _FALSE_NOISY) / freedom + _NOISY_FLOOR
     return np.asarray(variance > limit)

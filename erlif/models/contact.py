@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import elementwise
-from scipy.special import elliprd, elliprf
+import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
@@ -534,9 +533,9 @@ def hertz_ellipse(
     # the axes follow from the shape alone; load and modulus only set their size
     radius_ratio = radius / radius_across
     p = _like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
-    along, across = elliprd(0.0, 1.0, p), elliprd(0.0, p, 1.0)
+    along, across = scipy.special.elliprd(0.0, 1.0, p), scipy.special.elliprd(0.0, p, 1.0)
     F1 = (4 * p**0.75 * np.sqrt(along * across) / (3 * np.pi)) ** (1 / 3)
-    F2 = 2 * p**0.25 * elliprf(0.0, p, 1.0) / (np.pi * F1)
+    F2 = 2 * p**0.25 * scipy.special.elliprf(0.0, p, 1.0) / (np.pi * F1)
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
 
 
@@ -1253,7 +1252,8 @@ def _axis_ratio(radius_ratio: Values) -> Values:
 
     def excess(log_axes: Values, wanted: Values) -> Values:
         p = np.exp(-2 * log_axes)
-        return np.log(elliprd(0.0, 1.0, p) / elliprd(0.0, p, 1.0)) - np.log(wanted)
+        along, across = scipy.special.elliprd(0.0, 1.0, p), scipy.special.elliprd(0.0, p, 1.0)
+        return np.log(along / across) - np.log(wanted)
 
     # a circle has its root at zero, so the search starts just below it
     log_axes = _solve(excess, -1e-9, np.log(radius_ratio) + 1.0, radius_ratio)
@@ -1316,6 +1316,8 @@ def _solve(
     shape = arguments[0].shape
     # copies, because broadcast views are read-only
     bracket: Values = (np.broadcast_to(low, shape).copy(), np.broadcast_to(high, shape).copy())
+    from scipy.optimize import elementwise  # half a second, for theories that need a root
+
     return elementwise.find_root(
         function,
         bracket,

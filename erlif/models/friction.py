@@ -12,8 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
-from scipy.special import hyp0f1
+import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
@@ -242,7 +241,8 @@ def elliptic_torque_ratio(half_angle: Values) -> Values:
     1.385612 1.385612
     """
     require_between(0.0, np.pi / 2, half_angle=half_angle)
-    return 1 / hyp0f1(2.0, -(half_angle**2) / 4)  # 2 J1(x) / x without the 0/0 at zero
+    # 2 J1(x) / x without the 0/0 at zero
+    return 1 / scipy.special.hyp0f1(2.0, -(half_angle**2) / 4)
 
 
 @broadcasting
@@ -482,7 +482,7 @@ def average_reversals(
     return ReversalFriction(
         friction=float(forward.mean() - backward.mean()) / 2,
         offset=float(forward.mean() + backward.mean()) / 2,
-        standard_error=float(np.hypot(stats.sem(forward), stats.sem(backward))) / 2,
+        standard_error=float(np.hypot(scipy.stats.sem(forward), scipy.stats.sem(backward))) / 2,
     )
 
 
@@ -728,7 +728,7 @@ def _describe_stage(
         load=float(load.mean()),
         # single jerks of the torque must not shift a stage
         friction=float(np.median(friction)),
-        friction_spread=float(stats.median_abs_deviation(friction, scale="normal")),
+        friction_spread=float(scipy.stats.median_abs_deviation(friction, scale="normal")),
         temperature=float(temperature.mean()),
     )
 
@@ -772,7 +772,8 @@ def _find_galling(
 
     # the jump is the best of n - 1 places, so its p-value counts n - 1 times (Bonferroni)
     low, high = friction[:jump], friction[jump:]
-    p_value = min(1.0, (n - 1) * float(stats.mannwhitneyu(high, low, alternative="greater").pvalue))
+    test = scipy.stats.mannwhitneyu(high, low, alternative="greater")
+    p_value = min(1.0, (n - 1) * float(test.pvalue))
     if p_value > significance or np.median(high) < least_rise * np.median(low):
         return None
 

@@ -5,9 +5,10 @@ The crank-rocker is the rig of Farzaneh (2002), appendix A.2, the slider-crank t
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
@@ -319,8 +320,9 @@ class CrankRocker:
             return float(self.rocker_acceleration(crank_angle, crank_speed=crank_speed))
 
         # the acceleration changes its sign once between the two dead points
-        at_fastest_fall = brentq(acceleration, at_largest, at_smallest, xtol=ROOT_TOLERANCE)
-        at_fastest_rise = brentq(acceleration, at_smallest, at_largest + TURN, xtol=ROOT_TOLERANCE)
+        find_root = partial(scipy.optimize.brentq, acceleration, xtol=ROOT_TOLERANCE)
+        at_fastest_fall = find_root(at_largest, at_smallest)
+        at_fastest_rise = find_root(at_smallest, at_largest + TURN)
         return (
             float(self.rocker_speed(at_fastest_fall, crank_speed=crank_speed)),
             float(self.rocker_speed(at_fastest_rise, crank_speed=crank_speed)),
@@ -807,7 +809,9 @@ def crank_for_swing(swing: float, *, coupler: float, rocker: float, ground: floa
             f"coupler {coupler:g} m, rocker {rocker:g} m and ground {ground:g} m, got "
             f"{np.degrees(swing):.3f} degrees."
         )
-    return float(brentq(lambda crank: swing_of(crank) - swing, 0.0, longest_crank, xtol=1e-15))
+    return float(
+        scipy.optimize.brentq(lambda crank: swing_of(crank) - swing, 0.0, longest_crank, xtol=1e-15)
+    )
 
 
 def _sign(rising: Values) -> Values:

@@ -12,7 +12,7 @@ from functools import cache
 from importlib.resources import files
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from erlif.models import bearing, contact, film, friction, reaction, wear
 from erlif.models.arguments import Values
@@ -263,7 +263,11 @@ def _growth_with_hole(hole_ratio: Values) -> Values:
 def _safe_from(simple: float) -> float:
     """Half contact angle above which a simple law's d p / 2q exceeds Persson's. [degree]"""
     return float(
-        np.degrees(brentq(lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8))
+        np.degrees(
+            scipy.optimize.brentq(
+                lambda angle: contact.persson_peak_group(angle) - simple, 0.1, 1.8
+            )
+        )
     )
 
 
@@ -302,7 +306,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "sliding_speed": lambda: RULE_SPEED * PIN,
     "film_standard": lambda: _film(2e-8) * 1e6,
     "film_alpha": lambda: (
-        1e8 * brentq(lambda alpha: _film(alpha) - 0.54e-6, 1e-9, 1e-7, xtol=1e-14)
+        1e8 * scipy.optimize.brentq(lambda alpha: _film(alpha) - 0.54e-6, 1e-9, 1e-7, xtol=1e-14)
     ),
     "film_parameter": lambda: film.film_parameter(
         0.54e-6, roughness_a=0.25e-6, roughness_b=0.25e-6

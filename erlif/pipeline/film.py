@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.linalg import block_diag
 
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
@@ -214,7 +214,7 @@ def describe_exponents(
     """Speed exponents of the minimum and of the mean film, as variables of the film."""
     statistics = [result.statistics for result in results]
     speed, load = film.rocker_speed.values, film["load"].values
-    shared = block_diag(calibration.full_covariance, np.eye(1))
+    shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
     # marks of the surfaces are the same at every trigger; the mean film includes them as they are
     surface = np.array([one.minimum_surface_std for one in statistics])

@@ -15,7 +15,7 @@ from functools import cache
 
 import cv2
 import numpy as np
-from scipy.signal import convolve2d, correlate2d
+import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
@@ -283,7 +283,7 @@ def _difference_kernels(blur: BlurDifference) -> tuple[Array, Array]:
     ghost = np.array([[0, -y / 2, 0], [-x / 2, x + y, -x / 2], [0, -y / 2, 0]])
     pixel = np.zeros((3, 3))
     pixel[1, 1] = 1
-    one, two = (convolve2d(_RING, ghost + sign * pixel) for sign in (-1, 1))
+    one, two = (scipy.signal.convolve2d(_RING, ghost + sign * pixel) for sign in (-1, 1))
     return one, two
 
 
@@ -342,7 +342,7 @@ def _overlap(kernel: Array, first: Array, second: Array) -> Array:
     The weights of the interpolation are those of the cardinal cubic spline. Places are those of the
     cells, (axis x y, row, column).
     """
-    together = correlate2d(kernel, kernel)
+    together = scipy.signal.correlate2d(kernel, kernel)
     reach = kernel.shape[0] - 1
     lags = range(-reach, reach + 1)
     along = [

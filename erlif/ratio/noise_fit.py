@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import nnls
+import scipy
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
@@ -288,7 +288,7 @@ def _solve(design: Array, cells: NoiseCells, known: Array) -> _Solution:
     keep = np.ones(variance.shape, bool)
     for _ in range(20):  # reweighting settles in about ten rounds
         weight = keep * np.sqrt(pixels) / expected
-        values = nnls(design * weight[:, None], (variance - known) * weight)[0]
+        values = scipy.optimize.nnls(design * weight[:, None], (variance - known) * weight)[0]
         expected = np.maximum(known + design @ values, 0.1 * np.median(variance))
         off = (variance - expected) / expected * np.sqrt(pixels)
         keep = np.abs(off) < _OUTLIER * MAD_TO_STD * np.median(np.abs(off))

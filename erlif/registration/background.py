@@ -9,8 +9,7 @@ of such light behind, and at the border of the image its slope; a local quadrati
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import correlate1d
+import scipy
 
 from erlif.core.arrays import AnyArray, Array, Image
 
@@ -67,8 +66,8 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
     taps = [np.exp(-0.5 * d**2) * d**n for n in range(_ORDERS)]
 
     def moment(cells: Array, along_x: int, along_y: int) -> Array:
-        rows = correlate1d(cells, taps[along_x], axis=1, mode="constant")
-        return np.asarray(correlate1d(rows, taps[along_y], axis=0, mode="constant"))
+        rows = scipy.ndimage.correlate1d(cells, taps[along_x], axis=1, mode="constant")
+        return np.asarray(scipy.ndimage.correlate1d(rows, taps[along_y], axis=0, mode="constant"))
 
     # normal equations of the weighted quadratic about each cell
     moments = {(a, b): moment(count, a, b) for a in range(_ORDERS) for b in range(_ORDERS - a)}
@@ -124,7 +123,7 @@ def _from_cells(cells: int, pixels: int) -> Array:
     Pixels beyond the last centres are extrapolated.
     """
     centres = CELL * (np.arange(cells) + 0.5) - 0.5
-    return np.asarray(CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
+    return np.asarray(scipy.interpolate.CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
 
 
 def _cell_sums(image: AnyArray) -> Array:

@@ -1,9 +1,13 @@
 """A film or a calibration for its reader: one page with a viewer, or a few lines of text."""
 
+from typing import TYPE_CHECKING, Any
+
 from erlif.report.budget import render_budget
 from erlif.report.maps import MapCoding, decode_map, embed_map
-from erlif.report.page import write_report
 from erlif.report.summary import describe_calibration, summarise
+
+if TYPE_CHECKING:
+    from erlif.report.page import write_report
 
 __all__ = [
     "MapCoding",
@@ -14,3 +18,12 @@ __all__ = [
     "summarise",
     "write_report",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the page, and matplotlib with it, when it is first used."""
+    if name == "write_report":
+        from erlif.report.page import write_report
+
+        return write_report
+    raise AttributeError(f"module 'erlif.report' has no attribute {name!r}")

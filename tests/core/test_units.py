@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from erlif.core import units
 from erlif.core.units import parse_quantity
 
 # definitions: BIPM SI brochure, 9th edition; NIST SP 811, appendix B (pound-force, inch);
@@ -26,6 +27,8 @@ KNOWN = [
     ("5 µm", "m", 5e-6),
     ("5 μm", "m", 5e-6),
     ("60 um", "m", 60e-6),
+    ("60. um", "m", 60e-6),
+    ("+.6e2 um", "m", 60e-6),
     ("2.7 GPa", "Pa", 2.7e9),
     ("12.4 1/GPa", "1/Pa", 12.4e-9),
     ("22 GPa^-1", "1/Pa", 22e-9),
@@ -114,6 +117,19 @@ UNITS = [
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
 def test_number_in_the_requested_unit_is_unchanged(value, unit):
     assert parse_quantity(f"{value!r} {unit}", unit) == value
+
+
+def test_usual_units_are_converted_as_pint_converts_them():
+    for unit, usual in units._USUAL.items():
+        for name in usual:
+            reference = units._registry().Quantity(3.7, name).to(unit).magnitude
+            assert parse_quantity(f"3.7 {name}", unit) == pytest.approx(reference, rel=1e-14)
+
+
+def test_decimal_fractions_of_usual_units_are_exact():
+    assert parse_quantity("60 um", "m") == 60e-6
+    assert parse_quantity("5.5 cm", "m") == 0.055
+    assert parse_quantity("12.4 1/GPa", "1/Pa") == 12.4e-9
 
 
 PIECES = [
