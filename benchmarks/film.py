@@ -1,21 +1,13 @@
 """erlif beside the script a user would write today, on the same files in the same run.
 
-Accuracy, time and memory are compared.
+Accuracy is compared; benchmarks/speed.py compares time and memory.
 
     pip install -e ".[benchmark]"
-    python benchmarks/film.py accuracy            # three seeds, 320 x 256, a full cycle each
-    python benchmarks/film.py speed               # 1280 x 1024
-    python benchmarks/film.py memory              # 50 against 500 frames
-
-Times are wall-clock of whole calls after one warm-up; ratios between the two are what to quote.
+    python benchmarks/film.py                     # three seeds, 320 x 256, a full cycle each
 """
 
 import argparse
-import os
-import subprocess
-import sys
 import tempfile
-import time
 import warnings
 from pathlib import Path
 
@@ -97,73 +89,14 @@ def accuracy(scratch: Path) -> None:
         )
 
 
-def speed(scratch: Path) -> None:
-    import user_script
-
-    import erlif
-
-    made = simulate(scratch / "speed", seed=7, width=1280, height=1024, fixture_frames=4)
-    calibration = erlif.calibrate(made / "fixture")
-    times = []
-    for _ in range(3):
-        start = time.perf_counter()
-        erlif.process(
-            made / "run", calibration=calibration, output=scratch / "film.nc", overwrite=True
-        ).close()
-        times.append(time.perf_counter() - start)
-    pairs = len(list((made / "run" / "camera1").iterdir()))
-    curve = user_script.calibrate(made / "fixture")
-    frames = zip(
-        user_script.corrected(made / "run", 1), user_script.corrected(made / "run", 2), strict=True
-    )
-    images = [pair for pair, _ in zip(frames, range(4), strict=False)]
-    peer = []
-    for one, two in images:
-        start = time.perf_counter()
-        np.interp(user_script.ratio(one, two), *curve)
-        peer.append(time.perf_counter() - start)
-    ours = [t / pairs for t in times]
-    print(f"{pairs} pairs of 1280 x 1024 on {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
-    print(
-        f"erlif process   {min(ours):.3f} {np.median(ours):.3f} {max(ours):.3f} s per pair "
-        "(min, median, max of 3; first compiles)"
-    )
-    print(
-        f"user script     {min(peer):.3f} {np.median(peer):.3f} {max(peer):.3f} s per pair, "
-        "reading not counted"
-    )
-    print(f"ratio of medians {np.median(peer) / np.median(ours):.1f}")
-
-
-def memory(scratch: Path) -> None:
-    peaks = {}
-    for cycles in (1, 10):
-        made = simulate(scratch / f"memory{cycles}", seed=8, cycles=cycles, fixture_frames=4)
-        command = [sys.executable, "-m", "erlif", "process", str(made / "run"), "--overwrite"]
-        for _ in range(2):  # the first call compiles
-            process = subprocess.Popen(
-                command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
-            _, status, usage = os.wait4(process.pid, 0)
-            if status:
-                raise SystemExit(f"{' '.join(command)} failed")
-            peaks[50 * cycles] = usage.ru_maxrss / 1024
-    (few, small), (many, large) = peaks.items()
-    print(
-        f"peak memory of the whole process: {few} frames {small:.0f} MB, {many} frames "
-        f"{large:.0f} MB, {large / small - 1:+.1%}"
-    )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=["accuracy", "speed", "memory"])
-    chosen = {"accuracy": accuracy, "speed": speed, "memory": memory}[parser.parse_args().what]
+    parser.parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as scratch:
-        chosen(Path(scratch))
+        accuracy(Path(scratch))
 
 
 if __name__ == "__main__":

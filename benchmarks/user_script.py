@@ -6,6 +6,8 @@ It uses the libraries in their documented way, on the same files, with the setti
 show. No error bars, no flags.
 """
 
+import json
+import time
 import tomllib
 from pathlib import Path
 
@@ -83,3 +85,22 @@ def process(run: Path, curve):
     ratios, grid = curve
     for one, two in zip(corrected(run, 1), corrected(run, 2), strict=True):
         yield np.interp(ratio(one, two), ratios, grid, left=np.nan, right=np.nan)
+
+
+def write_curve(fixture: str, output: str) -> None:
+    """Calibration curve of a fixture into a file."""
+    ratios, grid = calibrate(Path(fixture))
+    np.savez(output, ratios=ratios, grid=grid)
+
+
+def write_maps(run: str, curve: str, output: str) -> None:
+    """The whole command: frames of a run to one file for each map, not compressed.
+
+    Prints its seconds and processor seconds without the imports.
+    """
+    start = (time.perf_counter(), time.process_time())
+    stored = np.load(curve)
+    Path(output).mkdir(exist_ok=True)
+    for k, thickness in enumerate(process(Path(run), (stored["ratios"], stored["grid"]))):
+        np.save(Path(output) / f"{k:06d}.npy", thickness.astype(np.float32))
+    print(json.dumps([time.perf_counter() - start[0], time.process_time() - start[1]]))
