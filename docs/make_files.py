@@ -161,6 +161,11 @@ FILM_ATTRIBUTES = (
     Attribute("erlif_version", "Version of erlif."),
     Attribute("settings", "All settings, defaults included, as TOML."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
+    Attribute(
+        "identity",
+        "SHA-256 of inputs, settings, calibration and version together; `erlif batch --resume` "
+        "keeps a film of the same identity.",
+    ),
     Attribute("calibration", "Parameters, covariance and origin of the calibration, as JSON."),
     Attribute("notes", "Findings about inputs and results, one a line."),
     Attribute(

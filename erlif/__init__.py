@@ -19,6 +19,7 @@ _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
+    "batch": "erlif.pipeline.batch",
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.pipeline.check",
@@ -53,6 +54,7 @@ __all__ = [
     "ErlifError",
     "Flag",
     "__version__",
+    "batch",
     "budget",
     "calibrate",
     "calibration",
@@ -102,6 +104,7 @@ if TYPE_CHECKING:
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.files import open_film
+    from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget
     from erlif.pipeline.check import check
     from erlif.pipeline.fixture import calibrate

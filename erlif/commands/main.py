@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from erlif.commands.batch import batch
 from erlif.commands.budget import budget
 from erlif.commands.calibrate import calibrate
 from erlif.commands.check import check
@@ -19,17 +20,9 @@ from erlif.commands.process import process
 from erlif.commands.report import report
 from erlif.commands.simulate import simulate
 from erlif.commands.sources import sources
+from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
-
-BAD_INPUT = 2
-"""Exit status where the input or the usage is at fault."""
-
-DEFECT = 1
-"""Exit status where erlif is at fault."""
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells expect it: 128 and the number of the signal."""
 
 
 class _Commands(click.Group):
@@ -93,5 +86,5 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
-for command in (simulate, init, check, calibrate, process, budget, figures, report, sources):
+for command in (simulate, init, check, calibrate, process, batch, budget, figures, report, sources):
     main.add_command(command)

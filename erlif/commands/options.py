@@ -13,6 +13,10 @@ PATH = click.Path(path_type=Path)
 
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace an existing output.")
 
+WORKERS = click.option(
+    "--workers", type=click.IntRange(min=1), help="Threads; default: one per processor."
+)
+
 SKIP_BAD_FRAMES = click.option(
     "--skip-bad-frames",
     is_flag=True,

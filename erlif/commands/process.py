@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
+from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, WORKERS, expect_suffix
 from erlif.commands.progress import show_progress
 
 
@@ -17,7 +17,7 @@ from erlif.commands.progress import show_progress
 @click.option(
     "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
 )
-@click.option("--workers", type=click.IntRange(min=1), help="Threads; default: one per processor.")
+@WORKERS
 @SKIP_BAD_FRAMES
 @OVERWRITE
 def process(

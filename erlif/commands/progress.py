@@ -42,3 +42,20 @@ def show_progress() -> Iterator[Progress]:
         for bar in bars.values():
             if bar is not None:
                 bar.close()
+
+
+def echo_above(text: str) -> None:
+    """Write a line of result; it stands above the progress bar where there is one.
+
+    Parameters
+    ----------
+    text : str
+        One line, for standard output.
+    """
+    if not sys.stderr.isatty():
+        click.echo(text)
+        return
+    from tqdm import tqdm
+
+    with tqdm.external_write_mode():
+        click.echo(text)

@@ -5,6 +5,7 @@ from erlif.files.contents import (
     check_trigger,
     describe_trigger,
     fastest_trigger,
+    has_identity,
     region_of,
     settings_of,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "describe_trigger",
     "fastest_trigger",
     "has_group",
+    "has_identity",
     "open_film",
     "open_netcdf",
     "refuse_existing",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from erlif.core.errors import ErlifError, OutputError
+from erlif.files.film import open_film
 from erlif.settings import RegionOfInterest, RunSettings
 
 
@@ -162,3 +164,32 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     stroke = "outward" if float(one.stroke) > 0 else "return"
     angle, speed = float(one.encoder_angle), abs(float(one.rocker_speed))
     return f"trigger {trigger}, {angle:.2f}°, {stroke}, {speed:.2f} rad/s"
+
+
+def has_identity(path: Path, identity: str) -> bool:
+    """Check whether a file is the film of a piece of work.
+
+    Parameters
+    ----------
+    path : Path
+        ``film.nc`` or ``film.zarr``; it need not exist.
+    identity : str
+        Identity of the work, as the attribute of the same name holds it.
+
+    Returns
+    -------
+    bool
+        False also for a file that is no film.
+
+    Examples
+    --------
+    >>> has_identity(Path("no such film.nc"), "5a")
+    False
+    """
+    if not path.exists():
+        return False
+    try:
+        with open_film(path) as film:
+            return film.attrs.get("identity") == identity
+    except OutputError:
+        return False

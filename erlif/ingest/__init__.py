@@ -6,12 +6,14 @@ from erlif.ingest.hashes import hash_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
 from erlif.ingest.reference_pages import read_reference_pages
+from erlif.ingest.run_table import RunEntry, read_run_table
 
 __all__ = [
     "Fixture",
     "FramePairs",
     "Page",
     "Run",
+    "RunEntry",
     "depth_warning",
     "hash_inputs",
     "natural_key",
@@ -20,5 +22,6 @@ __all__ = [
     "read_encoder_log",
     "read_frames",
     "read_reference_pages",
+    "read_run_table",
     "skipped_notes",
 ]

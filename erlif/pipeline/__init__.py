@@ -1,5 +1,6 @@
 """The order of the stages, and only here."""
 
+from erlif.pipeline.batch import batch
 from erlif.pipeline.budget import budget
 from erlif.pipeline.check import check
 from erlif.pipeline.fixture import calibrate
@@ -8,6 +9,7 @@ from erlif.pipeline.init import init
 from erlif.pipeline.run import process
 
 __all__ = [
+    "batch",
     "budget",
     "calibrate",
     "check",

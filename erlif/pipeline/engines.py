@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -91,3 +92,20 @@ class Threads:
                 for _, job in jobs:
                     job.cancel()
                 raise
+
+
+@contextmanager
+def open_engine(*, workers: int | None = None) -> Iterator[Engine]:
+    """Make the engine that the user asks for, for one run or for many.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Threads; default: one per processor.
+
+    Returns
+    -------
+    context manager
+        Gives the engine.
+    """
+    yield Threads(workers)

@@ -14,13 +14,21 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, check_bands, record_calibration
+from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
 from erlif.core.timing import stage
 from erlif.core.version import __version__
-from erlif.files import PartialFilm, describe_hashes, open_film, refuse_existing, write_film
+from erlif.files import (
+    PartialFilm,
+    describe_hashes,
+    has_identity,
+    open_film,
+    refuse_existing,
+    write_film,
+)
 from erlif.ingest import Run, hash_inputs, open_run
 from erlif.pipeline.chain import FrameChain
-from erlif.pipeline.engines import Engine, Threads
+from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.film import (
     MAPS,
     choose_region,
@@ -91,19 +99,20 @@ def process(
     >>> film.thickness.dims  # doctest: +SKIP
     ('trigger', 'y', 'x')
     """
-    options: dict[str, Any] = {
-        "calibration": calibration,
-        "skip_bad_frames": skip_bad_frames,
-        "engine": Threads(workers),
-        "progress": progress,
-    }
-    if output is not None:
-        process_run(Path(run_dir), Path(output), overwrite=overwrite, **options)
-        return open_film(output)
-    with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
-        process_run(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
-        with open_film(Path(scratch) / "film.nc") as film:
-            return film.load()
+    with open_engine(workers=workers) as engine:
+        options: dict[str, Any] = {
+            "calibration": calibration,
+            "skip_bad_frames": skip_bad_frames,
+            "engine": engine,
+            "progress": progress,
+        }
+        if output is not None:
+            process_run(Path(run_dir), Path(output), overwrite=overwrite, **options)
+            return open_film(output)
+        with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
+            process_run(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
+            with open_film(Path(scratch) / "film.nc") as film:
+                return film.load()
 
 
 def process_run(
@@ -115,9 +124,14 @@ def process_run(
     skip_bad_frames: bool,
     engine: Engine,
     progress: Progress,
-) -> None:
-    """Process a run into a file; parameters as for `process`, and where triggers are computed."""
-    refuse_existing(output, overwrite=overwrite)
+    resume: bool = False,
+) -> bool:
+    """Process a run into a file; parameters as for `process` and `batch`.
+
+    Returns False where the film is kept that the same work has made before.
+    """
+    if not resume:
+        refuse_existing(output, overwrite=overwrite)
     run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
     settings = run.settings
 
@@ -131,8 +145,18 @@ def process_run(
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     _log_calibration(calibration)
     hashes = hash_inputs(run)
+    identity = identify_work(run, calibration, hashes)
+    if resume:
+        if has_identity(output, identity):
+            return False
+        if output.exists() and not overwrite:
+            raise OutputError(
+                f"{output} exists already, made from other inputs or settings or by another "
+                "version; use --overwrite to make it again, or name another output."
+            )
+        refuse_existing(output, overwrite=overwrite)
 
-    with PartialFilm(output, identify_work(run, calibration, hashes)) as unfinished:
+    with PartialFilm(output, identity) as unfinished:
         # cameras: references, map, sharpness and noise of the whole run
         stored = stored_map(calibration.camera_map, settings.registration)
         prepared = prepare_chain(run, progress, stored=stored)
@@ -149,6 +173,7 @@ def process_run(
         drift = mean_drift(frames)
         notes = [*prepared.notes, *describe_frame_notes(frames, run.pairs)]
         film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
+        film.attrs["identity"] = identity
         groups = {
             "frames": describe_frames(run, cycle, results, drift),
             "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
@@ -157,6 +182,7 @@ def process_run(
             write_film(output, film, groups, unfinished, MAPS)
         _log_film(film, output)
         unfinished.discard()
+    return True
 
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from erlif.report.budget import render_budget
 from erlif.report.maps import MapCoding, decode_map, embed_map
-from erlif.report.summary import describe_calibration, summarise
+from erlif.report.summary import describe_calibration, summarise, summarise_in_a_line
 
 if TYPE_CHECKING:
     from erlif.report.page import write_report
@@ -16,6 +16,7 @@ __all__ = [
     "embed_map",
     "render_budget",
     "summarise",
+    "summarise_in_a_line",
     "write_report",
 ]
 

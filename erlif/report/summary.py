@@ -52,6 +52,38 @@ def summarise(film: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
+def summarise_in_a_line(film: xr.Dataset) -> str:
+    """Describe a film in one line, for a list of many.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it; its maps are not read.
+
+    Returns
+    -------
+    str
+        Range of the minimum film thickness over the cycle, speed exponent, triggers, frame pairs.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> summarise_in_a_line(example_film())
+    'minimum film thickness 2.51 to 3.49 um, n = 0.600 ± 0.010, 6 triggers from 6 frame pairs'
+    """
+    minimum = film.film_min.values
+    thickness = "no film"
+    if np.isfinite(minimum).any():
+        thickness = f"{np.nanmin(minimum):.2f} to {np.nanmax(minimum):.2f} um"
+    exponent = "not fitted"
+    if np.isfinite(float(film.speed_exponent)):
+        exponent = f"{float(film.speed_exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
+    return (
+        f"minimum film thickness {thickness}, n = {exponent}, {film.sizes['trigger']} triggers "
+        f"from {int(film.frames_used.sum())} frame pairs"
+    )
+
+
 def _line(title: str, text: str, width: int = _TITLE) -> str:
     return f"  {title:{width}s}{text}"
 

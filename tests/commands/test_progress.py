@@ -3,7 +3,7 @@
 import io
 import sys
 
-from erlif.commands.progress import show_progress
+from erlif.commands.progress import echo_above, show_progress
 
 
 class Terminal(io.StringIO):
@@ -30,3 +30,22 @@ def test_a_terminal_shows_how_far_the_work_is(monkeypatch):
     assert "1/4" in terminal.getvalue()
     assert "4/4" in terminal.getvalue()
     assert "done" not in terminal.getvalue()
+
+
+def test_a_line_of_result_stands_above_the_bar(monkeypatch, capsys):
+    """Both streams end on one screen: the bar is cleared, and drawn again below the line."""
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(sys, "stdout", terminal)
+    with show_progress() as progress:
+        progress("film", 1, 4)
+        echo_above("monday: finished")
+        progress("film", 2, 4)
+    shown = terminal.getvalue()
+    assert "\rmonday: finished\n" in shown
+    assert shown.index("1/4") < shown.index("monday: finished") < shown.index("2/4")
+
+
+def test_elsewhere_a_line_of_result_goes_to_standard_output(capsys):
+    echo_above("monday: finished")
+    assert capsys.readouterr().out == "monday: finished\n"

@@ -11,6 +11,7 @@ from erlif.files import (
     check_trigger,
     describe_trigger,
     fastest_trigger,
+    has_identity,
     region_of,
     settings_of,
 )
@@ -71,3 +72,16 @@ def test_a_trigger_is_described_by_angle_stroke_and_speed(opened):
     text = describe_trigger(opened, 0)
     assert text.startswith("trigger 0, 0.00°, outward, ")
     assert text.endswith(" rad/s")
+
+
+def test_a_film_has_the_identity_of_its_work_and_no_other(film, opened):
+    assert has_identity(film, opened.attrs["identity"])
+    assert not has_identity(film, "ab" * 32)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"something else"])
+def test_a_missing_or_foreign_file_has_no_identity(tmp_path, content):
+    path = tmp_path / "film.nc"
+    if content is not None:
+        path.write_bytes(content)
+    assert not has_identity(path, "ab" * 32)

@@ -11,7 +11,7 @@ from scenes import film as scene
 from erlif import plots
 from erlif.calibration.departure import Departure
 from erlif.core.notes import Level, Note
-from erlif.report import describe_calibration, summarise
+from erlif.report import describe_calibration, summarise, summarise_in_a_line
 
 
 def line_of(text, title):
@@ -108,3 +108,20 @@ def test_notes_of_a_calibration_are_listed(calibration):
     notes = (Note(Level.NOTE, "camera1", "one"), Note(Level.WARNING, "", "two"))
     text = describe_calibration(replace(calibration, notes=notes))
     assert text.splitlines()[-2:] == ["  note: camera1: one", "  warning: two"]
+
+
+# one line
+
+
+def test_a_line_gives_the_range_of_the_minimum_and_the_exponent(film):
+    minimum = scene.minimum_film()
+    assert summarise_in_a_line(film) == (
+        f"minimum film thickness {minimum.min():.2f} to {minimum.max():.2f} um, "
+        "n = 0.600 ± 0.010, 6 triggers from 6 frame pairs"
+    )
+
+
+def test_a_line_of_a_film_without_valid_triggers_has_no_numbers(film):
+    empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
+    line = summarise_in_a_line(empty)
+    assert line.startswith("minimum film thickness no film, n = not fitted, 6 triggers")

@@ -1,0 +1,96 @@
+"""``erlif batch``: many runs to film-thickness maps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, WORKERS
+from erlif.commands.progress import echo_above, show_progress
+from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
+
+if TYPE_CHECKING:
+    from erlif.pipeline.batch import RunOutcome
+
+
+@click.command()
+@click.argument("runs", type=PATH, nargs=-1, required=True)
+@click.option(
+    "--calibration",
+    type=PATH,
+    help="For runs whose row names none; default: the calibration that each run.toml names.",
+)
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Keep films made from the same inputs and settings by this version.",
+)
+@WORKERS
+@SKIP_BAD_FRAMES
+@OVERWRITE
+def batch(
+    runs: tuple[Path, ...],
+    calibration: Path | None,
+    resume: bool,
+    workers: int | None,
+    skip_bad_frames: bool,
+    overwrite: bool,
+) -> None:
+    """Turn many run directories into film-thickness maps.
+
+    RUNS are run directories, or a table of runs: a CSV file with a column run_dir and, optionally,
+    calibration and output. Each run has one line of result. A run that fails does not end the
+    others; failures are listed at the end, and the exit status is then not 0.
+
+    \b
+    Example:
+      erlif batch series_may/run_*
+      erlif batch runs.csv --resume
+    """
+    with large_imports():
+        from erlif.pipeline.batch import RunState
+        from erlif.pipeline.batch import batch as process_runs
+
+    try:
+        with show_progress() as progress:
+            outcomes = process_runs(
+                runs,
+                calibration=calibration,
+                resume=resume,
+                overwrite=overwrite,
+                skip_bad_frames=skip_bad_frames,
+                workers=workers,
+                report=lambda outcome: echo_above(_describe(outcome)),
+                progress=progress,
+            )
+    except KeyboardInterrupt:
+        click.echo("erlif: interrupted. The same command with --resume goes on.", err=True)
+        raise click.exceptions.Exit(INTERRUPTED) from None
+
+    failures = [outcome for outcome in outcomes if outcome.failed]
+    if not failures:
+        return
+    click.echo(f"erlif: {len(failures)} of {len(outcomes)} runs failed:", err=True)
+    for failure in failures:
+        message = failure.message.replace("\n", "\n  ")
+        click.echo(f"  {failure.run_dir}: {message}", err=True)
+    defect = any(failure.state is RunState.DEFECT for failure in failures)
+    raise click.exceptions.Exit(DEFECT if defect else BAD_INPUT)
+
+
+def _describe(outcome: RunOutcome) -> str:
+    """One line on a run."""
+    from erlif.files import open_film
+    from erlif.pipeline.batch import RunState
+    from erlif.report import summarise_in_a_line
+
+    if outcome.failed:
+        return f"{outcome.run_dir}: failed, see below"
+    with open_film(outcome.output) as film:
+        line = summarise_in_a_line(film)
+    before = outcome.state is RunState.FINISHED_BEFORE
+    spent = "finished before" if before else f"{outcome.seconds:.1f} s"
+    return f"{outcome.run_dir}: {line}; {spent}"

@@ -1,0 +1,128 @@
+"""The table of runs that are processed together."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+from dataclasses import dataclass
+from pathlib import Path
+
+from erlif.core.errors import ConfigError
+
+_COLUMNS = ("run_dir", "calibration", "output")
+
+_LARGEST = 2**24
+"""Size of a table that is read: 16 MB hold 100,000 runs. [byte]"""
+
+
+@dataclass(frozen=True)
+class RunEntry:
+    """A run to be processed, with what differs from the defaults.
+
+    Attributes
+    ----------
+    run_dir : Path
+        Directory with ``run.toml``.
+    calibration : Path | None
+        Default: the calibration that run.toml names.
+    output : Path | None
+        Default: ``film.nc`` in the run directory.
+    """
+
+    run_dir: Path
+    calibration: Path | None = None
+    output: Path | None = None
+
+
+def read_run_table(path: Path) -> list[RunEntry]:
+    """Read a table of runs: ``run_dir`` and, optionally, ``calibration`` and ``output``.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file in UTF-8. Relative paths start from the directory of the table; an empty cell
+        stands for the default.
+
+    Returns
+    -------
+    list of RunEntry
+        In the order of the rows.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, has another column or no run, or if a row has no run_dir or
+        another number of cells than the header. The header is row 1.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as directory:
+    ...     path = Path(directory, "runs.csv")
+    ...     _ = path.write_text("run_dir,output\\nmonday,monday.zarr\\ntuesday,\\n")
+    ...     one, two = read_run_table(path)
+    >>> one.run_dir.name, one.output.name, two.output
+    ('monday', 'monday.zarr', None)
+    """
+    rows = _read_rows(path)
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    _check_header(header, path)
+    if len(rows) == 1:
+        raise ConfigError(f"Expected at least one run in {path}; it holds the header alone.")
+
+    entries = []
+    for number, row in rows[1:]:
+        if len(row) != len(header):
+            raise ConfigError(
+                f"Expected {len(header)} cells in row {number} of {path}, as in the header; got "
+                f"{len(row)}. A path that holds a comma stands in double quotes."
+            )
+        cells = {name: cell.strip() for name, cell in zip(header, row, strict=True)}
+        if not cells["run_dir"]:
+            raise ConfigError(f"Expected a run_dir in row {number} of {path}; the cell is empty.")
+        found = {name: path.parent / cell for name, cell in cells.items() if cell}
+        entries.append(RunEntry(**found))
+    return entries
+
+
+def _read_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Row numbers and cells; empty rows are left out."""
+    try:
+        size = path.stat().st_size
+        if not path.is_file() or size > _LARGEST:
+            raise ConfigError(
+                f"Expected a table of runs in {path}; it is "
+                + (f"{size / 1e6:.0f} MB large." if path.is_file() else "not a file.")
+            )
+
+        # "utf-8-sig" also reads the byte order mark that spreadsheets write
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = enumerate(csv.reader(file), 1)
+            found = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
+    except OSError as error:
+        raise ConfigError(
+            f"Expected a table of runs in {path}; it cannot be read: {error.strerror}."
+        ) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ConfigError(
+            f"Expected {path} to be a CSV text file; it is not: {error}. Save the table as CSV in "
+            "UTF-8."
+        ) from error
+
+    # Python 3.11 reads a null byte as any other character; no path may hold one
+    if any("\0" in cell for _, row in found for cell in row):
+        raise ConfigError(f"Expected {path} to be a CSV text file; it holds a null byte.")
+    return found
+
+
+def _check_header(header: list[str], path: Path) -> None:
+    expected = f"Expected the columns run_dir and, optionally, calibration and output in {path}"
+    for name in header:
+        if name not in _COLUMNS:
+            near = difflib.get_close_matches(name, _COLUMNS, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]!r}?" if near else "take it out."
+            raise ConfigError(f"{expected}; got {name!r}; {hint}")
+        if header.count(name) > 1:
+            raise ConfigError(f"{expected}; {name} stands there {header.count(name)} times.")
+    if "run_dir" not in header:
+        raise ConfigError(f"{expected}; run_dir is missing. The first row names the columns.")

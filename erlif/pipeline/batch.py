@@ -1,0 +1,245 @@
+"""Many runs to their films, one after the other; a run that fails does not end the others."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from erlif.calibration import Calibration
+from erlif.core.errors import ConfigError, ErlifError, OutputError
+from erlif.core.progress import Progress, silent
+from erlif.ingest import RunEntry, read_run_table
+from erlif.pipeline.engines import Engine, open_engine
+from erlif.pipeline.run import process_run
+
+_logger = logging.getLogger(__name__)
+
+_SUFFIXES = (".nc", ".zarr")
+"""Suffixes of a film."""
+
+
+class RunState(StrEnum):
+    """What became of a run of a batch."""
+
+    FINISHED = "finished"
+    """Processed now."""
+    FINISHED_BEFORE = "finished before"
+    """Its film existed, made from the same inputs and settings by the same version."""
+    REFUSED = "refused"
+    """Its input or its output cannot be used."""
+    DEFECT = "defect"
+    """A fault of erlif itself."""
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """What became of a run of a batch.
+
+    Attributes
+    ----------
+    run_dir : Path
+        Run directory, as it was given.
+    output : Path
+        Its film.
+    state : RunState
+        Whether the film is finished.
+    message : str
+        Reason of a failure; empty for a finished run.
+    seconds : float
+        Time it took. [s]
+    """
+
+    run_dir: Path
+    output: Path
+    state: RunState
+    message: str
+    seconds: float
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is no film."""
+        return self.state in (RunState.REFUSED, RunState.DEFECT)
+
+
+def batch(
+    runs: Iterable[str | Path | RunEntry],
+    *,
+    calibration: Calibration | str | Path | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    skip_bad_frames: bool = False,
+    workers: int | None = None,
+    report: Callable[[RunOutcome], None] | None = None,
+    progress: Progress = silent,
+) -> list[RunOutcome]:
+    """Process many runs; a run that fails does not end the others.
+
+    Parameters
+    ----------
+    runs : iterable of path or RunEntry
+        Run directories, and tables of runs: CSV files with a column ``run_dir`` and, optionally,
+        ``calibration`` and ``output``.
+    calibration : Calibration or path, optional
+        For the runs whose row of a table names none; default: the one that each run.toml names.
+    resume : bool
+        Keep a film that was made from the same inputs and settings by the same version, and do not
+        compute it again.
+    overwrite, skip_bad_frames, workers
+        As for `erlif.process`.
+    report : callable, optional
+        Receives the outcome of each run when it is known.
+    progress : callable, optional
+        As for `erlif.process`; the name of the work starts with the name of the run directory.
+
+    Returns
+    -------
+    list of RunOutcome
+        In the order of the runs.
+
+    Raises
+    ------
+    ErlifError
+        If a table cannot be read, if a directory is given twice, or two runs have the same output;
+        no run is then begun.
+
+    Examples
+    --------
+    >>> outcomes = batch(["monday", "tuesday"], resume=True)
+    >>> [outcome.state.value for outcome in outcomes]
+    ['refused', 'refused']
+    >>> outcomes[0].message[:45]
+    'Expected a directory with run.toml in it; mon'
+    """
+    entries = list_runs(runs)
+    outcomes = []
+    with open_engine(workers=workers) as engine:
+        for entry in entries:
+            outcome = _process_entry(
+                entry,
+                entry.calibration or calibration,
+                engine,
+                resume=resume,
+                overwrite=overwrite,
+                skip_bad_frames=skip_bad_frames,
+                progress=progress,
+            )
+            outcomes.append(outcome)
+            if report is not None:
+                report(outcome)
+    return outcomes
+
+
+def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
+    """The runs of a batch with the rows of its tables in their place.
+
+    Parameters
+    ----------
+    runs : iterable of path or RunEntry
+        As for `batch`.
+
+    Returns
+    -------
+    list of RunEntry
+        With the output of each.
+
+    Raises
+    ------
+    ErlifError
+        If a table cannot be read, there is no run, a run directory is given twice, two runs have
+        the same output, or an output has the suffix of another format.
+
+    Examples
+    --------
+    >>> [str(entry.output) for entry in list_runs(["monday"])]
+    ['monday/film.nc']
+    """
+    given: list[RunEntry] = []
+    for one in runs:
+        if isinstance(one, RunEntry):
+            given.append(one)
+        elif Path(one).suffix.lower() == ".csv" and not Path(one).is_dir():
+            given += read_run_table(Path(one))
+        else:
+            given.append(RunEntry(Path(one)))
+    if not given:
+        raise ConfigError("Expected at least one run directory or a table of runs; got none.")
+
+    entries = [
+        RunEntry(one.run_dir, one.calibration, one.output or one.run_dir / "film.nc")
+        for one in given
+    ]
+    _refuse_repeated([one.run_dir for one in entries], [one.run_dir for one in entries])
+    outputs = [_output_of(one) for one in entries]
+    _refuse_repeated(outputs, [one.run_dir for one in entries])
+    for output in outputs:
+        if output.suffix not in _SUFFIXES:
+            raise OutputError(
+                f"Expected a name in {' or '.join(_SUFFIXES)} for the output; got {output}."
+            )
+    return entries
+
+
+def _output_of(entry: RunEntry) -> Path:
+    return entry.output or entry.run_dir / "film.nc"
+
+
+def _refuse_repeated(paths: Sequence[Path], run_dirs: Sequence[Path]) -> None:
+    """Refuse a path that two runs share; links to one directory are the same path."""
+    seen: dict[str, Path] = {}
+    for path, run_dir in zip(paths, run_dirs, strict=True):
+        place = os.path.realpath(path)
+        if place not in seen:
+            seen[place] = run_dir
+        elif path == run_dir:
+            other = "" if seen[place] == path else f", also as {seen[place]}"
+            raise ConfigError(
+                f"Expected each run directory once; {path} is given twice{other}. Take one out."
+            )
+        else:
+            raise OutputError(
+                f"Expected an output for each run; {seen[place]} and {run_dir} both have {path}. "
+                "Change the column output of one."
+            )
+
+
+def _process_entry(
+    entry: RunEntry,
+    calibration: Calibration | str | Path | None,
+    engine: Engine,
+    *,
+    resume: bool,
+    overwrite: bool,
+    skip_bad_frames: bool,
+    progress: Progress,
+) -> RunOutcome:
+    """Process one run and describe what became of it."""
+    name, output = entry.run_dir.name, _output_of(entry)
+    started = time.perf_counter()
+    state, message = RunState.FINISHED, ""
+    _logger.info("%s: started", entry.run_dir)
+    try:
+        computed = process_run(
+            entry.run_dir,
+            output,
+            calibration=calibration,
+            resume=resume,
+            overwrite=overwrite,
+            skip_bad_frames=skip_bad_frames,
+            engine=engine,
+            progress=lambda what, done, total: progress(f"{name}, {what}", done, total),
+        )
+        if not computed:
+            state = RunState.FINISHED_BEFORE
+    except ErlifError as error:
+        state, message = RunState.REFUSED, str(error)
+    except OSError as error:
+        state, message = RunState.REFUSED, f"{error.strerror or error}: {error.filename or ''}"
+    except Exception as error:  # the other runs do not depend on a defect that this one shows
+        _logger.exception("%s: a defect of erlif; please report it with these lines", entry.run_dir)
+        state, message = RunState.DEFECT, f"a defect of erlif, {type(error).__name__}: {error}"
+    return RunOutcome(entry.run_dir, output, state, message, time.perf_counter() - started)

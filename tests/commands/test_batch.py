@@ -1,0 +1,92 @@
+"""``erlif batch``: one line of result for each run, failures at the end, exit status."""
+
+import importlib
+import shutil
+
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+
+MODULE = importlib.import_module("erlif.pipeline.batch")
+"""The module; the package has the function under the same name."""
+
+
+@pytest.fixture
+def series(small_rig, tmp_path):
+    """Directory with the runs monday and tuesday; the second has a damaged frame."""
+    shutil.copytree(small_rig.fixture, tmp_path / "fixture")
+    for name in ("monday", "tuesday"):
+        shutil.copytree(small_rig.run, tmp_path / name)
+    (tmp_path / "tuesday" / "camera1" / "frame_0002.tif").write_bytes(b"")
+    return tmp_path
+
+
+def run_batch(*arguments):
+    return CliRunner().invoke(main, ["batch", *map(str, arguments)])
+
+
+def test_each_run_has_one_line_and_failures_stand_at_the_end(series, film):
+    result = run_batch(series / "tuesday", series / "monday")
+    assert result.exit_code == 2
+    failed, finished = result.stdout.splitlines()
+    assert failed == f"{series / 'tuesday'}: failed, see below"
+    assert finished.startswith(f"{series / 'monday'}: minimum film thickness ")
+    assert "6 triggers from 6 frame pairs" in finished
+    listed = result.stderr.partition("erlif: ")[2]
+    assert listed.startswith("1 of 2 runs failed:\n")
+    assert f"  {series / 'tuesday'}: " in listed
+    assert "frame_0002.tif" in listed
+    assert "Traceback" not in result.output
+    assert (series / "monday" / "film.nc").read_bytes() == film.read_bytes()
+
+
+def test_status_is_0_where_no_run_failed(series, command):
+    result = command("batch", series / "tuesday", "--skip-bad-frames", "--workers", 1)
+    assert "5 frame pairs" in result.stdout
+    assert "failed" not in result.output
+
+
+def test_resume_shows_the_films_that_are_kept(series):
+    run_batch(series / "monday")
+    result = run_batch(series / "monday", series / "tuesday", "--resume")
+    assert result.exit_code == 2
+    assert result.stdout.splitlines()[0].endswith("; finished before")
+
+
+def test_a_table_is_processed(series, command):
+    (series / "runs.csv").write_text("run_dir,output\nmonday,out/monday.zarr\n")
+    command("batch", series / "runs.csv")
+    assert (series / "out" / "monday.zarr" / "zarr.json").is_file()
+
+
+def test_a_defect_ends_with_status_1_and_its_trace(series, monkeypatch):
+    def fail(*arguments, **options):
+        raise ZeroDivisionError("a slip")
+
+    monkeypatch.setattr(MODULE, "process_run", fail)
+    result = run_batch(series / "monday")
+    assert result.exit_code == 1
+    assert "a slip" in result.stderr
+    assert "report" in result.stderr
+
+
+def test_an_interruption_names_the_way_to_go_on(series, monkeypatch):
+    def interrupt(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(MODULE, "process_run", interrupt)
+    result = run_batch(series / "monday")
+    assert result.exit_code == 130
+    assert "--resume" in result.stderr
+
+
+def test_a_directory_given_twice_is_refused(series, refused):
+    message = refused("batch", series / "monday", series / "monday")
+    assert "given twice" in message
+
+
+def test_no_argument_is_wrong_usage():
+    result = run_batch()
+    assert result.exit_code == 2
+    assert "Usage:" in result.stderr

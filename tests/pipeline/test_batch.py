@@ -1,0 +1,212 @@
+"""Many runs: order, outcomes, defaults, resumption, and what is refused before any run begins."""
+
+import importlib
+import shutil
+
+import pytest
+
+import erlif
+from erlif.core.errors import ConfigError, OutputError
+from erlif.ingest import RunEntry
+from erlif.pipeline.batch import RunState, batch, list_runs
+
+MODULE = importlib.import_module("erlif.pipeline.batch")
+"""The module; the package has the function under the same name."""
+
+
+@pytest.fixture
+def series(small_rig, tmp_path):
+    """Directory with the runs monday, tuesday and wednesday; the second has a damaged frame."""
+    shutil.copytree(small_rig.fixture, tmp_path / "fixture")
+    for name in ("monday", "tuesday", "wednesday"):
+        shutil.copytree(small_rig.run, tmp_path / name)
+    (tmp_path / "tuesday" / "camera1" / "frame_0002.tif").write_bytes(b"")
+    return tmp_path
+
+
+def days(series):
+    return [series / name for name in ("monday", "tuesday", "wednesday")]
+
+
+def states(outcomes):
+    return [outcome.state for outcome in outcomes]
+
+
+def test_a_run_that_fails_does_not_end_the_others(series, film):
+    outcomes = batch(days(series))
+    assert states(outcomes) == [RunState.FINISHED, RunState.REFUSED, RunState.FINISHED]
+    assert [outcome.failed for outcome in outcomes] == [False, True, False]
+    assert "frame_0002.tif" in outcomes[1].message
+    for name in ("monday", "wednesday"):
+        assert (series / name / "film.nc").read_bytes() == film.read_bytes()
+    assert not list((series / "tuesday").glob("*film*"))
+
+
+def test_options_hold_for_every_run(series):
+    outcomes = batch(days(series)[1:], skip_bad_frames=True, workers=1)
+    assert states(outcomes) == [RunState.FINISHED] * 2
+
+
+def test_outcomes_are_reported_as_they_are_known(series):
+    seen = []
+    batch(days(series)[:2], report=lambda outcome: seen.append((outcome, len(seen))))
+    assert [outcome.run_dir.name for outcome, _ in seen] == ["monday", "tuesday"]
+
+
+def test_progress_names_the_run(series):
+    steps = []
+    batch(days(series)[:1], progress=lambda *step: steps.append(step))
+    assert ("monday, film", 6, 6) in steps
+
+
+def test_a_defect_does_not_end_the_others(series, monkeypatch, caplog):
+    def fail(*arguments, **options):
+        monkeypatch.undo()
+        raise ZeroDivisionError("a slip")
+
+    monkeypatch.setattr(MODULE, "process_run", fail)
+    outcomes = batch([days(series)[0], days(series)[2]])
+    assert states(outcomes) == [RunState.DEFECT, RunState.FINISHED]
+    assert "a slip" in outcomes[0].message
+    assert "report" in caplog.text
+
+
+def test_an_interruption_ends_all(series):
+    def interrupt(what, done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        batch(days(series), progress=interrupt)
+
+
+# resumption
+
+
+@pytest.fixture
+def no_work(monkeypatch):
+    """Fails where a run is computed."""
+
+    def fail(*arguments, **options):
+        raise AssertionError("work has started")
+
+    return lambda: monkeypatch.setattr("erlif.pipeline.run.prepare_chain", fail)
+
+
+@pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
+def test_finished_runs_are_not_computed_again(series, no_work, name):
+    entries = [RunEntry(series / "monday", output=series / name)]
+    batch(entries)
+    before = (series / name).stat().st_mtime_ns
+    no_work()
+    assert states(batch(entries, resume=True)) == [RunState.FINISHED_BEFORE]
+    assert (series / name).stat().st_mtime_ns == before
+
+
+def test_without_resume_an_existing_film_is_refused(series):
+    (series / "monday" / "film.nc").write_bytes(b"")
+    (outcome,) = batch(days(series)[:1])
+    assert outcome.state is RunState.REFUSED
+    assert "--overwrite" in outcome.message
+
+
+def change_settings(run):
+    text = (run / "run.toml").read_text(encoding="utf-8")
+    (run / "run.toml").write_text(text.replace("222.411 N", "200 N"), encoding="utf-8")
+
+
+def change_log(run):
+    with (run / "encoder.csv").open("a", encoding="utf-8") as file:
+        file.write("\n")
+
+
+def change_film(run):
+    (run / "film.nc").write_bytes(b"")
+
+
+@pytest.mark.parametrize("change", [change_settings, change_log, change_film])
+def test_a_film_of_other_work_is_not_taken_for_this_one(series, change):
+    run = series / "monday"
+    batch([run])
+    change(run)
+    (outcome,) = batch([run], resume=True)
+    assert outcome.state is RunState.REFUSED
+    assert "other inputs or settings" in outcome.message
+    (outcome,) = batch([run], resume=True, overwrite=True)
+    assert outcome.state is RunState.FINISHED
+
+
+def test_a_failed_run_is_tried_again(series, small_rig):
+    batch(days(series))
+    shutil.copy(small_rig.frames(1)[2], series / "tuesday" / "camera1" / "frame_0002.tif")
+    assert states(batch(days(series), resume=True)) == [
+        RunState.FINISHED_BEFORE,
+        RunState.FINISHED,
+        RunState.FINISHED_BEFORE,
+    ]
+
+
+# tables
+
+
+def test_rows_of_a_table_have_their_own_calibration_and_output(series, film):
+    for run in ("monday", "wednesday"):
+        text = (series / run / "run.toml").read_text(encoding="utf-8")
+        (series / run / "run.toml").write_text(text.partition("\n")[2], encoding="utf-8")
+    table = series / "runs.csv"
+    table.write_text(
+        "run_dir,calibration,output\n"
+        "monday,fixture/calibration.nc,out/monday.nc\n"
+        "wednesday,,out/wednesday.nc\n"
+    )
+    outcomes = batch([table])
+    assert states(outcomes) == [RunState.FINISHED, RunState.REFUSED]
+    assert "run.toml names none" in outcomes[1].message
+    (outcome,) = batch([series / "wednesday"], calibration=series / "fixture" / "calibration.nc")
+    assert outcome.output == series / "wednesday" / "film.nc"
+    with erlif.open_film(outcome.output) as one, erlif.open_film(series / "out/monday.nc") as two:
+        assert one.thickness.identical(two.thickness)
+
+
+def test_a_table_stands_among_directories_in_its_place(tmp_path):
+    (tmp_path / "runs.csv").write_text("run_dir\nb\nc\n")
+    found = list_runs([tmp_path / "a", tmp_path / "runs.csv", str(tmp_path / "d")])
+    assert [entry.run_dir.name for entry in found] == ["a", "b", "c", "d"]
+    assert found[1].output == tmp_path / "b" / "film.nc"
+
+
+def test_a_run_directory_may_have_the_suffix_of_a_table(tmp_path):
+    (tmp_path / "monday.csv").mkdir()
+    assert list_runs([tmp_path / "monday.csv"])[0].run_dir == tmp_path / "monday.csv"
+
+
+# refused before any run begins
+
+
+def test_no_run_is_refused():
+    with pytest.raises(ConfigError, match="got none"):
+        batch([])
+
+
+def test_a_directory_given_twice_is_refused(series):
+    with pytest.raises(ConfigError, match="monday is given twice"):
+        batch([series / "monday", series / "tuesday", series / "monday"])
+    assert not list((series / "monday").glob("*film*"))
+
+
+def test_a_directory_given_by_a_link_as_well_is_refused(series):
+    (series / "first").symlink_to(series / "monday")
+    with pytest.raises(ConfigError, match=r"first is given twice, also as .*monday"):
+        batch([series / "monday", series / "first"])
+
+
+def test_two_runs_with_one_output_are_refused(series):
+    (series / "runs.csv").write_text("run_dir,output\nmonday,film.nc\ntuesday,./film.nc\n")
+    with pytest.raises(OutputError, match=r"monday and .*tuesday both have"):
+        batch([series / "runs.csv"])
+    assert not list(series.glob("*film*"))
+
+
+def test_an_output_of_another_format_is_refused(series):
+    (series / "runs.csv").write_text("run_dir,output\nmonday,film.csv\n")
+    with pytest.raises(OutputError, match=r"\.nc or \.zarr"):
+        batch([series / "runs.csv"])
