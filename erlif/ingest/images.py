@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import glob
+import hashlib
 import math
 import os
 import re
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +18,7 @@ import tifffile
 from erlif.core.arrays import AnyArray, Counts
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note
+from erlif.ingest.tiff import decode_plain_page, find_plain_pages, read_plain_page
 
 _TIFF = {".tif", ".tiff"}
 
@@ -36,10 +39,16 @@ class Page:
         File that holds the image.
     index : int
         Position in a multi-page file, counted from 0.
+    header : int
+        Where its directory begins in a plain TIFF file; 0 where that is not known. [byte]
+    alone : bool
+        Whether the file is known to hold no other image.
     """
 
     path: Path
     index: int
+    header: int = field(default=0, compare=False)
+    alone: bool = field(default=False, compare=False)
 
     @property
     def name(self) -> str:
@@ -69,6 +78,21 @@ class PageKind(NamedTuple):
 
 UNREADABLE = PageKind((0, 0), "unreadable")
 """Stands for a page whose header or data is damaged."""
+
+
+class PageContent(NamedTuple):
+    """What was read of a page.
+
+    Attributes
+    ----------
+    counts : Counts
+        (y, x), uint8 or uint16. [DN]
+    digest : str
+        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file.
+    """
+
+    counts: Counts
+    digest: str = ""
 
 
 @dataclass
@@ -152,15 +176,15 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
     found = CameraFiles()
     for path in paths:
         try:
-            kinds = _read_headers(path)
+            kinds, headers = _read_headers(path)
         except FrameError as error:
             found.faults[len(found.pages)] = str(error)
-            kinds = [UNREADABLE]
+            kinds, headers = [UNREADABLE], [0]
 
-        for index, kind in enumerate(kinds):
+        for index, (kind, header) in enumerate(zip(kinds, headers, strict=True)):
             if kind == UNREADABLE:
                 found.faults.setdefault(len(found.pages), "the file is truncated")
-            found.pages.append(Page(path, index))
+            found.pages.append(Page(path, index, header, alone=len(kinds) == 1))
             found.kinds.append(kind)
     return found
 
@@ -186,12 +210,36 @@ def read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
     FrameError
         If the file cannot be decoded, or holds another shape or type.
     """
+    return read_content(page, directory, shape).counts
+
+
+def read_content(
+    page: Page, directory: Path, shape: tuple[int, ...], *, digest: bool = False
+) -> PageContent:
+    """Decode the counts of one page, and hash the file as it is read.
+
+    Parameters
+    ----------
+    page : Page
+    directory : Path
+        The run or fixture directory, for messages.
+    shape : (rows, columns)
+        Shape of all frames of the recording.
+    digest : bool
+        Whether the hash is wanted.
+
+    Returns
+    -------
+    PageContent
+
+    Raises
+    ------
+    FrameError
+        As `read_page`.
+    """
     name = os.path.relpath(page.path, directory) + (f"[{page.index}]" if page.index else "")
     try:
-        if page.path.suffix.lower() in _TIFF:
-            image = np.asarray(tifffile.imread(page.path, key=page.index))
-        else:
-            image = _read_foreign(page.path)[page.index]
+        content = _decode(page, digest=digest)
     except Exception as error:  # decoders of damaged bytes raise exceptions of many types
         todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
         if "imagecodecs" in str(error):
@@ -200,13 +248,34 @@ def read_page(page: Page, directory: Path, shape: tuple[int, ...]) -> Counts:
             f"Expected an image in {name}; it cannot be decoded ({error}). {todo}"
         ) from error
 
+    image = content.counts
     if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
         raise FrameError(
             f"Expected grey counts of {describe_shape(shape)} pixels, 8 or 16-bit unsigned, in "
             f"{name}; it is {image.dtype} of {describe_shape(image.shape)}. Record frames, darks "
             "and flats with the same region of interest."
         )
-    return image
+    return content
+
+
+def _decode(page: Page, *, digest: bool) -> PageContent:
+    """Counts of a page by the first reader that knows its format."""
+    if page.path.suffix.lower() not in _TIFF:
+        return PageContent(_read_foreign(page.path)[page.index])
+
+    # the hash belongs to the bytes that are decoded: they are in memory for both
+    if digest and page.alone:
+        data = page.path.read_bytes()
+        hashed = hashlib.sha256(data).hexdigest()
+        counts = decode_plain_page(data, page.header) if page.header else None
+        if counts is None:
+            counts = np.asarray(tifffile.imread(BytesIO(data), key=page.index))
+        return PageContent(counts, hashed)
+
+    counts = read_plain_page(page.path, page.header) if page.header else None
+    if counts is None:
+        counts = np.asarray(tifffile.imread(page.path, key=page.index))
+    return PageContent(counts)
 
 
 def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
@@ -286,14 +355,18 @@ def describe_shape(shape: tuple[int, ...]) -> str:
     return " x ".join(str(n) for n in reversed(shape))
 
 
-def _read_headers(path: Path) -> list[PageKind]:
-    """Kind of each image in a file; FrameError with the bare reason."""
+def _read_headers(path: Path) -> tuple[list[PageKind], list[int]]:
+    """Kind of each image in a file, and place of its directory; FrameError with the bare reason."""
     try:
         size = path.stat().st_size
         if size == 0:
             raise FrameError("the file is empty")
         is_tiff = path.suffix.lower() in _TIFF
-        kinds = _tiff_headers(path, size) if is_tiff else _foreign_headers(path)
+        plain = find_plain_pages(path) if is_tiff else None
+        if plain is not None:
+            kinds = [PageKind(page.shape, page.dtype) for page in plain]
+        else:
+            kinds = _tiff_headers(path, size) if is_tiff else _foreign_headers(path)
     except OSError as error:
         raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
 
@@ -305,7 +378,7 @@ def _read_headers(path: Path) -> list[PageKind]:
             raise FrameError(
                 f"the file is damaged: {size} bytes cannot hold {describe_shape(shape)} pixels"
             )
-    return kinds
+    return kinds, [0] * len(kinds) if plain is None else [page.header for page in plain]
 
 
 def _tiff_headers(path: Path, size: int) -> list[PageKind]:

@@ -179,7 +179,8 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
     )
     if not set(own) & set(other):
         return f"{name}/{pages[len(other)].name}"
-    lone = (page for page, number in zip(pages, own, strict=True) if number not in other)
+    known = set(other)
+    lone = (page for page, number in zip(pages, own, strict=True) if number not in known)
     return f"{name}/{next(lone).name}"
 
 
