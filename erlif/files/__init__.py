@@ -1,6 +1,6 @@
 """What erlif writes and reads back: films, unfinished work, outputs replaced in one step."""
 
-from erlif.files.compression import MapVariable, compress, decompress, round_bits
+from erlif.files.compression import MapVariable, round_map
 from erlif.files.contents import (
     check_trigger,
     describe_trigger,
@@ -10,27 +10,33 @@ from erlif.files.contents import (
     settings_of,
 )
 from erlif.files.film import describe_hashes, open_film, write_dataset, write_film
-from erlif.files.netcdf import has_group, open_netcdf
+from erlif.files.netcdf import fix_text, has_group, open_netcdf
+from erlif.files.netcdf_maps import NetcdfMaps
 from erlif.files.replacing import refuse_existing, replacing
-from erlif.files.unfinished import PartialFilm
+from erlif.files.store import MapStore
+from erlif.files.unfinished import PartialFilm, remove_remains
+from erlif.files.zarr_maps import ZarrMaps
 
 __all__ = [
+    "MapStore",
     "MapVariable",
+    "NetcdfMaps",
     "PartialFilm",
+    "ZarrMaps",
     "check_trigger",
-    "compress",
-    "decompress",
     "describe_hashes",
     "describe_trigger",
     "fastest_trigger",
+    "fix_text",
     "has_group",
     "has_identity",
     "open_film",
     "open_netcdf",
     "refuse_existing",
     "region_of",
+    "remove_remains",
     "replacing",
-    "round_bits",
+    "round_map",
     "settings_of",
     "write_dataset",
     "write_film",

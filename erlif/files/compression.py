@@ -1,21 +1,47 @@
-"""Maps rounded to their significant bits and compressed as HDF5 stores a chunk."""
+"""Maps rounded to their significant bits and compressed as chunks of HDF5 or zarr."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from types import ModuleType
+from typing import Any, Final
 
+import numba
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Image
 
+isal_zlib: ModuleType | None
+try:
+    from isal import isal_zlib
+except ImportError:  # no wheel for this processor; zlib gives the same maps in other bytes
+    isal_zlib = None
+
 DEFLATE_LEVEL = 1
-"""Level of zlib: higher levels take much longer and gain little on noise."""
+"""Level of deflate: higher levels take longer and gain nothing on noise (docs/performance.md)."""
+
+BLOSC_CODEC: Final = "lz4"
+"""Codec of zarr, with bitshuffle; zstd takes three times as long for 10 % (docs/performance.md)."""
+
+BLOSC_LEVEL = 5
+"""Its level, 1 to 9; others differ little."""
 
 MANTISSA_BITS = 23
 """Bits of the mantissa of a float32, the leading one left out."""
+
+SHARE_OF_STD = 0.1
+"""Largest rounding error of a value over its standard deviation; adds 0.2 % to the variance."""
+
+_EXPONENT = np.uint32(0x7F800000)
+"""Bits of the exponent of a float32: alone they are a power of two."""
+
+_LARGEST_STEP = np.uint32(0x73000000)
+"""Exponent, 2^103, beyond which the sum in `_round_one` would overflow."""
+
+_UNIT_TO_SUM = np.float32(1.5 * 2**MANTISSA_BITS)
+"""A float32 of this many steps has one step as its last bit, half a binade to either side."""
 
 
 @dataclass(frozen=True)
@@ -31,101 +57,197 @@ class MapVariable:
     attrs : Mapping[str, Any]
         Attributes in the file, units among them.
     bits : int
-        Bits of the mantissa that are kept.
+        Bits of the mantissa that are kept, where `std` is empty.
+    std : str
+        Map with the standard deviation of this one: the rounding error of each pixel is at most a
+        tenth of it. Empty: `bits` are kept.
     """
 
     name: str
     dtype: str
     attrs: Mapping[str, Any]
     bits: int = MANTISSA_BITS
+    std: str = ""
 
 
-def round_bits(values: Image, bits: int) -> Image:
-    """Round to a number of bits of the mantissa, so that the values compress well.
+def round_map(values: Image, scale: Image, factor: float) -> Image:
+    """Round every pixel to a multiple of a power of two, so that a map compresses well.
+
+    Halves go to the even multiple, so that rounding shifts no mean.
 
     Parameters
     ----------
     values : array of float32
         Values of a map; their unit does not matter.
-    bits : int
-        Bits of the mantissa that are kept, 1 to 23.
+    scale : array of float32
+        Like `values`. The step is the largest power of two up to ``factor * scale``, but never
+        larger than the value.
+    factor : float
+        0.2 with a standard deviation as `scale` keeps the error within a tenth of it; ``2**-b``
+        with the values themselves keeps b bits of the mantissa.
 
     Returns
     -------
     array of float32
-        Rounded values; the largest relative error is ``2**-(bits + 1)``. Values that are not finite
-        become NaN.
+        Rounded values. Values that are not finite become NaN; where `scale` is not finite or zero,
+        the value stays as it is.
 
     Examples
     --------
-    >>> round_bits(np.array([1.0, 1.1, 1.26], np.float32), 2)
-    array([1.  , 1.  , 1.25], dtype=float32)
+    >>> values = np.array([5.03, 5.03, np.nan], np.float32)
+    >>> round_map(values, np.array([0.4, 40.0, 0.4], np.float32), 0.2)
+    array([ 5.,  4., nan], dtype=float32)
     """
-    drop = MANTISSA_BITS - bits
-    if drop <= 0:
-        return values
-
-    # Rounding half to even on the bits themselves: half a step is added, less one where the last
-    # kept bit is 0. A carry runs on into the exponent, as it must.
-    whole = np.ascontiguousarray(values, np.float32).view(np.uint32)
-    last_kept = (whole >> drop) & 1
-    kept = np.uint32(~((1 << drop) - 1) & 0xFFFFFFFF)
-    rounded = (whole + ((1 << (drop - 1)) - 1) + last_kept) & kept
-    return np.where(np.isfinite(values), rounded.view(np.float32), np.float32(np.nan))
+    rounded = np.empty(np.shape(values), np.float32)
+    _round(_flat(values), _flat(scale), np.float32(factor), rounded.reshape(-1))
+    return rounded
 
 
-def compress(values: AnyArray) -> bytes:
-    """Compress an array as the shuffle and deflate filters of HDF5 write a chunk.
+def encode_netcdf(
+    maps: Mapping[str, AnyArray], variables: Sequence[MapVariable]
+) -> dict[str, bytes]:
+    """Round and compress the maps of one trigger as the filters of HDF5 write a chunk.
 
     Parameters
     ----------
-    values : array
-        Map of any type.
+    maps : mapping of str to array, (y, x)
+        Map of each variable by its name.
+    variables : sequence of MapVariable
+        Type and precision of the maps.
+
+    Returns
+    -------
+    dict of str to bytes
+        Chunk of each variable, shuffled and deflated.
+
+    Examples
+    --------
+    >>> variables = [MapVariable("flags", "uint8", {})]
+    >>> chunk = encode_netcdf({"flags": np.ones((100, 100), np.uint8)}, variables)["flags"]
+    >>> len(chunk) < 200, zlib.decompress(chunk) == bytes([1]) * 10_000
+    (True, True)
+    """
+    chunks = {}
+    for variable in variables:
+        values = np.ascontiguousarray(maps[variable.name], variable.dtype)
+        if variable.dtype == "float32":
+            scale, factor = _precision(maps, variable)
+            planes = np.empty((4, values.size), np.uint8)
+            _round_and_shuffle(_flat(values), _flat(scale), np.float32(factor), planes)
+        else:
+            planes = values
+        chunks[variable.name] = deflate(planes)
+    return chunks
+
+
+def encode_zarr(maps: Mapping[str, AnyArray], variables: Sequence[MapVariable]) -> dict[str, bytes]:
+    """Round and compress the maps of one trigger as the blosc codec of zarr writes a chunk.
+
+    Parameters
+    ----------
+    maps : mapping of str to array, (y, x)
+        Map of each variable by its name.
+    variables : sequence of MapVariable
+        Type and precision of the maps.
+
+    Returns
+    -------
+    dict of str to bytes
+        Chunk of each variable.
+
+    Examples
+    --------
+    >>> variables = [MapVariable("flags", "uint8", {})]
+    >>> chunk = encode_zarr({"flags": np.ones((100, 100), np.uint8)}, variables)["flags"]
+    >>> len(chunk) < 500
+    True
+    """
+    from numcodecs import blosc
+
+    # threads of blosc write the blocks of a chunk in any order; one thread gives the same bytes
+    # every time (zarr sets the same)
+    blosc.use_threads = False
+    codec = blosc.Blosc(BLOSC_CODEC, BLOSC_LEVEL, blosc.BITSHUFFLE)
+
+    chunks = {}
+    for variable in variables:
+        values = np.ascontiguousarray(maps[variable.name], variable.dtype)
+        if variable.dtype == "float32":
+            values = round_map(values, *_precision(maps, variable))
+        chunks[variable.name] = bytes(codec.encode(values))
+    return chunks
+
+
+def deflate(planes: AnyArray) -> bytes:
+    """Compress bytes with deflate, in the format of zlib.
+
+    Parameters
+    ----------
+    planes : array of uint8
+        Bytes in the order in which they are stored.
 
     Returns
     -------
     bytes
-        The chunk; `decompress` reverses it.
+        ``zlib.decompress`` reverses it. The same bytes on every machine of one kind of processor.
 
     Examples
     --------
-    >>> len(compress(np.zeros((100, 100), np.float32))) < 40000 / 100
-    True
+    >>> zlib.decompress(deflate(np.arange(4, dtype=np.uint8)))
+    b'\\x00\\x01\\x02\\x03'
     """
-    data = np.ascontiguousarray(values)
-    shuffled = data.view(np.uint8).reshape(-1, data.itemsize).T
+    if isal_zlib is not None:
+        return bytes(isal_zlib.compress(planes.data, DEFLATE_LEVEL))
 
-    # Noise has no repeated sequences: run lengths and Huffman codes alone take half the time and
-    # give no larger a file.
-    deflate = zlib.compressobj(
+    # noise has no repeated sequences: run lengths and Huffman codes alone take half the time
+    stream = zlib.compressobj(
         DEFLATE_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE
     )
-    return deflate.compress(np.ascontiguousarray(shuffled).tobytes()) + deflate.flush()
+    return stream.compress(planes.data) + stream.flush()
 
 
-def decompress(chunk: bytes, dtype: str, shape: tuple[int, ...]) -> AnyArray:
-    """Reverse `compress`.
+def _precision(maps: Mapping[str, AnyArray], variable: MapVariable) -> tuple[Image, float]:
+    """Scale and factor of `round_map` for a variable."""
+    if variable.std:
+        return maps[variable.std], 2 * SHARE_OF_STD  # the error is up to half a step
+    return maps[variable.name], 2.0**-variable.bits
 
-    Parameters
-    ----------
-    chunk : bytes
-        Result of `compress`.
-    dtype : str
-        Type of the array.
-    shape : tuple of int
-        Shape of the array.
 
-    Returns
-    -------
-    array
+def _flat(values: AnyArray) -> Image:
+    return np.ascontiguousarray(values, np.float32).reshape(-1)
 
-    Examples
-    --------
-    >>> values = np.arange(6, dtype=np.float32).reshape(2, 3)
-    >>> decompress(compress(values), "float32", (2, 3))
-    array([[0., 1., 2.],
-           [3., 4., 5.]], dtype=float32)
-    """
-    itemsize = np.dtype(dtype).itemsize
-    planes = np.frombuffer(zlib.decompress(chunk), np.uint8).reshape(itemsize, -1)
-    return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
+
+@numba.njit(nogil=True, cache=True)
+def _round_one(value, scale, factor):  # type: ignore[no-untyped-def]
+    """A value rounded as in `round_map`."""
+    own = np.float32(value).view(np.uint32) & _EXPONENT
+    wanted = np.float32(scale * factor).view(np.uint32) & _EXPONENT
+    step = min(own, wanted)
+    if wanted == _EXPONENT or step > _LARGEST_STEP:
+        step = np.uint32(0)
+
+    # The sum has one step as its last bit, so the addition itself rounds, halves to even. A value
+    # of more steps than a float32 resolves is left alone.
+    large = np.uint32(step).view(np.float32) * _UNIT_TO_SUM
+    rounded = np.float32(value + large) - large
+    if not np.abs(value) < np.float32(0.25) * large:
+        rounded = value
+    return rounded if np.abs(value) < np.float32(np.inf) else np.float32(np.nan)
+
+
+@numba.njit(nogil=True, cache=True)
+def _round(values, scale, factor, rounded):  # type: ignore[no-untyped-def]
+    """Fill `rounded`; see `round_map`."""
+    for i in range(values.size):
+        rounded[i] = _round_one(values[i], scale[i], factor)
+
+
+@numba.njit(nogil=True, cache=True)
+def _round_and_shuffle(values, scale, factor, planes):  # type: ignore[no-untyped-def]
+    """Round, and write the bytes of the values as planes, the lowest byte first."""
+    for i in range(values.size):
+        bits = np.float32(_round_one(values[i], scale[i], factor)).view(np.uint32)
+        planes[0, i] = np.uint8(bits)
+        planes[1, i] = np.uint8(bits >> np.uint32(8))
+        planes[2, i] = np.uint8(bits >> np.uint32(16))
+        planes[3, i] = np.uint8(bits >> np.uint32(24))

@@ -1,9 +1,11 @@
-"""netCDF files opened for reading."""
+"""netCDF files opened for reading, and text in the form that all readers of netCDF know."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
 
@@ -73,3 +75,49 @@ def has_group(path: Path, group: str) -> bool:
 
     with h5py.File(path, "r") as file:
         return isinstance(file.get(group), h5py.Group)
+
+
+def fix_text(dataset: xr.Dataset) -> xr.Dataset:
+    """Turn text into characters of a fixed length, and leave coordinates without a fill value.
+
+    xarray writes text of any length (NC_STRING), which Octave and older programs do not read; CF
+    allows no missing values in a coordinate.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With attributes and variables of text.
+
+    Returns
+    -------
+    Dataset
+        The same, ready to be written by h5netcdf; read back, text is text again.
+
+    Examples
+    --------
+    >>> fixed = fix_text(xr.Dataset({"file": ("frame", ["a.tif", "b.tif"])}))
+    >>> fixed.file.dtype
+    dtype('S5')
+    """
+    fixed = dataset.copy()
+    fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
+    for name, variable in dataset.variables.items():
+        one = variable.copy()
+        if variable.dtype.kind in "UO":
+            text = np.char.encode(variable.values.astype(str), "utf-8")
+            one = xr.Variable(variable.dims, text, {**variable.attrs, "_Encoding": "utf-8"})
+        one.attrs = {key: _fix_attribute(value) for key, value in one.attrs.items()}
+        if name in dataset.coords:
+            one.encoding["_FillValue"] = None
+        fixed[name] = one
+    return fixed
+
+
+def _fix_attribute(value: Any) -> Any:
+    """Text of a fixed length in place of text of any length; other values as they are."""
+    import h5py
+
+    if not isinstance(value, str):
+        return value
+    encoded = value.encode()
+    return np.array(encoded, h5py.string_dtype("utf-8", max(len(encoded), 1)))

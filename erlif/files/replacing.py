@@ -103,14 +103,19 @@ def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
         output.parent.mkdir(parents=True, exist_ok=True)
         remove(scratch)
         yield scratch
-        if scratch.is_dir() and output.exists():
-            _exchange(scratch, output)
-        else:
-            scratch.replace(output)
+        take_name(scratch, output)
     except OSError as error:
         raise write_error(output, error) from error
     finally:
         remove(scratch)
+
+
+def take_name(scratch: Path, output: Path) -> None:
+    """Give a complete file or directory its name, in place of the previous one."""
+    if scratch.is_dir() and output.exists():
+        _exchange(scratch, output)
+    else:
+        scratch.replace(output)
 
 
 def _exchange(scratch: Path, output: Path) -> None:

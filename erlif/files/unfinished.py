@@ -1,23 +1,25 @@
-"""Unfinished work beside its output, one file for each trigger, so that a run can be resumed."""
+"""Unfinished work beside its output, kept trigger by trigger so that a run can be resumed."""
 
 from __future__ import annotations
 
 import logging
 import shutil
-import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
-import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import OutputError
-from erlif.files.compression import MapVariable, compress, round_bits
+from erlif.files.compression import MapVariable
+from erlif.files.netcdf_maps import NetcdfMaps
 from erlif.files.replacing import remove, write_error
+from erlif.files.store import MapStore
+from erlif.files.zarr_maps import ZarrMaps
 
 _logger = logging.getLogger(__name__)
 
@@ -29,7 +31,7 @@ class _Lock:
     """
 
     def __init__(self, output: Path) -> None:
-        self.path = output.with_name(f".{output.name}.lock")
+        self.path = self.path_of(output)
         self.file: IO[str] | None = None
         try:
             import fcntl
@@ -53,6 +55,11 @@ class _Lock:
             ) from error
         self.file = file
 
+    @staticmethod
+    def path_of(output: Path) -> Path:
+        """File that is locked while the output is written."""
+        return output.with_name(f".{output.name}.lock")
+
     def release(self) -> None:
         """Allow other processes to write the output."""
         if self.file is not None:
@@ -62,15 +69,19 @@ class _Lock:
 
 
 class PartialFilm:
-    """The finished triggers of a film in the making, each in a file beside the output.
+    """A film in the making, in a directory beside the output.
 
     Parameters
     ----------
     output : Path
-        File or directory that the film is written to.
+        ``film.nc``, or ``film.zarr`` for zarr.
     key : str
         Identifies inputs and settings. Unfinished work of the same key is resumed, work of another
         key is removed.
+    grid : Dataset
+        Coordinates trigger, y and x of the maps.
+    variables : sequence of MapVariable
+        The maps.
 
     Raises
     ------
@@ -80,30 +91,52 @@ class PartialFilm:
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
+    >>> import numpy as np
+    >>> grid = xr.Dataset(coords={"trigger": [0, 1], "y": [0.0, 0.1], "x": [0.0, 0.1, 0.2]})
     >>> variables = [MapVariable("flags", "uint8", {"units": "1"})]
     >>> with TemporaryDirectory() as folder:
-    ...     with PartialFilm(Path(folder, "film.nc"), "inputs of May") as work:
-    ...         work.put(0, {"flags": np.zeros((2, 3), np.uint8)}, variables, {"frames_used": 1})
-    ...     with PartialFilm(Path(folder, "film.nc"), "inputs of May") as again:
+    ...     output = Path(folder, "film.nc")
+    ...     with PartialFilm(output, "inputs of May", grid, variables) as work:
+    ...         chunks = work.encode({"flags": np.zeros((2, 3), np.uint8)})
+    ...         work.put(0, chunks, {"frames_used": 1})
+    ...     with PartialFilm(output, "inputs of May", grid, variables) as again:
     ...         again.has(0), again.has(1)
     (True, False)
     """
 
-    def __init__(self, output: Path, key: str) -> None:
+    def __init__(
+        self, output: Path, key: str, grid: xr.Dataset, variables: Sequence[MapVariable]
+    ) -> None:
         self.output = output
         """File or directory that the film is written to."""
-        self.directory = output.with_name(output.name + ".partial")
-        """Where the finished triggers are kept."""
+        self.directory = _directory(output)
+        """Where the unfinished film and the numbers of its triggers are kept."""
         self.lock = _Lock(output)
         """Held until the work is left."""
+        self.maps: MapStore
+        """The maps; for zarr it can be sent to other processes, which put triggers themselves."""
         try:
             self._open(key)
+            if output.suffix == ".zarr":
+                rows, columns = grid.sizes["y"], grid.sizes["x"]
+                store = ZarrMaps(
+                    self.directory, tuple(variables), (grid.sizes["trigger"], rows, columns)
+                )
+                store.create()
+                self.maps = store
+            else:
+                self.maps = NetcdfMaps(self.directory, grid, variables)
         except OSError as error:
             self.lock.release()
             raise write_error(output, error) from error
-        except OutputError:
+        except BaseException:
             self.lock.release()
             raise
+
+        self._triggers = grid.sizes["trigger"]
+        finished = sum(map(self.has, range(self._triggers)))
+        if finished:
+            _logger.info("unfinished work is resumed: %d triggers are finished", finished)
 
     def _open(self, key: str) -> None:
         """Resume the work of this key, or begin it in an empty directory."""
@@ -122,9 +155,6 @@ class PartialFilm:
         # files that were being written when an earlier process ended
         for stray in self.directory.glob("*.unfinished"):
             remove(stray)
-        finished = len(list(self.directory.glob("trigger_*.npz")))
-        if finished:
-            _logger.info("unfinished work is resumed: %d triggers are finished", finished)
 
     def _is_occupied(self) -> bool:
         """Whether something that is not ours has the name of the directory."""
@@ -142,31 +172,30 @@ class PartialFilm:
         trace: TracebackType | None,
     ) -> None:
         """Release the output; remove the directory where no trigger is finished."""
-        if not any(self.directory.glob("trigger_*.npz")):
+        self.maps.close()
+        if not any(map(self.has, range(self._triggers))):
             self.discard()
         self.lock.release()
 
+    def encode(self, maps: Mapping[str, AnyArray]) -> dict[str, bytes]:
+        """Round and compress the maps (y, x) of one trigger; any thread may call it."""
+        return self.maps.encode(maps)
+
     def has(self, trigger: int) -> bool:
-        """Check whether a trigger is finished; a file cut off by a loss of power is not."""
-        return zipfile.is_zipfile(self._path(trigger))
+        """Check whether a trigger is finished; one cut off by a loss of power is not."""
+        return self.maps.has(trigger)
 
     def put(
-        self,
-        trigger: int,
-        maps: Mapping[str, AnyArray],
-        variables: list[MapVariable],
-        numbers: Mapping[str, npt.ArrayLike],
+        self, trigger: int, chunks: Mapping[str, bytes], numbers: Mapping[str, npt.ArrayLike]
     ) -> None:
-        """Keep the maps and the small arrays of one trigger.
+        """Keep the chunks and the small arrays of one trigger.
 
         Parameters
         ----------
         trigger : int
-            Number of the trigger, from 0.
-        maps : mapping of str to array, (y, x)
-            Map of each variable by its name.
-        variables : list of MapVariable
-            Type and precision of the maps.
+            Number of the trigger; the first one that is not finished, unless the output is zarr.
+        chunks : mapping of str to bytes
+            From `encode`.
         numbers : mapping of str to array
             Small arrays by name; `numbers` gives them back.
 
@@ -175,48 +204,46 @@ class PartialFilm:
         OutputError
             If they cannot be written; the triggers put before are intact.
         """
-        record: dict[str, npt.ArrayLike] = {
-            f"number_{name}": np.asarray(value) for name, value in numbers.items()
-        }
-        for variable in variables:
-            values = maps[variable.name]
-            if variable.dtype == "float32":
-                values = round_bits(values, variable.bits)
-            record[f"map_{variable.name}"] = np.frombuffer(
-                compress(values.astype(variable.dtype)), np.uint8
-            )
-
-        # a trigger is finished when its file has its name, and not before
-        scratch = self._path(trigger).with_suffix(".unfinished")
         try:
-            with scratch.open("wb") as file:
-                np.savez(file, **record)  # type: ignore[arg-type]
-            scratch.replace(self._path(trigger))
+            self.maps.put(trigger, chunks, numbers)
         except OSError as error:
-            scratch.unlink(missing_ok=True)
             raise write_error(self.output, error) from error
-
-    def chunk(self, trigger: int, variable: MapVariable) -> bytes:
-        """Compressed map of one trigger, as `compress` gives it."""
-        with np.load(self._path(trigger)) as record:
-            return bytes(record[f"map_{variable.name}"])
-
-    def size(self) -> int:
-        """Size of the finished triggers. [byte]"""
-        return sum(path.stat().st_size for path in self.directory.glob("trigger_*.npz"))
 
     def numbers(self, trigger: int) -> dict[str, AnyArray]:
         """Small arrays of one trigger, by the names given to `put`."""
-        with np.load(self._path(trigger)) as record:
-            return {
-                name.removeprefix("number_"): record[name]
-                for name in record
-                if name.startswith("number_")
-            }
+        return self.maps.numbers(trigger)
 
     def discard(self) -> None:
-        """Remove the finished triggers, once the output is complete."""
+        """Remove what is kept beside the output, once that is complete."""
         shutil.rmtree(self.directory, ignore_errors=True)
 
-    def _path(self, trigger: int) -> Path:
-        return self.directory / f"trigger_{trigger:05d}.npz"
+
+def remove_remains(output: Path) -> None:
+    """Remove what a process left that was killed after its output had become complete.
+
+    Parameters
+    ----------
+    output : Path
+        ``film.nc`` or ``film.zarr``.
+
+    Raises
+    ------
+    OutputError
+        If another process is writing the output.
+
+    Examples
+    --------
+    >>> remove_remains(Path("no such film.nc"))
+    """
+    directory, lock = _directory(output), _Lock.path_of(output)
+    done = (directory / "key").is_file() and not any(directory.glob("maps*"))
+    if not output.exists() or not (done or lock.exists()):
+        return
+    held = _Lock(output)
+    if done:
+        shutil.rmtree(directory, ignore_errors=True)
+    held.release()
+
+
+def _directory(output: Path) -> Path:
+    return output.with_name(output.name + ".partial")

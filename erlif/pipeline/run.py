@@ -24,6 +24,7 @@ from erlif.files import (
     has_identity,
     open_film,
     refuse_existing,
+    remove_remains,
     write_film,
 )
 from erlif.ingest import Run, hash_inputs, open_run
@@ -34,6 +35,7 @@ from erlif.pipeline.film import (
     choose_region,
     describe_film,
     describe_frames,
+    describe_grid,
     describe_registration,
     describe_triggers,
     group_frames,
@@ -130,6 +132,7 @@ def process_run(
 
     Returns False where the film is kept that the same work has made before.
     """
+    remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite)
     run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
@@ -156,7 +159,8 @@ def process_run(
             )
         refuse_existing(output, overwrite=overwrite)
 
-    with PartialFilm(output, identity) as unfinished:
+    grid = describe_grid(settings, run.pairs.shape, len(frames_of))
+    with PartialFilm(output, identity, grid, MAPS) as unfinished:
         # cameras: references, map, sharpness and noise of the whole run
         stored = stored_map(calibration.camera_map, settings.registration)
         prepared = prepare_chain(run, progress, stored=stored)
@@ -179,9 +183,8 @@ def process_run(
             "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
         }
         with stage("writing", _logger):
-            write_film(output, film, groups, unfinished, MAPS)
+            write_film(unfinished, film, groups)
         _log_film(film, output)
-        unfinished.discard()
     return True
 
 

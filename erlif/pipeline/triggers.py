@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages, ThicknessMaps
 from erlif.core.progress import Progress
-from erlif.files import PartialFilm
+from erlif.files import MapStore, PartialFilm
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
@@ -108,6 +109,63 @@ class TriggerTask:
         return FrameResult.of(frame, ratios, pulse_energy=energy)
 
 
+class FinishedTrigger(NamedTuple):
+    """What a trigger leaves, compressed.
+
+    Attributes
+    ----------
+    chunks : dict[str, bytes]
+        Maps as the file holds them.
+    numbers : dict[str, AnyArray]
+        Everything else, as `TriggerResult.to_arrays` gives it.
+    """
+
+    chunks: dict[str, bytes]
+    numbers: dict[str, AnyArray]
+
+
+@dataclass(frozen=True)
+class TriggerWork:
+    """Computes a trigger and compresses what it leaves.
+
+    A store that takes triggers in any order receives them here, in the thread or process that
+    computed them; with such a store this can be sent to other processes.
+
+    Attributes
+    ----------
+    task : Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]]
+        Frames of one trigger to its maps and numbers.
+    frames_of : Sequence[Sequence[int]]
+        Frame pairs of each trigger.
+    maps : MapStore
+        Where the triggers are kept.
+    """
+
+    task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]]
+    frames_of: Sequence[Sequence[int]]
+    maps: MapStore
+
+    def __call__(self, trigger: int) -> FinishedTrigger | None:
+        """Compute a trigger.
+
+        Parameters
+        ----------
+        trigger : int
+            Number of the trigger, from 0.
+
+        Returns
+        -------
+        FinishedTrigger or None
+            None where the store has it already.
+        """
+        maps, result = self.task(self.frames_of[trigger])
+        made = FinishedTrigger(self.maps.encode(maps), result.to_arrays())
+        if not self.maps.any_order:
+            return made
+        self.maps.put(trigger, made.chunks, made.numbers)
+        return None
+
+
 def run_triggers(
     task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]],
     frames_of: Sequence[Sequence[int]],
@@ -136,17 +194,15 @@ def run_triggers(
         In the order of the triggers.
     """
 
-    def compute(trigger: int) -> None:
-        maps, result = task(frames_of[trigger])
-        unfinished.put(trigger, maps, MAPS, result.to_arrays())
-
     triggers = range(len(frames_of))
     todo = [trigger for trigger in triggers if not unfinished.has(trigger)]
     finished = len(frames_of) - len(todo)
     place = {trigger: finished + n for n, trigger in enumerate(todo, 1)}
 
-    def report(trigger: int, _: None) -> None:
+    def collect(trigger: int, made: FinishedTrigger | None) -> None:
+        if made is not None:
+            unfinished.put(trigger, made.chunks, made.numbers)
         progress("film", place[trigger], len(frames_of))
 
-    engine.compute(compute, todo, report)
+    engine.compute(TriggerWork(task, frames_of, unfinished.maps), todo, collect)
     return [TriggerResult.from_arrays(unfinished.numbers(trigger)) for trigger in triggers]
