@@ -52,7 +52,7 @@ MAPS = [
     ),
     MapVariable("flags", "uint8", FLAG_ATTRS),
 ]
-"""The maps of film.nc, with the precision that each deserves."""
+"""The maps of film.nc, each with the precision that its uncertainty leaves."""
 
 
 def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:

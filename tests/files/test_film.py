@@ -202,10 +202,10 @@ def test_groups_are_written_into_the_same_file(tmp_path):
         assert file["registration"]["b"][0] == 2.0
 
 
-def test_a_full_disk_is_reported_before_the_film_is_written(small_rig, tmp_path, monkeypatch):
-    """HDF5 may crash when the disk becomes full; the room is checked first."""
+def test_a_full_disk_is_reported_before_a_map_is_written(small_rig, tmp_path, monkeypatch):
+    """HDF5 may crash when the disk becomes full; room is taken first."""
     usage = type("Usage", (), {"free": 1000})
-    monkeypatch.setattr("erlif.files.film.shutil.disk_usage", lambda path: usage)
+    monkeypatch.setattr("erlif.files.netcdf_maps.shutil.disk_usage", lambda path: usage)
     with pytest.raises(OutputError, match="No space left on device"):
         erlif.process(small_rig.run, output=tmp_path / "film.nc")
     assert not (tmp_path / "film.nc").exists()

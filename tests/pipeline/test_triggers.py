@@ -6,17 +6,26 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import tifffile
+import xarray as xr
 from scenes.results import make_result
 
 from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.files import PartialFilm
 from erlif.pipeline.engines import Threads
-from erlif.pipeline.film import choose_region, pixel_positions
+from erlif.pipeline.film import MAPS, choose_region, pixel_positions
 from erlif.pipeline.run import trigger_task
 from erlif.pipeline.triggers import run_triggers
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]
+
+
+def begin(directory, triggers=3, name="film.nc"):
+    """A film of this many triggers in the making."""
+    grid = xr.Dataset(
+        coords={"trigger": np.arange(triggers), "y": np.arange(4.0), "x": np.arange(6.0)}
+    )
+    return PartialFilm(directory / name, "key", grid, MAPS)
 
 
 def compute(frames):
@@ -29,7 +38,7 @@ def compute(frames):
 
 @pytest.mark.parametrize("workers", [1, 3, None])
 def test_results_stand_in_the_order_of_the_triggers(tmp_path, workers):
-    with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
+    with begin(tmp_path) as unfinished:
         results = run_triggers(
             compute, FRAMES, unfinished, engine=Threads(workers), progress=silent
         )
@@ -38,7 +47,7 @@ def test_results_stand_in_the_order_of_the_triggers(tmp_path, workers):
 
 def test_progress_counts_the_triggers(tmp_path):
     steps = []
-    with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
+    with begin(tmp_path) as unfinished:
         run_triggers(
             compute,
             FRAMES,
@@ -58,11 +67,11 @@ def test_finished_triggers_are_not_computed_again(tmp_path):
             raise KeyboardInterrupt
         return compute(frames)
 
-    with PartialFilm(tmp_path / "film.nc", "key") as unfinished, pytest.raises(KeyboardInterrupt):
+    with begin(tmp_path) as unfinished, pytest.raises(KeyboardInterrupt):
         run_triggers(fail_at_the_third, FRAMES, unfinished, engine=Threads(1), progress=silent)
     assert done == [0, 1, 2]
 
-    with PartialFilm(tmp_path / "film.nc", "key") as unfinished:
+    with begin(tmp_path) as unfinished:
         results = run_triggers(
             compute, FRAMES, unfinished, engine=Threads(), progress=lambda *step: steps.append(step)
         )
@@ -79,7 +88,7 @@ def test_triggers_after_a_fault_are_not_started(tmp_path):
 
     many = [[k] for k in range(50)]
     with (
-        PartialFilm(tmp_path / "film.nc", "key") as unfinished,
+        begin(tmp_path) as unfinished,
         pytest.raises(ValueError, match="a fault"),
     ):
         run_triggers(fail, many, unfinished, engine=Threads(1), progress=silent)
