@@ -11,7 +11,7 @@ import math
 import re
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     import pint
@@ -72,6 +72,36 @@ def _registry() -> pint.UnitRegistry[Any]:
     registry.define("electron = [charge_count]")
     registry.define("DN = [digital_number]")
     return registry
+
+
+class Quantity(float):
+    """A number in a fixed unit that remembers how the user wrote it.
+
+    It computes and compares as the float that it is; results of arithmetic are plain floats.
+
+    Attributes
+    ----------
+    text : str
+        Number and unit as written, "50 um".
+
+    Examples
+    --------
+    >>> pitch = Quantity(5e-05, "50 um")
+    >>> pitch * 2, pitch.text
+    (0.0001, '50 um')
+    """
+
+    text: str
+
+    def __new__(cls, value: float, text: str) -> Self:
+        """A quantity of this value, written as `text`."""
+        quantity = super().__new__(cls, value)
+        quantity.text = text
+        return quantity
+
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+        """Arguments with which a copy in another process is made."""
+        return float(self), self.text
 
 
 def parse_quantity(text: object, unit: str) -> float:

@@ -1,7 +1,8 @@
 """The tables of run.toml and fixture.toml as frozen, checked settings.
 
 A quantity is written as text with a unit and kept as a float in the unit of its type (`Form.unit`):
-SI, but nm for a band, electrons and DN for a camera, degC for Vogel's temperature.
+SI, but nm for a band, electrons and DN for a camera, degC for Vogel's temperature. Its text is kept
+with it (`Quantity`), so that settings are stored as the user wrote them.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from pydantic import (
     Field,
     PlainSerializer,
     WithJsonSchema,
+    WrapValidator,
     model_validator,
 )
 
-from erlif.core.units import parse_quantity
+from erlif.core.units import Quantity, parse_quantity
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,13 @@ QUANTITY_PATTERN = (
 """A number and a unit, for the JSON schema; `erlif.core.units.parse_quantity` checks the unit."""
 
 
+def _write_quantity(value: float, unit: str) -> str:
+    """A quantity as the user wrote it, or the shortest decimal number in its unit."""
+    return (
+        value.text if isinstance(value, Quantity) else f"{value!r}".removesuffix(".0") + f" {unit}"
+    )
+
+
 def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`."""
     schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
@@ -57,7 +66,8 @@ def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
     return (
         BeforeValidator(lambda text: parse_quantity(text, unit)),
         *bounds,
-        PlainSerializer(lambda value: f"{value!r} {unit}", return_type=str),
+        WrapValidator(lambda text, check: Quantity(check(text), " ".join(text.split()))),
+        PlainSerializer(lambda value: _write_quantity(value, unit), return_type=str),
         WithJsonSchema(schema),
         Form(name, example, unit),
     )

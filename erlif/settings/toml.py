@@ -19,13 +19,13 @@ def to_toml(settings: Settings) -> str:
     Returns
     -------
     str
-        Lines that read back to the same settings; quantities stand in the unit they are kept in.
+        Lines that read back to the same settings; quantities stand as the user wrote them.
 
     Examples
     --------
     >>> from erlif.settings import OpticsSettings
     >>> print(to_toml(OpticsSettings(pixel_pitch="60 mm")), end="")
-    pixel_pitch = "0.06 m"
+    pixel_pitch = "60 mm"
     x_axis = "sliding"
     """
     lines: list[str] = []

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import pickle
 import re
 
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from erlif.core import units
-from erlif.core.units import parse_quantity
+from erlif.core.units import Quantity, parse_quantity
 
 # definitions: BIPM SI brochure, 9th edition; NIST SP 811, appendix B (pound-force, inch);
 # one rpm is 2 pi/60 rad/s
@@ -170,3 +171,11 @@ PIECES = [
 def test_any_text_gives_a_finite_number_or_a_value_error(text, unit):
     with contextlib.suppress(ValueError):
         assert math.isfinite(parse_quantity("5 " + text, unit))
+
+
+def test_quantity_keeps_its_text_and_computes_as_a_float():
+    load = Quantity(222.4, "50 lbf")
+    assert load == 222.4
+    assert type(load * 2) is float
+    copy = pickle.loads(pickle.dumps(load))
+    assert (copy, copy.text) == (222.4, "50 lbf")

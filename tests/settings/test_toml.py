@@ -1,5 +1,6 @@
 """Settings written as TOML read back to the same settings."""
 
+import pickle
 import string
 import tomllib
 
@@ -7,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from erlif.settings import FixtureSettings, RunSettings, read_run_settings, to_toml
+from erlif.settings import FixtureSettings, OpticsSettings, RunSettings, read_run_settings, to_toml
 from erlif.settings.toml import toml_value
 
 text = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=12) | st.sampled_from(
@@ -135,6 +136,23 @@ def test_run_settings_written_as_toml_read_back_the_same(raw):
 def test_fixture_settings_written_as_toml_read_back_the_same(raw):
     written = FixtureSettings.model_validate(raw)
     assert FixtureSettings.model_validate(tomllib.loads(to_toml(written))) == written
+
+
+@pytest.mark.parametrize("pitch", ["50 um", "19.2 mm", "0.05 mm", "5e-5 m"])
+def test_quantities_stand_as_the_user_wrote_them(pitch):
+    optics = OpticsSettings(pixel_pitch=pitch)
+    line = f'pixel_pitch = "{pitch}"'
+    assert line in to_toml(optics)
+    assert line in to_toml(optics.model_copy(deep=True))
+    assert line in to_toml(pickle.loads(pickle.dumps(optics)))
+
+
+def test_quantity_without_a_text_is_the_shortest_decimal_in_its_unit(small_rig):
+    settings = read_run_settings(small_rig.run)
+    joint = settings.joint.model_copy(update={"load": 200.0})
+    written = to_toml(settings.model_copy(update={"joint": joint}))
+    assert 'load = "200 N"' in written
+    assert 'least_signal = "100 electron"' in written
 
 
 def test_every_printable_character_survives_the_way_through_toml(small_rig):
