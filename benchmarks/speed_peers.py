@@ -33,12 +33,11 @@ def read_and_write(run_dir: str, film_path: str, output: str) -> None:
     small = maps.isel(trigger=[0] * pairs).drop_vars(list(maps.data_vars))
 
     wall, processor = time.perf_counter(), time.process_time()
-    with PartialFilm(Path(output), "reading and writing alone") as work:
-        for k in run.pairs.usable:
+    with PartialFilm(Path(output), "reading and writing alone", small, MAPS) as work:
+        for trigger, k in enumerate(run.pairs.usable):
             read_frames(run.pairs, [k])
-            work.put(k, images[k % len(images)], MAPS, {})
-        write_film(Path(output), small, {}, work, MAPS)
-        work.discard()
+            work.put(trigger, work.encode(images[k % len(images)]), {})
+        write_film(work, small, {})
     spent = (time.perf_counter() - wall, time.process_time() - processor)
     print(json.dumps([value / pairs for value in spent]))
 

@@ -14,9 +14,9 @@ from erlif.pipeline.chain import one_thread_per_frame
 
 _Result = TypeVar("_Result")
 
-_AHEAD = 4
-"""Items in work or waiting for each thread: none waits for the collection of its results, and the
-memory of uncollected results does not grow with the run."""
+_AHEAD = 2
+"""Items that wait, or whose results do, beside those in work: one for the thread that becomes free
+while results are collected, one in reserve. More would only take memory."""
 
 
 class Engine(Protocol):
@@ -83,7 +83,7 @@ class Threads:
         with one_thread_per_frame(), ThreadPoolExecutor(threads) as pool:
             try:
                 for item in items:
-                    if len(jobs) >= _AHEAD * threads:
+                    if len(jobs) >= threads + _AHEAD:
                         collect_first()
                     jobs.append((item, pool.submit(work, item)))
                 while jobs:

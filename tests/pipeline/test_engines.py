@@ -44,7 +44,7 @@ def test_few_results_wait_for_their_collection():
     timer.start()
     Threads(2).compute(work, range(200), lambda *result: None)
     assert len(begun) == 200
-    assert most[0] <= 8
+    assert most[0] <= 4
 
 
 def test_items_after_a_fault_are_not_begun():
