@@ -17,7 +17,14 @@ from erlif.registration.coarse import Start, coarse_binning, find_start
 from erlif.registration.drift import follow_drift
 from erlif.registration.matching import AB, WEIGHT, cell_sums, correlation
 from erlif.registration.pairs import Frames, Pair, Pairs, laid_over, open_frames, textures
-from erlif.registration.selection import FINE_LADDER, Model, choose_model, left_over, moved_to
+from erlif.registration.selection import (
+    FINE_LADDER,
+    Model,
+    choose_model,
+    is_unresolved,
+    left_over,
+    moved_to,
+)
 from erlif.registration.settings import RegistrationSettings
 from erlif.registration.solution import (
     Solution,
@@ -32,9 +39,6 @@ from erlif.registration.whitening import make_filter, slope_gain
 
 CANDIDATES: Final = 4
 """Frames that are tried for the coarse alignment before it is given up."""
-
-UNRESOLVED: Final = 2.0
-"""Windows take over where the best surface leaves this many times what makes finer ones a trial."""
 
 FINE: Final = 16
 """Elements from which on a surface is compared with windows: the distortion may be finer still."""
@@ -300,7 +304,7 @@ def fit_surface(views: Views, surface: Surface) -> Fit:
         seen = views.look(surface)
         surface = seen.surface
     cells = views.cells(seen.sums, surface, slope)
-    model, unresolved = choose_surface(cells)
+    model, unresolved = choose_surface(cells, settings.window)
     surface = solve_surface(equations(cells, model.elements), basis=model.basis)
 
     # once more from there; dust, which one camera alone sees, loses its weight
@@ -343,27 +347,30 @@ def check_correlation(sums: Array) -> float:
     return quality
 
 
-def choose_surface(cells: Cells) -> tuple[Model, bool]:
+def choose_surface(cells: Cells, window: float) -> tuple[Model, bool]:
     """Choose the model of the surface.
 
     Parameters
     ----------
     cells : Cells
         The sums over all chosen frames.
+    window : float
+        Side of the windows that may take its place. [px]
 
     Returns
     -------
     model : Model
         One of the coarse ladder, or of the fine one where those leave a displacement.
     unresolved : bool
-        Whether it leaves distortion that none of the models resolves.
+        Whether it leaves distortion that none of the models resolves and that windows would follow
+        better.
     """
     model = choose_model(cells)
     if left_over(_left_by(cells, model)) < 1:
         return model, False
 
     finer = choose_model(cells, FINE_LADDER, model)
-    return finer, left_over(_left_by(cells, finer)) > UNRESOLVED
+    return finer, is_unresolved(_left_by(cells, finer), window)
 
 
 def _left_by(cells: Cells, model: Model) -> Cells:

@@ -9,7 +9,7 @@ each.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -47,6 +47,10 @@ LEFT_OVER: Final = 4.0
 
 LEFT_BETWEEN: Final = 0.6
 """The same for pairs of cells: excess of their joint disagreement, 3 if they move together. [1]"""
+
+UNRESOLVED: Final = 2.0
+"""A displacement is left for windows if its excess is this many times what makes finer surfaces a
+trial. [1]"""
 
 TILES: Final = (2, 4, 8)
 """Sides of the tiles whose disagreement is compared with that of single cells. [cells]"""
@@ -148,32 +152,92 @@ def disagreement(cells: Cells, factor: int) -> Array:
     return np.asarray((gyy * bx**2 - 2 * gxy * bx * by + gxx * by**2)[ok] / det[ok])
 
 
-def left_over(cells: Cells) -> float:
-    """How clearly a displacement remains that the surface has missed.
+class Excess(NamedTuple):
+    """How much more tiles disagree with a surface than the cells in them do by noise.
+
+    Attributes
+    ----------
+    side : int
+        Side of the tiles. [cells]
+    value : float
+        Mean of s' M^-1 s over that of single cells, less 1; 0 for noise. [1]
+    limit : float
+        Values above this are not chance. [1]
+    """
+
+    side: int
+
+    value: float
+
+    limit: float
+
+
+def excesses(cells: Cells) -> list[Excess]:
+    """Compare the disagreement of tiles with that of single cells.
 
     The scores of noise add up like noise, so s' M^-1 s has one mean whatever the size of a tile;
-    the scores of a missed displacement add up in proportion. Tiles of four and eight cells are
-    compared with the single cells, with chance as the only limit. Tiles of two are for distortion
-    too fine for those; their limit is fixed, because texture may reach from cell to cell.
+    the scores of a missed displacement add up in proportion. For tiles of four and eight cells
+    chance is the only limit. Tiles of two are for distortion too fine for those; their limit is
+    fixed, because texture may reach from cell to cell.
+
+    Parameters
+    ----------
+    cells : Cells
+        Sums on a fitted surface.
+
+    Returns
+    -------
+    list of Excess
+        For the tiles of which there are enough.
+    """
+    small = disagreement(cells, 1)
+    if not len(small) or not small.mean() > 0:
+        return []
+
+    found = []
+    for factor in TILES:
+        large = disagreement(cells, factor)
+        if len(large) < FEWEST_TILES:
+            continue
+        limit = LEFT_BETWEEN if factor == 2 else LEFT_OVER / float(np.sqrt(len(large)))
+        found.append(Excess(factor, float(large.mean() / small.mean()) - 1, limit))
+    return found
+
+
+def left_over(cells: Cells) -> float:
+    """How clearly a displacement remains that the surface has missed.
 
     Returns
     -------
     float
         The largest excess over its limit; finer surfaces are worth a trial from 1 on. [1]
     """
-    small = disagreement(cells, 1)
-    if not len(small) or not small.mean() > 0:
-        return 0.0
+    return max((max(found.value, 0.0) / found.limit for found in excesses(cells)), default=0.0)
 
-    largest = 0.0
-    for factor in TILES:
-        large = disagreement(cells, factor)
-        if len(large) < FEWEST_TILES:
-            continue
-        excess = float(large.mean() / small.mean()) - 1
-        limit = LEFT_BETWEEN if factor == 2 else LEFT_OVER / float(np.sqrt(len(large)))
-        largest = max(largest, excess / limit)
-    return largest
+
+def is_unresolved(cells: Cells, window: float) -> bool:
+    """Whether a displacement remains that windows would follow better than the surface.
+
+    The vectors of windows have noise of their own. A displacement as large as that noise gives
+    tiles of the side of a window an excess of 1, and larger tiles one in proportion to their area.
+    What is significant only over larger tiles is smaller than the noise that windows would bring.
+
+    Parameters
+    ----------
+    cells : Cells
+        Sums on a fitted surface.
+    window : float
+        Side of the windows. [px]
+
+    Returns
+    -------
+    bool
+    """
+    pitch = float(cells.x[1] - cells.x[0])
+    return any(
+        found.value > max(UNRESOLVED * found.limit, (found.side * pitch / window) ** 2)
+        for found in excesses(cells)
+    )
 
 
 def noise_of_scores(cells: Cells, used_up: int) -> float:

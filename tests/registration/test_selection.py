@@ -13,6 +13,8 @@ from erlif.registration.selection import (
     choose_model,
     disagreement,
     elements_of,
+    excesses,
+    is_unresolved,
     left_over,
     moved_to,
     noise_of_scores,
@@ -202,6 +204,39 @@ def test_small_frames_and_frames_without_texture_leave_nothing():
     empty = noise_only()
     empty.sums[:] = 0
     assert left_over(empty) == 0
+
+
+def test_a_displacement_in_all_of_a_tile_has_an_excess_in_proportion_to_its_area():
+    """Cells of standard deviation 0.1 px in each component: 0.1 px along x give each 1 in 2."""
+    rng = np.random.default_rng(4)
+    sign = rng.choice([-1.0, 1.0], (32, 32)).repeat(4, 0).repeat(4, 1)
+    values = []
+    for seed in range(4):
+        found = excesses(cells_of(0.1 * sign, 0 * sign, seed=seed))
+        values.append([excess.value for excess in found[:2]])
+    two, four = np.mean(values, axis=0)
+    npt.assert_allclose((1 + four) / (1 + two), (1 + 16 / 2) / (1 + 4 / 2), rtol=0.1)
+
+
+@pytest.mark.parametrize(("displacement", "unresolved"), [(0.02, False), (0.12, True)])
+def test_windows_are_worth_it_where_the_displacement_left_exceeds_their_noise(
+    displacement, unresolved
+):
+    """Windows of 2 cells have 0.05 px of noise in each component; 32 px squares move as one."""
+    x, y = grid(64, 64)
+    sign = np.where((x // 32 + y // 32) % 2, 1.0, -1.0)
+    cells = cells_of(displacement * sign, -displacement * sign)
+    assert left_over(cells) > 1
+    assert is_unresolved(cells, window=2 * PITCH) is unresolved
+
+
+def test_wider_windows_have_less_noise():
+    """0.035 px in squares of 64 px: below the noise of windows of 2 cells, above that of 8."""
+    x, y = grid(64, 64)
+    sign = np.where((x // 64 + y // 64) % 2, 1.0, -1.0)
+    cells = cells_of(0.035 * sign, -0.035 * sign)
+    assert not is_unresolved(cells, window=2 * PITCH)
+    assert is_unresolved(cells, window=8 * PITCH)
 
 
 @pytest.mark.parametrize("used_up", [0, 200])
