@@ -97,9 +97,13 @@ def here(call: str, *arguments: object) -> list[str]:
     return [sys.executable, "-c", code, *map(str, arguments)]
 
 
-def process_run(run: Path, output: Path, workers: int, repeats: int = 1) -> Cost:
+def process_run(
+    run: Path, output: Path, workers: int, repeats: int = 1, kernels: str | None = None
+) -> Cost:
+    """One call of `erlif process`, with compiled kernels in another folder where one is given."""
     options = ("-v", "process", run, "-o", output, "--overwrite", "--workers", workers)
-    return measure(erlif(*options), repeats)
+    place = ["env", f"NUMBA_CACHE_DIR={kernels}"] if kernels else []
+    return measure([*place, *erlif(*options)], repeats)
 
 
 # data ---------------------------------------------------------------------------------------------
@@ -176,6 +180,12 @@ def compare(rig: Path, options: argparse.Namespace) -> list[str]:
     size = rig.name.partition("-")[0].replace("x", " x ")
     runs = {pairs: make_run(rig, pairs, options.fold) for pairs in options.pairs}
     output, other = rig / f"film.{options.format}", rig / f"alone.{options.format}"
+    with tempfile.TemporaryDirectory() as kernels:
+        if options.fresh:
+            cost = process_run(runs[min(runs)], output, max(options.workers), kernels=kernels)
+            cells = [cost.processor, cost.at("film: started"), cost.wall, cost.peak]
+            words = ["`erlif process`, first call", max(options.workers), min(runs), "", ""]
+            show(size, *words, *map(figure, cells))
     process_run(runs[min(runs)], output, max(options.workers))  # compiles
 
     for workers in options.workers:
@@ -265,7 +275,8 @@ def grow(scratch: Path, options: argparse.Namespace) -> None:
     output, workers = rig / f"film.{options.format}", max(options.workers)
     process_run(make_run(rig, 3, options.fold), output, workers)  # compiles
     columns = ["pairs", "processor ms per pair", "wall ms per pair", "peak MB"]
-    columns += ["wall s before the first pair", "wall s after the last pair", "film, MB"]
+    columns += ["wall s before the first pair", "wall s after the last pair"]
+    columns += ["processor s of writing", "film, MB"]
     show(*columns)
     show(*["---"] * len(columns))
 
@@ -273,7 +284,8 @@ def grow(scratch: Path, options: argparse.Namespace) -> None:
         cost = process_run(make_run(rig, pairs, options.fold), output, workers, options.repeats)
         wall, work = (1e3 * value / pairs for value in cost.stages("film"))
         start, end = cost.at("film: started"), cost.at("film: finished")
-        cells = [work, wall, cost.peak, start, cost.wall - end, size_of(output) / 1e6]
+        writing = cost.stages("writing")[1]
+        cells = [work, wall, cost.peak, start, cost.wall - end, writing, size_of(output) / 1e6]
         show(pairs, *map(figure, cells))
     remove(output)
 
@@ -309,6 +321,7 @@ def main() -> None:
     parser.add_argument("--whole", action="store_true", help="run the user's script on all of them")
     parser.add_argument("--plan", type=int, default=100_000, help="pairs of a run planned on paper")
     parser.add_argument("--growth", action="store_true", help="20 to 5000 pairs of one size")
+    parser.add_argument("--fresh", action="store_true", help="a first call without kernels, too")
     parser.add_argument("--small", action="store_true", help="one small size, under a minute")
     parser.add_argument("--scratch", type=Path, help="where data are kept for the next call")
     options = parser.parse_args()
