@@ -11,9 +11,9 @@ The virtual rig makes about ten frame pairs of each size; longer runs repeat the
 They are uncompressed 12-bit TIFF in 16 bits, as camera software writes them. Every pair is a
 trigger of its own and gives a map, unless `--fold` has fewer triggers per turn of the crank.
 
-The operating system counts time and peak memory of each whole process. The cost of the pairs is
-that of the stages "film" and "writing" in the log under -v; the rest is fixed. A first call that
-compiles is not counted. Linux and macOS.
+The operating system counts time and peak memory of each whole process. Fixed cost and cost per pair
+are the line through runs of different length. A first call that compiles is not counted. Linux and
+macOS.
 """
 
 import argparse
@@ -27,7 +27,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -50,16 +49,29 @@ class Cost:
     peak: float
     text: str
 
-    def at(self, event: str) -> float:
-        """Seconds from the start to a line of the log under -v."""
-        line = next(line for line in self.text.splitlines() if event in line)
-        return float(line.split()[0])
+    def film(self) -> tuple[float, float, float]:
+        """Start, duration and processor seconds of the stage "film", from the log under -v."""
+        start = re.search(r"(\S+) s  .*film: started", self.text)
+        end = re.search(r"film: finished after (\S+) s, processor (\S+) s", self.text)
+        if start is None or end is None:
+            raise SystemExit(f"Expected the stage film in the log; got:\n{self.text}")
+        return float(start[1]), float(end[1]), float(end[2])
 
-    def stages(self, *names: str) -> tuple[float, float]:
-        """Seconds and processor seconds of these stages, from the log under -v."""
-        pattern = rf" (?:{'|'.join(names)}): finished after (\S+) s, processor (\S+) s"
-        found = re.findall(pattern, self.text)
-        return sum(float(wall) for wall, _ in found), sum(float(work) for _, work in found)
+
+@dataclass(frozen=True)
+class Line:
+    """Seconds of any number of pairs: `fixed + pairs * each`."""
+
+    each: float
+    fixed: float
+
+    @classmethod
+    def through(cls, costs: dict[int, Cost], name: str) -> "Line":
+        each, fixed = np.polyfit(list(costs), [getattr(cost, name) for cost in costs.values()], 1)
+        return cls(float(each), float(fixed))
+
+    def total(self, pairs: int) -> float:
+        return self.fixed + pairs * self.each
 
 
 # processes ----------------------------------------------------------------------------------------
@@ -179,53 +191,48 @@ def compare(rig: Path, options: argparse.Namespace) -> list[str]:
     """Rows of one size; returns what follows from them, in words."""
     size = rig.name.partition("-")[0].replace("x", " x ")
     runs = {pairs: make_run(rig, pairs, options.fold) for pairs in options.pairs}
+    few, many, most = min(runs), max(runs), max(options.workers)
     output, other = rig / f"film.{options.format}", rig / f"alone.{options.format}"
     with tempfile.TemporaryDirectory() as kernels:
         if options.fresh:
-            cost = process_run(runs[min(runs)], output, max(options.workers), kernels=kernels)
-            cells = [cost.processor, cost.at("film: started"), cost.wall, cost.peak]
-            words = ["`erlif process`, first call", max(options.workers), min(runs), "", ""]
-            show(size, *words, *map(figure, cells))
-    process_run(runs[min(runs)], output, max(options.workers))  # compiles
+            cost = process_run(runs[few], output, most, kernels=kernels)
+            cells = map(figure, [cost.processor, cost.wall, cost.peak])
+            show(size, "`erlif process`, first call", most, few, "", "", *cells)
+    process_run(runs[few], output, most)  # compiles
 
     for workers in options.workers:
-        for pairs, run in runs.items():
-            cost = process_run(run, output, workers, options.repeats)
-            each = tuple(value / pairs for value in cost.stages("film", "writing"))
-            before = [cost.processor - pairs * each[1], cost.at("film: started")]
-            cells = [each[1], each[0], *before, cost.wall, cost.peak]
-            show(size, "`erlif process`", workers, pairs, *map(figure, cells))
-    film_size = size_of(output) / pairs
+        costs = {n: process_run(run, output, workers, options.repeats) for n, run in runs.items()}
+        wall, work = Line.through(costs, "wall"), Line.through(costs, "processor")
+        cells = [work.each, wall.each, work.fixed, wall.fixed, costs[many].peak]
+        show(size, "`erlif process`", workers, f"{few} to {many}", *map(figure, cells))
+    film_size = size_of(output) / many
 
     field = json.loads(measure(here("speed_peers.register_each", make_run(rig, 4, None))).text)
-    cells = [each[1] + field[1], each[0] + field[0] / workers]
-    show(size, "with `register` on every pair", workers, 4, *map(figure, cells), *[""] * 4)
+    cells = [work.each + field[1], wall.each + field[0] / workers]
+    show(size, "with `register` on every pair", workers, 4, *map(figure, cells), "", "", "")
 
-    alone = measure(here("speed_peers.read_and_write", runs[pairs], output, other), options.repeats)
+    alone = measure(here("speed_peers.read_and_write", runs[many], output, other), options.repeats)
     floor = json.loads(alone.text.splitlines()[-1])
-    show(size, "reading and writing alone", 1, pairs, *map(figure, floor[::-1]), *[""] * 4)
-    ratio = each[1] / floor[1]
+    show(size, "reading and writing alone", 1, many, *map(figure, floor[::-1]), "", "", "")
+    ratio = work.each / floor[1]
     words = [f"{size}: {ratio:.1f} times the processor time of reading and writing alone"]
 
     if find_spec("openpiv"):
-        words.append(beside_script(rig, size, options, cost, each))
+        words.append(beside_script(rig, size, options, wall, work))
 
     # frames of two cameras, two bytes for each pixel
     columns, rows = map(int, size.split(" x "))
     frames, film = 4 * columns * rows * options.plan / 1e9, film_size * options.plan / 1e9
-    hours = (before[1] + options.plan * each[0]) / 3600
     words.append(
         f"{size}: {options.plan} pairs are planned with {frames:.0f} GB of frames, {film:.0f} GB "
-        f"of film, {hours:.1f} hours, {cost.peak:.0f} MB of memory"
+        f"of film, {wall.total(options.plan) / 3600:.1f} hours, {costs[many].peak:.0f} MB of memory"
     )
     remove(output)
     remove(other)
     return words
 
 
-def beside_script(
-    rig: Path, size: str, options: argparse.Namespace, ours: Cost, each: tuple[float, ...]
-) -> str:
+def beside_script(rig: Path, size: str, options: argparse.Namespace, wall: Line, work: Line) -> str:
     """Row of the user's script, whole command from files to maps; returns the ratio in words."""
     curve, target = rig / "curve.npz", options.target
     if not curve.exists():
@@ -234,19 +241,16 @@ def beside_script(
     run = make_run(rig, pairs, None)
     cost = measure(here("user_script.write_maps", run, curve, rig / "maps"))
     shutil.rmtree(rig / "maps")
-    peer = [value / pairs for value in json.loads(cost.text.splitlines()[-1])]
-    fixed = [cost.processor - pairs * peer[1], cost.wall - pairs * peer[0]]
-    cells = [peer[1], peer[0], *fixed, cost.wall, cost.peak]
+    each = [value / pairs for value in json.loads(cost.text.splitlines()[-1])]
+    its_wall = Line(each[0], cost.wall - pairs * each[0])
+    its_work = Line(each[1], cost.processor - pairs * each[1])
+    cells = [its_work.each, its_wall.each, its_work.fixed, its_wall.fixed, cost.peak]
     show(size, "user's script", 1, pairs, *map(figure, cells))
-
-    # fixed cost and cost per pair of both, so that neither needs a run of this length
-    longest = max(options.pairs)
-    wall = (fixed[1] + target * peer[0]) / (ours.wall + (target - longest) * each[0])
-    work = (fixed[0] + target * peer[1]) / (ours.processor + (target - longest) * each[1])
     return (
-        f"{size}: {target} pairs in {wall:.1f} times less time than the user's script, "
-        f"{work:.1f} times less processor time (whole commands, {max(options.workers)} worker(s); "
-        f"computed from {longest} pairs, and {pairs} of the script)"
+        f"{size}: {target} pairs in {its_wall.total(target) / wall.total(target):.1f} times less "
+        f"time than the user's script, {its_work.total(target) / work.total(target):.1f} times "
+        f"less processor time (whole commands, {max(options.workers)} worker(s), from fixed cost "
+        f"and cost per pair)"
     )
 
 
@@ -261,7 +265,7 @@ def remove(film: Path) -> None:
 
 def compare_sizes(scratch: Path, options: argparse.Namespace) -> None:
     columns = ["size", "", "workers", "pairs", "processor s per pair", "wall s per pair"]
-    columns += ["fixed processor s", "wall s before the first pair", "whole, wall s", "peak MB"]
+    columns += ["processor s, fixed", "wall s, fixed", "peak MB"]
     show(*columns)
     show(*["---"] * len(columns))
     rigs = [make_rig(scratch, size, options.compression) for size in options.sizes]
@@ -274,18 +278,16 @@ def grow(scratch: Path, options: argparse.Namespace) -> None:
     rig = make_rig(scratch, options.sizes[0], options.compression)
     output, workers = rig / f"film.{options.format}", max(options.workers)
     process_run(make_run(rig, 3, options.fold), output, workers)  # compiles
-    columns = ["pairs", "processor ms per pair", "wall ms per pair", "peak MB"]
-    columns += ["wall s before the first pair", "wall s after the last pair"]
-    columns += ["processor s of writing", "film, MB"]
+    columns = ["pairs", "processor ms per pair", "wall ms per pair", "processor s, all else"]
+    columns += ["wall s before the first pair", "wall s after the last pair", "peak MB", "film, MB"]
     show(*columns)
     show(*["---"] * len(columns))
 
     for pairs in options.pairs:
         cost = process_run(make_run(rig, pairs, options.fold), output, workers, options.repeats)
-        wall, work = (1e3 * value / pairs for value in cost.stages("film"))
-        start, end = cost.at("film: started"), cost.at("film: finished")
-        writing = cost.stages("writing")[1]
-        cells = [work, wall, cost.peak, start, cost.wall - end, writing, size_of(output) / 1e6]
+        start, wall, work = cost.film()
+        cells = [1e3 * work / pairs, 1e3 * wall / pairs, cost.processor - work, start]
+        cells += [cost.wall - start - wall, cost.peak, size_of(output) / 1e6]
         show(pairs, *map(figure, cells))
     remove(output)
 
@@ -333,12 +335,14 @@ def main() -> None:
         sizes, pairs, options.workers = ["320x256"], [10, 40], [2]
     options.sizes, options.pairs = options.sizes or sizes, options.pairs or pairs
 
+    if len(options.pairs) < 2:
+        parser.error("--pairs needs at least two lengths, such as 10,200.")
+
     print(describe_machine() + "\n", flush=True)
-    with ExitStack() as stack:
-        new = tempfile.TemporaryDirectory(prefix="erlif-benchmark-")
-        scratch = options.scratch or Path(stack.enter_context(new))
+    with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as new:
+        scratch = (options.scratch or Path(new)).resolve()
         scratch.mkdir(parents=True, exist_ok=True)
-        (grow if options.growth else compare_sizes)(scratch.resolve(), options)
+        (grow if options.growth else compare_sizes)(scratch, options)
 
 
 if __name__ == "__main__":
