@@ -30,14 +30,15 @@ def read_and_write(run_dir: str, film_path: str, output: str) -> None:
         for k in range(maps.sizes["trigger"])
     ]
     pairs = len(run.pairs.usable)
-    small = maps.isel(trigger=[0] * pairs).drop_vars(list(maps.data_vars))
+    grid = maps.drop_vars(list(maps.data_vars)).isel(trigger=[0] * pairs)
+    grid["trigger"] = np.arange(pairs)
 
     wall, processor = time.perf_counter(), time.process_time()
-    with PartialFilm(Path(output), "reading and writing alone", small, MAPS) as work:
-        for trigger, k in enumerate(run.pairs.usable):
-            read_frames(run.pairs, [k])
-            work.put(trigger, work.encode(images[k % len(images)]), {})
-        write_film(work, small, {})
+    with PartialFilm(Path(output), "reading and writing alone", grid, MAPS) as work:
+        for trigger, frame in enumerate(run.pairs.usable):
+            read_frames(run.pairs, [frame])
+            work.put(trigger, work.encode(images[trigger % len(images)]), {})
+        write_film(work, grid, {})
     spent = (time.perf_counter() - wall, time.process_time() - processor)
     print(json.dumps([value / pairs for value in spent]))
 
