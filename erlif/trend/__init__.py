@@ -1,15 +1,20 @@
 """Maps to statistics, profiles, theory and the speed exponent."""
 
+from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
+from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
 from erlif.trend.gap import GapMinimum, fit_gap_minimum
 from erlif.trend.profile import RigidGap, average_across_sliding, rigid_gap
 from erlif.trend.region import Region, find_region
-from erlif.trend.statistics import FilmStatistics, summarise_film
+from erlif.trend.statistics import FilmStatistics, summarise_blocks, summarise_film
 from erlif.trend.theory import Joint, Solid, VogelLaw, predict_film
 
 __all__ = [
+    "BLOCK",
     "SLOWEST",
+    "BlockSums",
     "Exponent",
+    "FilmCurve",
     "FilmStatistics",
     "GapMinimum",
     "Joint",
@@ -23,5 +28,7 @@ __all__ = [
     "fit_gap_minimum",
     "predict_film",
     "rigid_gap",
+    "sum_blocks",
+    "summarise_blocks",
     "summarise_film",
 ]

@@ -12,18 +12,16 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array, Mask
 from erlif.core.products import RatioImages
-from erlif.core.statistics import robust_rms
+from erlif.core.statistics import MAD_TO_STD
+from erlif.trend.blocks import BlockSums, sum_blocks
+from erlif.trend.curve import FilmCurve
 from erlif.trend.region import Region
-
-BLOCK = 8
-"""Width of the blocks whose log ratio is averaged before the fit. [px]"""
 
 _CLIP = 4.685
 """Residual from which a block has no weight: 95 % efficient for normal noise. [std]"""
@@ -121,10 +119,17 @@ def fit_gap_minimum(
     >>> round(minimum.value, 2)
     2.8
     """
-    blocks = _average_blocks(ratios, x, y, region, sliding_along_x=sliding_along_x)
-    fit = _fit_gap(blocks, calibration)
+    return find_gap_minimum(
+        sum_blocks(ratios, region), FilmCurve.of(calibration), sliding_along_x=sliding_along_x
+    )
+
+
+def find_gap_minimum(sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool) -> GapMinimum:
+    """Fit a smooth gap to the blocks of a region; `fit_gap_minimum` does the same from images."""
+    blocks = _average_blocks(sums, sliding_along_x=sliding_along_x)
+    fit = _fit_gap(blocks, curve)
     if fit is None:
-        parameters = len(calibration.full_covariance)
+        parameters = len(curve.gradient)
         return GapMinimum(math.nan, math.nan, math.nan, np.full(parameters, math.nan))
 
     # the minimum lies at the vertex of the parabola where it opens upwards, else at an edge
@@ -134,8 +139,8 @@ def fit_gap_minimum(
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     per_var = fit.response / fit.total_var
-    curvature = fit.jacobian.T @ (fit.jacobian * per_var[:, None])
-    pull = fit.jacobian @ np.linalg.solve(curvature, at)
+    curvature = (fit.jacobian * per_var) @ fit.jacobian.T
+    pull = np.linalg.solve(curvature, at) @ fit.jacobian
     by_block = pull * fit.response / fit.total_var
 
     # the scatter of the blocks about the fit beyond their noise is that of the surfaces
@@ -148,13 +153,8 @@ def fit_gap_minimum(
         float(at @ fit.gap),
         math.sqrt(random),
         math.sqrt(max(total - random, 0.0)),
-        np.asarray(-calibration.gradient(fit.film) @ by_block),
+        np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
     )
-
-
-def noise_correlation(ratios: RatioImages) -> float:
-    """Variance of a mean over many pixels, relative to that of independent pixels. [1]"""
-    return float(ratios.noise_correlation) if "noise_correlation" in ratios else 1.0
 
 
 @dataclass(frozen=True)
@@ -188,33 +188,30 @@ class _GapFit:
     response: Array
     """Derivative of weighted residual to residual, of the biweight."""
     jacobian: Array
-    """Log ratio to parameters, (block, 4). [1/um]"""
+    """Log ratio to parameters, (4, block). [1/um]"""
 
 
-def _fit_gap(blocks: _Blocks, calibration: Calibration) -> _GapFit | None:
+def _fit_gap(blocks: _Blocks, curve: FilmCurve) -> _GapFit | None:
     """Fit the four parameters of the gap; None where the blocks do not determine them."""
     value, noise = blocks.log_ratio, blocks.variance
-    low, high = calibration.thickness_range
-    design = np.column_stack(
-        [np.ones_like(value), blocks.along, blocks.across, blocks.along_squared]
-    )
+    high = curve.calibration.thickness_range[1]
+    design = np.stack([np.ones_like(value), blocks.along, blocks.across, blocks.along_squared])
 
     # start from the blocks within the calibrated range, inverted one by one
-    limits = calibration.predict_log([low, high])
-    grid = np.linspace(low, high, 500)
-    start = np.interp(value, calibration.predict_log(grid), grid)
-    use = (value > limits[0]) & (value < limits[1])
+    use = (value > curve.bins[0]) & (value < curve.bins[1])
     if not _determine_a_gap(blocks, use):
         return None
-    gap = np.linalg.lstsq(design[use], start[use], rcond=None)[0]
+    place, _ = curve.find_bins(value)
+    chosen = design * use
+    gap = np.linalg.solve(chosen @ design.T, chosen @ curve.film[place])
 
     trust = use.astype(float)
     response = trust
     surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
     for step in range(_MOST_STEPS):
-        film = np.clip(design @ gap, low - 0.5, 1.5 * high)
-        slope = calibration.slope(film)
-        residual = value - calibration.predict_log(film)
+        film = np.clip(gap @ design, *curve.limits)
+        predicted, slope = curve.predict(film)
+        residual = value - predicted
 
         if step >= _PLAIN_STEPS:
             # blocks are chosen by the fitted gap, not by their noisy value, to leave no bias
@@ -232,9 +229,9 @@ def _fit_gap(blocks: _Blocks, calibration: Calibration) -> _GapFit | None:
 
         total_var = noise + slope**2 * surface
         weight = trust / total_var
-        jacobian = design * slope[:, None]
-        normal = jacobian.T @ (jacobian * weight[:, None])
-        change = np.linalg.solve(normal, jacobian.T @ (weight * residual))
+        jacobian = design * slope
+        weighted = jacobian * weight
+        change = np.linalg.solve(weighted @ jacobian.T, weighted @ residual)
         gap = gap + change
         if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
             break
@@ -243,21 +240,20 @@ def _fit_gap(blocks: _Blocks, calibration: Calibration) -> _GapFit | None:
 
 def _determine_a_gap(blocks: _Blocks, use: Mask) -> bool:
     """Whether the chosen blocks determine a parabola along sliding and a tilt across."""
-    along = np.unique(blocks.strip_across[use]).size
-    across = np.unique(blocks.strip_along[use]).size
+    along, across = (
+        np.count_nonzero(np.bincount(strip[use]))
+        for strip in (blocks.strip_across, blocks.strip_along)
+    )
     return bool(use.sum() >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
 
 
 def _excess_variance(residual: Array, variance: Array) -> float:
-    """Variance of residuals beyond their own, by their median absolute deviation."""
-    excess = 0.0
-    for _ in range(20):  # fixed-point iteration; it converges in five to ten
-        scale = robust_rms(residual / np.sqrt(variance + excess))
-        change = (scale**2 - 1) * float(np.median(variance + excess))
-        excess = max(excess + change, 0.0)
-        if abs(change) < 1e-3 * float(np.median(variance)) or excess == 0.0:
-            break
-    return excess
+    """Variance of residuals beyond their own, by their median absolute deviation.
+
+    With it, half of the residuals lie within std/1.4826 of zero, for each its own std. A residual
+    does so where (1.4826 residual)^2 - variance is below the excess, which is the median of that.
+    """
+    return max(float(np.median((MAD_TO_STD * residual) ** 2 - variance)), 0.0)
 
 
 def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
@@ -267,7 +263,7 @@ def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
     their blocks have in common: their number is corrected for, and few strips count singly.
     """
     sums = np.bincount(strip, score)
-    count = np.unique(strip).size
+    count = int(np.count_nonzero(np.bincount(strip)))
     lags = min(max(count // _STRIPS_PER_LAG, 1), _LAG)
 
     total = float((sums**2).sum())
@@ -276,44 +272,23 @@ def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
     return total * count / (count - 1)
 
 
-def _average_blocks(
-    ratios: RatioImages, x: Array, y: Array, region: Region, *, sliding_along_x: bool
-) -> _Blocks:
+def _average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> _Blocks:
     """Average the log ratio over blocks with equal weights: others would depend on the noise."""
-    rows, columns = region.rows, region.columns
-    total = _sum_blocks(
-        ratios.log_ratio.values[rows, columns],
-        ratios.log_ratio_var.values[rows, columns],
-        ratios.flags.values[rows, columns],
-        np.linspace(-1, 1, x[columns].size),
-        np.linspace(-1, 1, y[rows].size),
-        BLOCK,
-    )
-    full = total[0] > 0
-    down, right = np.nonzero(full)
-    count = total[0, full]
-    log_ratio, variance, u, uu, v, vv = total[1:, full] / count
-    variance *= noise_correlation(ratios)
+    some = sums.lit > 0
+    down, right = np.nonzero(some)
+    count = sums.lit[some]
+    log_ratio = sums.offset + sums.lit_ratio[some] / count
+    variance = sums.noise_correlation * sums.lit_var[some] / count**2
 
+    rows, columns = sums.size
+    v, vv = _scale(sums.row[some] / count, sums.row_squared[some] / count, rows)
+    u, uu = _scale(sums.column[some] / count, sums.column_squared[some] / count, columns)
     if sliding_along_x:
-        return _Blocks(log_ratio, variance / count, u, uu, v, down, right)
-    return _Blocks(log_ratio, variance / count, v, vv, u, right, down)
+        return _Blocks(log_ratio, variance, u, uu, v, down, right)
+    return _Blocks(log_ratio, variance, v, vv, u, right, down)
 
 
-@numba.njit(nogil=True, cache=True)
-def _sum_blocks(log_ratio, variance, flags, u, v, block):  # type: ignore[no-untyped-def]
-    """Sums over the valid pixels of each block: count, log ratio, variance, u, u^2, v, v^2."""
-    height, width = log_ratio.shape
-    total = np.zeros((7, (height + block - 1) // block, (width + block - 1) // block))
-    for i in range(height):
-        for j in range(width):
-            if flags[i, j] == 0:
-                here = total[:, i // block, j // block]
-                here[0] += 1.0
-                here[1] += log_ratio[i, j]
-                here[2] += variance[i, j]
-                here[3] += u[j]
-                here[4] += u[j] ** 2
-                here[5] += v[i]
-                here[6] += v[i] ** 2
-    return total
+def _scale(place: Array, squared: Array, size: int) -> tuple[Array, Array]:
+    """Means of pixel positions and of their squares, on a scale from -1 to 1 over the region."""
+    step = 2 / (size - 1)
+    return step * place - 1, step**2 * squared - 2 * step * place + 1

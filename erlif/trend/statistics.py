@@ -9,17 +9,15 @@ from typing import NamedTuple
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Array, FlagImage
-from erlif.core.flags import Flag
+from erlif.core.arrays import Array
 from erlif.core.products import RatioImages, ThicknessMaps, require
-from erlif.trend.gap import BLOCK, fit_gap_minimum, noise_correlation
+from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
+from erlif.trend.curve import FilmCurve
+from erlif.trend.gap import find_gap_minimum
 from erlif.trend.region import Region
 
 _LEAST_PIXELS = 64
 """Measurable pixels of a mean, at least."""
-
-_BINS = 4000
-"""Bins of log ratio over the calibrated range, far narrower than the noise of a pixel."""
 
 
 @dataclass(frozen=True)
@@ -136,12 +134,51 @@ def summarise_film(
     (3.0, 3.0, 0.0)
     """
     require(ratios, "log_ratio", "log_ratio_var", "flags")
-    mean = _average_film(ratios, maps, calibration, region)
-    minimum = fit_gap_minimum(
-        ratios, calibration, x=x, y=y, region=region, sliding_along_x=sliding_along_x
+    return summarise_blocks(
+        sum_blocks(ratios, region, maps),
+        FilmCurve.of(calibration),
+        sliding_along_x=sliding_along_x,
     )
 
-    covariance = calibration.full_covariance
+
+def summarise_blocks(
+    sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool = True
+) -> FilmStatistics:
+    """Mean and minimum film thickness from the sums over the blocks of a region.
+
+    `summarise_film` does the same from images.
+
+    Parameters
+    ----------
+    sums : BlockSums
+    curve : FilmCurve
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+
+    Returns
+    -------
+    FilmStatistics
+        NaN where the region holds too few valid pixels.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.plots import example_calibration
+    >>> calibration = example_calibration()
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),
+    ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ... }))
+    >>> sums = sum_blocks(ratios, Region(slice(0, 64), slice(0, 64)))
+    >>> round(summarise_blocks(sums, FilmCurve.of(calibration)).minimum, 2)
+    3.0
+    """
+    mean = _average_film(sums, curve)
+    minimum = find_gap_minimum(sums, curve, sliding_along_x=sliding_along_x)
+
+    covariance = curve.calibration.full_covariance
     mean_shared = float(mean.gradient @ covariance @ mean.gradient)
     minimum_shared = float(minimum.gradient @ covariance @ minimum.gradient)
     return FilmStatistics(
@@ -154,58 +191,39 @@ def summarise_film(
         minimum_random_std=minimum.random_std,
         minimum_surface_std=minimum.surface_std,
         minimum_gradient=minimum.gradient,
-        beyond_range=_share_beyond_range(maps.flags.values[region.rows, region.columns]),
+        # of the otherwise valid pixels, those whose film lies outside the measurable range
+        beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
     )
 
 
-def _share_beyond_range(flags: FlagImage) -> float:
-    """Share of the otherwise valid pixels whose film lies outside the measurable range."""
-    beyond = (flags == Flag.BELOW_RANGE) | (flags == Flag.ABOVE_RANGE)
-    sound = int((flags == 0).sum()) + int(beyond.sum())
-    return float(beyond.sum()) / sound if sound else 0.0
+def _average_film(sums: BlockSums, curve: FilmCurve) -> _Mean:
+    """Mean over the measurable pixels, independent of the noise of single pixels.
 
-
-def _average_film(
-    ratios: RatioImages, maps: ThicknessMaps, calibration: Calibration, region: Region
-) -> _Mean:
-    """Mean over the pixels of the measurable range, independent of the noise of single pixels.
-
-    The inverse h of the log ratio r is expanded about the mean log ratio m of the surroundings of
-    each pixel, h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean
-    film whatever the size of the noise.
+    The inverse h of the log ratio r is expanded about the mean log ratio m of each block,
+    h(m) + h' (r - m) + h'' ((r - m)^2 - variance) / 2. The mean of this is the mean film whatever
+    the size of the noise.
     """
-    within = region.rows, region.columns
-    near = maps.log_ratio_near.values[within]
-    good = np.isfinite(near)
-    if good.sum() < _LEAST_PIXELS:
-        return _Mean(math.nan, math.nan, np.full(len(calibration.full_covariance), math.nan))
-    near = near[good].astype(float)
-    off = ratios.log_ratio.values[within][good] - near
-    variance = ratios.log_ratio_var.values[within][good].astype(float)
-    displaced = ratios.log_ratio_var_shared.values[within][good].astype(float)
+    size = float(sums.measurable.sum())
+    if size < _LEAST_PIXELS:
+        return _Mean(math.nan, math.nan, np.full(len(curve.gradient), math.nan))
+    some = sums.measurable > 0
+    count, ratio, squared, variance, displaced = (
+        each[some]
+        for each in (sums.measurable, sums.ratio, sums.ratio_squared, sums.var, sums.displaced)
+    )
 
-    # film, slope, curvature and gradient change slowly with the ratio: evaluate them once per bin
-    first, last = calibration.predict_log(calibration.thickness_range)
-    place = np.clip(((near - first) * (_BINS / (last - first))).astype(np.intp), 0, _BINS - 1)
-    centre = first + (np.arange(_BINS) + 0.5) * (last - first) / _BINS
-    table = calibration.inverse
-    grid = table.start + table.step * np.arange(table.thickness.size)
-    film = np.interp(centre, grid, table.thickness)
-    rate = 1 / calibration.slope(film)
-    curvature = np.gradient(rate, centre)
-
-    count = np.bincount(place, minlength=_BINS)
-    size = near.size
-    off += near - centre[place]
-    linear = np.bincount(place, off, _BINS)
-    square = np.bincount(place, off**2 - variance, _BINS)
+    # the sums about the middle of a bin, from those about the offset
+    place, distance = curve.find_bins(sums.offset + ratio / count)
+    middle = ratio / count - distance
+    linear = ratio - count * middle
+    square = squared - 2 * middle * ratio + count * middle**2 - variance
+    film, rate, curvature = (each[place] for each in (curve.film, curve.rate, curve.curvature))
     mean = float((film * count + rate * linear + 0.5 * curvature * square).sum()) / size
-    gradient = -(calibration.gradient(film) * rate * count).sum(axis=1) / size
+    gradient = curve.gradient @ np.bincount(place, count, curve.film.size) / size
 
-    noise = float((rate**2 * np.bincount(place, variance, _BINS)).sum())
-    random = math.sqrt(noise_correlation(ratios) * noise) / size
+    random = math.sqrt(sums.noise_correlation * float((rate**2 * variance).sum())) / size
 
     # the error of the displacement is common to neighbours, the gradient of light that it acts on
     # is not: the product is correlated over about one block
-    registration = math.sqrt(float((rate**2 * np.bincount(place, displaced, _BINS)).sum())) / size
+    registration = math.sqrt(float((rate**2 * displaced).sum())) / size
     return _Mean(mean, math.hypot(random, BLOCK * registration), gradient)

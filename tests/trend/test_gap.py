@@ -20,7 +20,6 @@ from erlif.core.products import RatioImages
 from erlif.rig import RigSettings
 from erlif.rig.film import draw_marks
 from erlif.trend import Region, fit_gap_minimum
-from erlif.trend.gap import noise_correlation
 
 
 def fit(ratios, *, calibration=None, region=WHOLE):
@@ -112,12 +111,6 @@ def test_noise_that_neighbours_share_is_part_of_the_random_error():
         found.append(fit(RatioImages(ratios.assign(noise_correlation=4.0))))
     scatter = np.std([one.value for one in found], ddof=1)
     npt.assert_allclose(np.mean([one.random_std for one in found]), scatter, rtol=0.33)
-
-
-def test_noise_of_pixels_is_independent_unless_a_correlation_is_given():
-    ratios = exact_ratios(known_gap(3.0))
-    assert noise_correlation(ratios) == 1.0
-    assert noise_correlation(RatioImages(ratios.assign(noise_correlation=4.0))) == 4.0
 
 
 def test_smooth_surfaces_leave_a_small_surface_error():

@@ -1,0 +1,153 @@
+"""A calibration tabulated once, for the statistics of all triggers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array
+
+_FILMS = 20001
+"""Films of the table; its linear interpolation is good to 1e-8 of the log ratio."""
+
+_BINS = 4000
+"""Bins of log ratio over the calibrated range, far narrower than the noise of a pixel."""
+
+_BELOW, _ABOVE = 0.5, 1.5
+"""The table begins 0.5 um below the calibrated range and ends at 1.5 times its end."""
+
+
+@dataclass(frozen=True)
+class FilmCurve:
+    """Log ratio of a film and film of a log ratio, in tables.
+
+    Attributes
+    ----------
+    calibration : Calibration
+        What is tabulated.
+    limits : tuple[float, float]
+        First and last film of the table. [um]
+    log_ratio : Array
+        Log ratio of evenly spaced films between the limits, (film,). [1]
+    slope : Array
+        Its derivative by the film, (film,). [1/um]
+    bins : tuple[float, float]
+        Log ratio at the ends of the calibrated range. [1]
+    film : Array
+        Film in the middle of evenly spaced bins of log ratio over the calibrated range, (bin,).
+        [um]
+    rate : Array
+        Its derivative by the log ratio, (bin,). [um]
+    curvature : Array
+        Its second derivative, (bin,). [um]
+    gradient : Array
+        Change of the film of a log ratio with what was fitted to the fixture, (parameter, bin).
+    """
+
+    calibration: Calibration
+    limits: tuple[float, float]
+    log_ratio: Array = field(repr=False)
+    slope: Array = field(repr=False)
+    bins: tuple[float, float]
+    film: Array = field(repr=False)
+    rate: Array = field(repr=False)
+    curvature: Array = field(repr=False)
+    gradient: Array = field(repr=False)
+
+    @classmethod
+    def of(cls, calibration: Calibration) -> FilmCurve:
+        """Tabulate a calibration.
+
+        Parameters
+        ----------
+        calibration : Calibration
+
+        Returns
+        -------
+        FilmCurve
+        """
+        low, high = calibration.thickness_range
+        limits = low - _BELOW, _ABOVE * high
+        films = np.linspace(*limits, _FILMS)
+
+        # film, slope, curvature and gradient change slowly with the ratio: once per bin is enough
+        first, last = (float(end) for end in calibration.predict_log([low, high]))
+        centre = first + (np.arange(_BINS) + 0.5) * (last - first) / _BINS
+        table = calibration.inverse
+        grid = table.start + table.step * np.arange(table.thickness.size)
+        film = np.interp(centre, grid, table.thickness)
+        rate = 1 / calibration.slope(film)
+        return cls(
+            calibration,
+            limits,
+            calibration.predict_log(films),
+            calibration.slope(films),
+            (first, last),
+            film,
+            rate,
+            np.gradient(rate, centre),
+            -calibration.gradient(film) * rate,
+        )
+
+    def predict(self, film: Array) -> tuple[Array, Array]:
+        """Log ratio and slope of films.
+
+        Parameters
+        ----------
+        film : array
+            Films; those beyond the limits are taken for the nearest limit. [um]
+
+        Returns
+        -------
+        log_ratio : array
+            Like film. [1]
+        slope : array
+            Its derivative. [1/um]
+
+        Examples
+        --------
+        >>> from erlif.plots import example_calibration
+        >>> calibration = example_calibration()
+        >>> log_ratio, slope = FilmCurve.of(calibration).predict(np.array([2.0, 5.0]))
+        >>> bool(np.allclose(log_ratio, calibration.predict_log([2.0, 5.0]), atol=1e-8))
+        True
+        """
+        low, high = self.limits
+        place = (np.clip(film, low, high) - low) * ((_FILMS - 1) / (high - low))
+        below = np.minimum(place.astype(np.intp), _FILMS - 2)
+        part = place - below
+        above = below + 1
+        return (
+            self.log_ratio[below] + part * (self.log_ratio[above] - self.log_ratio[below]),
+            self.slope[below] + part * (self.slope[above] - self.slope[below]),
+        )
+
+    def find_bins(self, log_ratio: Array) -> tuple[npt.NDArray[np.intp], Array]:
+        """Bins of log ratios, and the distance from the middle of their bins.
+
+        Parameters
+        ----------
+        log_ratio : array
+            Values beyond the calibrated range belong to its first or last bin. [1]
+
+        Returns
+        -------
+        bin : array of int
+        distance : array
+            Log ratio less that in the middle of the bin. [1]
+
+        Examples
+        --------
+        >>> from erlif.plots import example_calibration
+        >>> curve = FilmCurve.of(example_calibration())
+        >>> middle = np.array([0.5 * sum(curve.bins)])
+        >>> int(curve.find_bins(middle)[0][0])
+        2000
+        """
+        first, last = self.bins
+        width = (last - first) / _BINS
+        place = np.clip(((log_ratio - first) / width).astype(np.intp), 0, _BINS - 1)
+        return place, log_ratio - first - (place + 0.5) * width

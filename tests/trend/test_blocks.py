@@ -1,0 +1,89 @@
+"""Sums over blocks of 8 x 8 pixels, against sums written out."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.gap import X, Y, known_calibration, known_gap, noisy_ratios
+
+from erlif.core.flags import Flag
+from erlif.core.products import RatioImages
+from erlif.thickness import measure_thickness
+from erlif.trend import Region
+from erlif.trend.blocks import noise_correlation, sum_blocks
+
+REGION = Region(slice(3, 30), slice(10, 53))
+"""27 rows and 43 columns: blocks at the lower and right edge are smaller."""
+
+
+@pytest.fixture(scope="module")
+def images():
+    """A gap that is partly beyond the calibrated range, with flagged pixels."""
+    ratios = noisy_ratios(known_gap(14.0), 0.005, np.random.default_rng(1))
+    ratios.flags.values[5:9, 12:20] = Flag.NO_FILM
+    ratios.log_ratio_var_shared.values[:] = 1e-6
+    return ratios, measure_thickness(ratios, known_calibration())
+
+
+def block(image, row, column):
+    """Pixels of one block of the region."""
+    within = image.values[REGION.rows, REGION.columns]
+    return within[8 * row : 8 * row + 8, 8 * column : 8 * column + 8]
+
+
+@pytest.mark.parametrize(("row", "column"), [(0, 0), (1, 2), (3, 5), (0, 5)])
+def test_sums_are_those_of_the_chosen_pixels(images, row, column):
+    ratios, maps = images
+    sums = sum_blocks(ratios, REGION, maps)
+    log_ratio, variance, displaced = (
+        block(ratios[name], row, column).astype(float)
+        for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared")
+    )
+    lit = block(ratios.flags, row, column) == 0
+    measurable = np.isfinite(block(maps.log_ratio_near, row, column))
+    places = np.indices(lit.shape)
+    off = log_ratio - sums.offset
+
+    at = row, column
+    assert (sums.lit[at], sums.measurable[at]) == (lit.sum(), measurable.sum())
+    npt.assert_allclose(sums.lit_ratio[at], off[lit].sum(), atol=1e-12)
+    npt.assert_allclose(sums.lit_var[at], variance[lit].sum())
+    npt.assert_allclose(sums.ratio[at], off[measurable].sum(), atol=1e-12)
+    npt.assert_allclose(sums.ratio_squared[at], (off[measurable] ** 2).sum())
+    npt.assert_allclose(sums.var[at], variance[measurable].sum())
+    npt.assert_allclose(sums.displaced[at], displaced[measurable].sum())
+    assert sums.row[at] == (places[0][lit] + 8 * row).sum()
+    assert sums.row_squared[at] == ((places[0][lit] + 8 * row) ** 2).sum()
+    assert sums.column[at] == (places[1][lit] + 8 * column).sum()
+    assert sums.column_squared[at] == ((places[1][lit] + 8 * column) ** 2).sum()
+
+
+def test_blocks_cover_the_region_once(images):
+    ratios, maps = images
+    sums = sum_blocks(ratios, REGION, maps)
+    flags = maps.flags.values[REGION.rows, REGION.columns]
+    assert sums.size == (27, 43)
+    assert sums.lit.shape == (4, 6)
+    assert sums.valid == (flags == 0).sum()
+    assert sums.beyond == ((flags == Flag.ABOVE_RANGE) | (flags == Flag.BELOW_RANGE)).sum()
+    assert sums.lit.sum() == 27 * 43 - 4 * 8
+
+
+def test_without_maps_no_pixel_is_measurable(images):
+    whole = Region(slice(0, Y.size), slice(0, X.size))
+    sums = sum_blocks(images[0], whole)
+    assert sums.lit.sum() > 0
+    assert (sums.measurable.sum(), sums.valid, sums.beyond) == (0, 0, 0)
+
+
+def test_a_region_without_light_has_no_sums(images):
+    dark = images[0].copy(deep=True)
+    dark.log_ratio.values[:] = np.nan
+    dark.flags.values[:] = Flag.DIM
+    sums = sum_blocks(RatioImages(dark), REGION)
+    assert (sums.offset, sums.lit.sum(), sums.lit_ratio.sum()) == (0.0, 0.0, 0.0)
+
+
+def test_noise_of_pixels_is_independent_unless_a_correlation_is_given(images):
+    ratios = images[0]
+    assert noise_correlation(ratios) == 1.0
+    assert noise_correlation(RatioImages(ratios.assign(noise_correlation=4.0))) == 4.0

@@ -1,0 +1,65 @@
+"""The calibration in tables, against the formula written out and root finding."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.gap import RANGE, P, Q, known_calibration, true_log_ratio
+
+from erlif.trend.curve import FilmCurve
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return FilmCurve.of(known_calibration())
+
+
+def test_log_ratio_and_slope_are_those_of_the_formula(curve):
+    film = np.linspace(0.05, 23.9, 777)
+    log_ratio, slope = curve.predict(film)
+    npt.assert_allclose(log_ratio, true_log_ratio(film), atol=2e-8)
+    expected = Q / np.expm1(Q * film) - P / np.expm1(P * film)
+    npt.assert_allclose(slope, expected, rtol=1e-6)
+
+
+def test_films_beyond_the_table_are_taken_for_its_ends(curve):
+    ends = np.array(curve.limits)
+    npt.assert_array_equal(curve.predict(np.add(ends, [-3.0, 9.0])), curve.predict(ends))
+    npt.assert_allclose(ends, [RANGE[0] - 0.5, 1.5 * RANGE[1]])
+
+
+def test_film_of_a_bin_is_that_of_the_log_ratio_in_its_middle(curve):
+    log_ratio = true_log_ratio(np.array([0.3, 2.0, 7.0, 15.5]))
+    place, distance = curve.find_bins(log_ratio)
+    expected = known_calibration().invert(log_ratio - distance)
+    npt.assert_allclose(curve.film[place], expected, atol=1e-5)
+    assert np.abs(distance).max() < 0.5 * np.ptp(curve.bins) / 4000 * (1 + 1e-9)
+
+
+def test_expansion_about_a_bin_gives_the_films_near_it(curve):
+    """Terms up to the second order, over fifty bins."""
+    calibration = known_calibration()
+    middle = true_log_ratio(np.array([1.0, 4.0, 9.0]))
+    place, distance = curve.find_bins(middle)
+    step = 50 * np.ptp(curve.bins) / 4000
+    off = step + distance
+    found = curve.film[place] + curve.rate[place] * off + curve.curvature[place] * off**2 / 2
+    exact = calibration.invert(middle + step)
+    # the third order: the rate itself changes over this step by some per cent
+    npt.assert_allclose(found - curve.film[place], exact - curve.film[place], rtol=5e-3)
+
+
+def test_log_ratios_beyond_the_calibrated_range_belong_to_the_outer_bins(curve):
+    place, distance = curve.find_bins(np.add(curve.bins, [-0.01, 0.01]))
+    npt.assert_array_equal(place, [0, 3999])
+    npt.assert_allclose(np.abs(distance), 0.01 + 0.5 * np.ptp(curve.bins) / 4000)
+
+
+@pytest.mark.parametrize("parameter", range(3))
+def test_gradient_is_the_change_of_the_film_of_a_log_ratio(curve, parameter):
+    log_ratio = true_log_ratio(np.array([2.0, 6.0]))
+    changed = list(known_calibration().parameters)
+    changed[parameter] += 1e-6
+    moved = known_calibration(*changed).invert(log_ratio)
+    place, _ = curve.find_bins(log_ratio)
+    expected = (moved - known_calibration().invert(log_ratio)) / 1e-6
+    npt.assert_allclose(curve.gradient[parameter, place], expected, rtol=2e-3)
