@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from erlif.core.arrays import Array, Counts
+from erlif.core.arrays import AnyArray, Counts
 from erlif.correction.darks import Darks, declare_darks, reduce_darks
 from erlif.correction.flats import reduce_flats, sum_light
 from erlif.correction.photon_transfer import LightLevel, reduce_level
@@ -28,7 +28,7 @@ class CameraMeasurement:
         Count at which the camera saturates. [DN]
     levels : tuple[LightLevel, ...]
         Points of the photon transfer curve, of light levels with two and more pages.
-    flat_light : Array | None
+    flat_light : AnyArray | None
         Light of all flat pages together, (y, x); None without a flat. [DN]
     flat_pages : int
         Number of flat pages.
@@ -38,7 +38,7 @@ class CameraMeasurement:
     full_scale: int
     saturation: int
     levels: tuple[LightLevel, ...] = ()
-    flat_light: Array | None = None
+    flat_light: AnyArray | None = None
     flat_pages: int = 0
 
     @property
@@ -100,8 +100,9 @@ def measure_camera(
     # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
     for stack in found.stacks:
-        linear = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * found.saturation
-        level = reduce_level(stack, ~reduced.bad & linear)
+        usable = stack.mean + reduced.mean < _CLEAR_OF_SATURATION * found.saturation
+        usable &= ~reduced.bad
+        level = reduce_level(stack, usable)
         if level is not None:
             levels.append(level)
     return CameraMeasurement(

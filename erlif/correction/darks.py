@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 import scipy
 
-from erlif.core.arrays import Array, Counts, Mask
+from erlif.core.arrays import AnyArray, Counts, Image, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import FrameError
-from erlif.core.statistics import robust_std
+from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
 
 _HOT = 8.0
@@ -31,7 +32,7 @@ class Darks:
 
     Attributes
     ----------
-    mean : Array
+    mean : AnyArray
         Mean of each pixel, (y, x). [DN]
     mean_var : float
         Variance of that mean. [DN2]
@@ -49,7 +50,7 @@ class Darks:
         Standard deviation over the pixels (DSNU). [DN]
     """
 
-    mean: Array
+    mean: AnyArray
     mean_var: float
     bad: Mask
     pages: int
@@ -58,7 +59,7 @@ class Darks:
     level_std: float = float("nan")
     spread: float = float("nan")
 
-    @property
+    @cached_property
     def level(self) -> float:
         """Mean dark level of the good pixels. [DN]"""
         return float(self.mean[~self.bad].mean())
@@ -83,7 +84,7 @@ def declare_darks(offset: float, shape: tuple[int, int]) -> Darks:
     >>> declare_darks(64.0, (2, 2)).level
     64.0
     """
-    return Darks(np.full(shape, offset), 0.0, np.zeros(shape, bool), 0)
+    return Darks(np.full(shape, offset, np.float32), 0.0, np.zeros(shape, bool), 0)
 
 
 def reduce_darks(pages: Iterable[Counts]) -> Darks:
@@ -114,17 +115,17 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     stack: PageStack | None = None
     levels = []
     for page in pages:
-        image = page.astype(float)
-        stack = stack or PageStack(image)
-        stack.add(image)
-        levels.append(float(np.median(image - stack.first)))
+        stack = stack or PageStack(page)
+        stack.add(page)
+        levels.append(float(np.mean(page, dtype=float)))
     if stack is None:
         raise FrameError("Expected at least one dark page; there is none.")
 
     # hot pixels stand out from their surroundings, whatever the dark level does over the sensor
     mean, variance, n = stack.mean, stack.variance, stack.count
     excess = mean - median_of_surroundings(mean)
-    hot = np.abs(excess) > np.maximum(_HOT * robust_std(excess), _HOT)
+    limit = max(_HOT * robust_std(sample_pixels(excess)), _HOT)
+    hot = np.abs(excess, out=excess) > limit
     if n < 2:
         return Darks(mean, 0.0, hot, 1)
 
@@ -148,22 +149,23 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
     )
 
 
-def median_of_surroundings(image: Array) -> Array:
+def median_of_surroundings(image: AnyArray) -> Image:
     """Median over the 5 x 5 pixels about each pixel."""
-    return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), float)
+    return np.asarray(cv2.medianBlur(np.ascontiguousarray(image, np.float32), 5), np.float32)
 
 
-def _find_noisy(variance: Array, pages: int) -> Mask:
+def _find_noisy(variance: AnyArray, pages: int) -> Mask:
     """Pixels whose temporal variance is larger than chance allows.
 
     The variance of n pages follows a chi-square of n - 1 degrees of freedom.
     """
     freedom = pages - 1
+    sample = sample_pixels(variance)
     typical = max(
-        float(np.median(variance)) * freedom / scipy.special.chdtri(freedom, 0.5),
+        float(np.median(sample)) * freedom / scipy.special.chdtri(freedom, 0.5),
         # few pages of a quiet camera hold mostly equal counts, and the median is 0; the mean of
         # the variance is then the better estimate, without the noisy pixels themselves
-        float(np.minimum(variance, np.quantile(variance, 0.99)).mean()),
+        float(np.minimum(sample, np.quantile(sample, 0.99)).mean()),
         QUANTISATION_VAR,
     )
     limit = typical * scipy.special.chdtri(freedom, _FALSE_NOISY) / freedom + _NOISY_FLOOR

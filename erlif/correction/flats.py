@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import Array, Counts, Mask
+from erlif.core.arrays import AnyArray, Counts, Mask
 from erlif.core.errors import FrameError
 from erlif.correction.darks import median_of_surroundings
-from erlif.correction.pages import PageStack
+from erlif.correction.pages import PageStack, precision_of
 from erlif.correction.saturation import Histogram, count_pixels, find_pile_up
 
 _SAME_LEVEL = 0.05
@@ -51,23 +52,23 @@ class FlatField(NamedTuple):
 
     Attributes
     ----------
-    response : Array
+    response : AnyArray
         Relative to the mean, (y, x). [1]
-    response_var : Array
+    response_var : AnyArray
         Its variance, (y, x). [1]
     dead : Mask
         Pixels that hardly respond, or far too much, (y, x).
     """
 
-    response: Array
-    response_var: Array
+    response: AnyArray
+    response_var: AnyArray
     dead: Mask
 
 
 def reduce_flats(
     pages: Iterable[Counts],
     *,
-    dark: Array,
+    dark: AnyArray,
     full_scale: int,
     histogram: Histogram,
     camera: str,
@@ -101,6 +102,7 @@ def reduce_flats(
         If there are pages and none is both well above dark and below saturation.
     """
     levels: list[PageStack] = []
+    first_brightness = brightest = 0.0
     total = histogram.copy()
     recorded = False
     for image in pages:
@@ -114,19 +116,20 @@ def reduce_flats(
             continue
 
         # a page without light has no response of the pixels, and nothing to be scaled by
-        light = image - dark
-        brightness = light.mean()
+        light = np.subtract(image, dark, dtype=precision_of(image))
+        brightness = float(light.mean())
         if brightness <= 0:
             continue
 
         # the scale removes flicker of the lamp, which would count as noise of the camera
-        if not levels or abs(brightness / levels[-1].first.mean() - 1) >= _SAME_LEVEL:
+        if not levels or abs(brightness / first_brightness - 1) >= _SAME_LEVEL:
             levels.append(PageStack(light))
-        levels[-1].add(light, scale=levels[-1].first.mean() / brightness)
+            first_brightness = brightness
+            brightest = max(brightest, brightness)
+        levels[-1].add(light, scale=first_brightness / brightness)
 
     # the histogram of all pages and frames shows a pile-up that single pages hint at
     saturation = find_pile_up(total) or full_scale
-    brightest = max((level.first.mean() for level in levels), default=0.0)
     if recorded and (not levels or brightest < full_scale * _BRIGHT_ENOUGH):
         raise FrameError(
             f"Expected flats of {camera} well above dark and below saturation ({saturation}); none "
@@ -135,13 +138,14 @@ def reduce_flats(
     return FlatLevels(levels, saturation)
 
 
-def sum_light(levels: Iterable[PageStack]) -> Array:
+def sum_light(levels: Iterable[PageStack]) -> AnyArray:
     """Light of all pages together, (y, x). [DN]"""
-    return np.asarray(np.sum([level.count * level.mean for level in levels], axis=0))
+    parts = [part for level in levels for part in (level.count * level.first, level.total)]
+    return np.asarray(reduce(np.add, parts))
 
 
 def make_flat_field(
-    total: Array, pages: int, *, dark_var: Array, bad: Mask, gain: float, page_var: float
+    total: AnyArray, pages: int, *, dark_var: AnyArray, bad: Mask, gain: float, page_var: float
 ) -> FlatField:
     """Response of each pixel relative to the mean, its variance, and the dead pixels.
 

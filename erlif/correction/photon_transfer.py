@@ -14,8 +14,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from erlif.core.arrays import Array, Mask
-from erlif.core.statistics import robust_std
+from erlif.core.arrays import AnyArray, Array, Mask
+from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
 
 _RELEVANT_BEND = 0.02
@@ -119,7 +119,7 @@ def reduce_level(pages: PageStack, usable: Mask) -> LightLevel | None:
         return None
 
     mean, variance = pages.mean[usable], pages.variance[usable]
-    std = np.sqrt(2 * float((variance**2).mean()) / ((n + 1) * pixels))
+    std = np.sqrt(2 * float(np.mean(variance * variance)) / ((n + 1) * pixels))
     scales = np.array(pages.scales)
     return LightLevel(
         light=float(mean.mean()) * float(scales.mean()),
@@ -196,7 +196,7 @@ def fit_photon_transfer(
     return PhotonTransfer(gain, gain_std, float(square * top / start), bend_std)
 
 
-def measure_response_spread(flat: Array, flat_var: Array, bad: Mask) -> float:
+def measure_response_spread(flat: AnyArray, flat_var: AnyArray, bad: Mask) -> float:
     """Relative standard deviation of the response over the pixels (EMVA 1288: PRNU).
 
     Each pixel is compared with the mean of its eight neighbours, so that vignetting and dust do
@@ -228,12 +228,13 @@ def measure_response_spread(flat: Array, flat_var: Array, bad: Mask) -> float:
     # a pixel beside a bad one has a wrong mean about it and is left out too
     around = cv2.filter2D(np.ascontiguousarray(flat), -1, ring, borderType=cv2.BORDER_REFLECT_101)
     sound = cv2.dilate(bad.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
-    if sound.sum() < 2:
-        return float("nan")
-
     # a pixel less the mean of eight others has 1 + 1/8 times the variance of a pixel
-    departure = (flat / around - 1)[sound]
-    noise = float(np.median((flat_var / flat**2)[sound]))
+    use = sample_pixels(sound)
+    if use.sum() < 2:
+        return float("nan")
+    own, mean, variance = (sample_pixels(image)[use] for image in (flat, around, flat_var))
+    departure = own / mean - 1
+    noise = float(np.median(variance / own**2))
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
 
 

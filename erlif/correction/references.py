@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import AnyArray, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
@@ -116,9 +116,9 @@ class _Quantity:
 class _Response(NamedTuple):
     """Flat of one camera in use, and its bad pixels."""
 
-    flat: Array
+    flat: AnyArray
     """Response relative to the mean, (y, x); 1 without a flat. [1]"""
-    flat_var: Array
+    flat_var: AnyArray
     """Its variance, (y, x). [1]"""
     bad: Mask
     """Hot, noisy and dead pixels, (y, x)."""
@@ -189,7 +189,8 @@ def _characterise(
     page_var = (read_noise.value / gain.value) ** 2 + QUANTISATION_VAR
 
     # a single dark page does not determine its variance; it has the noise of a page
-    dark_var = np.full(darks.mean.shape, page_var if darks.pages == 1 else darks.mean_var)
+    of_mean = page_var if darks.pages == 1 else darks.mean_var
+    dark_var = np.full(darks.mean.shape, of_mean, np.float32)
     response = _find_response(
         measured, estimated, dark_var=dark_var, gain=gain.value, page_var=page_var
     )
@@ -208,7 +209,7 @@ def _find_response(
     measured: CameraMeasurement,
     estimated: CameraNoise | None,
     *,
-    dark_var: Array,
+    dark_var: AnyArray,
     gain: float,
     page_var: float,
 ) -> _Response:
@@ -229,14 +230,14 @@ def _find_response(
 
     # response that is not corrected is noise, the same in every frame
     spread = _NAN if estimated is None else estimated.response_spread
-    flat_var = np.full(bad.shape, float(np.nan_to_num(spread)) ** 2)
-    return _Response(np.ones(bad.shape), flat_var, bad, spread)
+    flat_var = np.full(bad.shape, float(np.nan_to_num(spread)) ** 2, np.float32)
+    return _Response(np.ones(bad.shape, np.float32), flat_var, bad, spread)
 
 
 def _build_dataset(
     measured: CameraMeasurement,
     response: _Response,
-    dark_var: Array,
+    dark_var: AnyArray,
     transfer: PhotonTransfer | None,
     gain: _Quantity,
     read_noise: _Quantity,
@@ -288,7 +289,7 @@ def _build_dataset(
     # single precision: the images are multiplied with counts of at most 16 bits
     return xr.Dataset(
         {
-            name: (("y", "x"), image.astype(np.float32), {"units": unit})
+            name: (("y", "x"), image.astype(np.float32, copy=False), {"units": unit})
             for name, (image, unit) in images.items()
         }
         | {

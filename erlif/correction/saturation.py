@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +10,9 @@ from erlif.core.arrays import Counts
 
 Histogram = npt.NDArray[np.int64]
 """Pixels by count, (full scale + 1,)."""
+
+_EXACT = 1 << 24
+"""Largest whole number up to which single precision holds all."""
 
 _BELOW = 16
 """Counts below a pile-up that must each hold few pixels."""
@@ -43,6 +47,10 @@ def count_pixels(counts: Counts, full_scale: int) -> Histogram:
     >>> count_pixels(np.array([[0, 2, 2]], np.uint16), 3)
     array([1, 0, 2, 0])
     """
+    # OpenCV counts four times as fast; its counts are single precision, exact up to 2^24
+    if counts.size <= _EXACT and counts.dtype in (np.uint8, np.uint16):
+        bins = max(full_scale, int(counts.max())) + 1
+        return cv2.calcHist([counts], [0], None, [bins], [0, bins]).ravel().astype(np.int64)
     return np.bincount(counts.ravel(), minlength=full_scale + 1)
 
 

@@ -52,8 +52,9 @@ def test_brightness_is_compared_above_dark():
 def test_pages_are_scaled_to_the_first_of_their_level():
     (stack,) = reduce([page(1000), page(1040), page(960)]).stacks
     npt.assert_allclose(stack.scales, [1, 1000 / 1040, 1000 / 960])
-    npt.assert_allclose(stack.mean, 1000, rtol=1e-12)
-    npt.assert_allclose(stack.variance, 0, atol=1e-18)
+    # single precision rounds 1000 DN by 6e-5 DN, the noise of a camera is above 0.3 DN
+    npt.assert_allclose(stack.mean, 1000, rtol=6e-8)
+    npt.assert_allclose(stack.variance, 0, atol=6e-5**2)
 
 
 def test_the_dark_is_subtracted_pixel_by_pixel():
