@@ -2,7 +2,7 @@
 
 from erlif.ingest.encoder_log import read_encoder_log
 from erlif.ingest.frames import FramePairs, read_frames, skipped_notes
-from erlif.ingest.hashes import hash_inputs
+from erlif.ingest.hashes import hash_files_beside_frames, hash_inputs, sign_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
 from erlif.ingest.reference_pages import read_reference_pages
@@ -15,6 +15,7 @@ __all__ = [
     "Run",
     "RunEntry",
     "depth_warning",
+    "hash_files_beside_frames",
     "hash_inputs",
     "natural_key",
     "open_fixture",
@@ -23,5 +24,6 @@ __all__ = [
     "read_frames",
     "read_reference_pages",
     "read_run_table",
+    "sign_inputs",
     "skipped_notes",
 ]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from erlif.core.notes import Level, Note
 from erlif.core.products import Frames
-from erlif.ingest.images import Page, check_depth, read_page
+from erlif.ingest.images import Page, check_depth, read_content
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class FramePairs:
         return [usable[place] for place in places]
 
 
-def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
+def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = False) -> Frames:
     """Read frame pairs.
 
     Parameters
@@ -65,11 +66,15 @@ def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
     pairs : FramePairs
     frames : sequence of int
         Frame numbers, counted from 0.
+    digests : bool
+        Whether the files are hashed as they are read.
 
     Returns
     -------
     Frames
-        counts (camera, frame, y, x) [DN].
+        counts (camera, frame, y, x) [DN]. With `digests`, the coordinates digest_camera1 and
+        digest_camera2 (frame): SHA-256 of the file, hexadecimal, empty where a file holds more than
+        one frame.
 
     Raises
     ------
@@ -88,18 +93,20 @@ def read_frames(pairs: FramePairs, frames: Sequence[int]) -> Frames:
     """
     # every page is checked again: the header does not show a wrong bit depth
     counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
+    hashes = np.zeros((2, len(frames)), "U64")
     for camera, (pages, bit_depth) in enumerate(zip(pairs.pages, pairs.bit_depths, strict=True)):
         for n, k in enumerate(frames):
-            counts[camera, n] = read_page(pages[k], pairs.directory, pairs.shape)
+            content = read_content(pages[k], pairs.directory, pairs.shape, digest=digests)
+            counts[camera, n], hashes[camera, n] = content
             name = f"camera{camera + 1}/{pages[k].name}"
             check_depth(counts[camera, n], bit_depth=bit_depth, name=name)
 
     attrs = {"units": "DN", "long_name": "raw counts"}
+    coordinates: dict[str, Any] = {"camera": [1, 2], "frame": np.asarray(frames, np.int64)}
+    if digests:
+        coordinates |= {f"digest_camera{n}": ("frame", found) for n, found in enumerate(hashes, 1)}
     return Frames(
-        xr.Dataset(
-            {"counts": (("camera", "frame", "y", "x"), counts, attrs)},
-            {"camera": [1, 2], "frame": np.asarray(frames, np.int64)},
-        )
+        xr.Dataset({"counts": (("camera", "frame", "y", "x"), counts, attrs)}, coordinates)
     )
 
 

@@ -1,22 +1,27 @@
-"""Hashes of the inputs of a result."""
+"""Hashes of the inputs of a result, and a quick sign that they are the same as before."""
 
 from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from erlif.ingest.images import match_files, natural_key
 from erlif.ingest.recording import Fixture, Run
 
+Digests = Mapping[Path, str]
+"""SHA-256 of files that are hashed already, hexadecimal."""
 
-def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
+
+def hash_inputs(recording: Run | Fixture, known: Digests | None = None) -> dict[str, str]:
     """SHA-256 of every input of a run or a fixture.
 
     Parameters
     ----------
     recording : Run or Fixture
+    known : mapping of Path to str, optional
+        Hashes of files that were taken as they were read; the other files are read here.
 
     Returns
     -------
@@ -31,18 +36,13 @@ def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
     >>> "profile.csv" in hashes, len(hashes["profile.csv"])
     (True, 64)
     """
-    if isinstance(recording, Run):
-        names = ["run.toml", recording.settings.encoder.file]
-    else:
-        names = ["fixture.toml", recording.settings.fixture.profile]
-    hashes = {name: _hash_files([recording.directory / name]) for name in names}
-
-    # of the frames the pages that are paired count, of darks and flats what the pattern matches
+    known = {} if known is None else known
+    hashes = {
+        name: _combine(paths, known) for name, paths in _files_beside_frames(recording).items()
+    }
     for camera, pages in zip(recording.cameras, recording.pairs.pages, strict=True):
-        hashes[camera.files] = _hash_files(sorted({page.path for page in pages}, key=natural_key))
-        for reference in (camera.dark, camera.flat):
-            if reference is not None:
-                hashes[reference] = _hash_files(match_files(recording.directory, reference))
+        paths = sorted({page.path for page in pages}, key=natural_key)
+        hashes[camera.files] = _combine(paths, known)
 
     # names as they stand in the settings may climb out and back in: results keep the shortest
     return {
@@ -51,13 +51,97 @@ def hash_inputs(recording: Run | Fixture) -> dict[str, str]:
     }
 
 
-def _hash_files(paths: Iterable[Path]) -> str:
+def hash_files_beside_frames(recording: Run | Fixture) -> dict[Path, str]:
+    """SHA-256 of settings, log or profile, darks and flats.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    dict of Path to str
+        Hexadecimal hash of each file; a file that cannot be read is left out.
+
+    Examples
+    --------
+    >>> from erlif.ingest import open_run
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> sorted(path.name for path in hash_files_beside_frames(run))[-2:]
+    ['encoder.csv', 'run.toml']
+    """
+    files = {path for paths in _files_beside_frames(recording).values() for path in paths}
+    found = {path: _hash_file(path) for path in sorted(files)}
+    return {path: digest for path, digest in found.items() if digest is not None}
+
+
+def sign_inputs(recording: Run | Fixture, known: Digests) -> str:
+    """A sign by which unfinished work knows its inputs, without reading the frames.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+    known : mapping of Path to str
+        Hashes that enter as they are, as `hash_files_beside_frames` gives them.
+
+    Returns
+    -------
+    str
+        Hexadecimal. It changes with the name, the size or the time of change of any frame, to the
+        nanosecond, and with any of the hashes.
+    """
+    sign = hashlib.sha256()
+    for paths in _files_beside_frames(recording).values():
+        for path in paths:
+            sign.update(f"{_name(path, recording)}\0{known.get(path)}\0".encode())
+    for pages in recording.pairs.pages:
+        for path in dict.fromkeys(page.path for page in pages):
+            sign.update(f"{_name(path, recording)}\0{_stamp(path)}\0".encode())
+        sign.update(b"next camera")
+    return sign.hexdigest()
+
+
+def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
+    """Inputs that are no frames, by their names or patterns in the settings."""
+    if isinstance(recording, Run):
+        names = ["run.toml", recording.settings.encoder.file]
+    else:
+        names = ["fixture.toml", recording.settings.fixture.profile]
+    files = {name: [recording.directory / name] for name in names}
+    for camera in recording.cameras:
+        for pattern in (camera.dark, camera.flat):
+            if pattern is not None:
+                files[pattern] = match_files(recording.directory, pattern)
+    return files
+
+
+def _combine(paths: Iterable[Path], known: Digests) -> str:
     # the hash of the hashes: the names of the files do not enter, their order does
     total = hashlib.sha256()
     for path in paths:
-        try:
-            with path.open("rb") as file:
-                total.update(hashlib.file_digest(file, "sha256").digest())
-        except OSError:  # a frame that is left out; files that matter were read before
-            total.update(b"unreadable")
+        digest = known.get(path) or _hash_file(path)
+        # a frame that is left out may be unreadable; files that matter were read before
+        total.update(b"unreadable" if digest is None else bytes.fromhex(digest))
     return total.hexdigest()
+
+
+def _hash_file(path: Path) -> str | None:
+    """SHA-256 of a file; None where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None
+
+
+def _name(path: Path, recording: Run | Fixture) -> str:
+    return os.fsencode(os.path.relpath(path, recording.directory)).hex()
+
+
+def _stamp(path: Path) -> str:
+    """Size and time of change; the same for all files that are not there."""
+    try:
+        found = path.stat()
+    except OSError:
+        return "unreadable"
+    return f"{found.st_size} {found.st_mtime_ns}"

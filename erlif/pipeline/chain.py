@@ -45,12 +45,13 @@ class FrameCorrection:
     references: References
     least_signal: float = 100.0
 
-    def __call__(self, frame: int) -> CorrectedFrames:
+    def __call__(self, frame: int, *, digests: bool = False) -> CorrectedFrames:
         """One corrected frame pair.
 
-        The coordinates peak_camera1 and peak_camera2 on dim frame are its highest counts. [DN]
+        The coordinates peak_camera1 and peak_camera2 on dim frame are its highest counts [DN].
+        With `digests`, digest_camera1 and digest_camera2 are those of `erlif.ingest.read_frames`.
         """
-        frames = read_frames(self.pairs, [frame])
+        frames = read_frames(self.pairs, [frame], digests=digests)
         peaks = frames.counts.values.max(axis=(2, 3))
         corrected = correct_frames(frames, self.references, least_signal=self.least_signal)
         return CorrectedFrames(
@@ -131,8 +132,11 @@ class FrameChain:
         return compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
 
     def ratio(self, frame: int) -> RatioImages:
-        """The ratio image of one frame pair; coordinates as of `FrameCorrection` and `align`."""
-        return self.compute_ratio(self.align(self.correct(frame)))
+        """The ratio image of one frame pair, its files hashed as they are read.
+
+        Coordinates are those of `FrameCorrection` and `align`.
+        """
+        return self.compute_ratio(self.align(self.correct(frame, digests=True)))
 
     def measure(self, frame: int) -> PairRatio:
         """The ratio of one frame pair as plain arrays.

@@ -23,7 +23,12 @@ from erlif.core.timing import stage
 from erlif.ingest import FramePairs, Run, hash_inputs, open_fixture, skipped_notes
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.results import FrameResult, describe_frame_notes, mean_drift
+from erlif.pipeline.results import (
+    FrameResult,
+    describe_frame_notes,
+    known_digests,
+    mean_drift,
+)
 from erlif.ratio import RatioSum
 from erlif.registration import move_map
 
@@ -89,7 +94,7 @@ def calibrate(
     )
     return replace(
         calibration,
-        input_hashes=hash_inputs(fixture),
+        input_hashes=hash_inputs(fixture, known_digests(frames, fixture.pairs)),
         date=_date_of(fixture.pairs),
         profile_file=os.path.relpath(
             fixture.directory / settings.fixture.profile, fixture.directory

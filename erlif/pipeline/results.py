@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,23 +30,32 @@ class FrameResult:
         Highest counts of camera 1 and camera 2. [DN]
     pulse_energy : float
         Light of camera 1 over that of the same film at unit energy; NaN without a film. [DN]
+    digests : tuple[str, str]
+        SHA-256 of the files of camera 1 and camera 2 as they were read, hexadecimal; empty where a
+        file holds more than this frame.
     """
 
     frame: int
     drift: tuple[float, float]
     peaks: tuple[int, int]
     pulse_energy: float = float("nan")
+    digests: tuple[str, str] = ("", "")
 
     @classmethod
     def of(
         cls, frame: int, ratios: RatioImages, *, pulse_energy: float = float("nan")
     ) -> FrameResult:
         """Result of one frame pair, from the coordinates of its ratio image."""
+        one, two = (
+            str(ratios[name].values[0]) if name in ratios.coords else ""
+            for name in ("digest_camera1", "digest_camera2")
+        )
         return cls(
             frame,
             (float(ratios.drift_x[0]), float(ratios.drift_y[0])),
             (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0])),
             pulse_energy,
+            (one, two),
         )
 
 
@@ -75,6 +85,7 @@ class TriggerResult:
             "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
             "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
             "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
+            "digests": np.array([one.digests for one in self.frames], "S64").reshape(-1, 2),
         }
 
     @classmethod
@@ -85,15 +96,16 @@ class TriggerResult:
             value = arrays[f"film_{field.name}"]
             kept[field.name] = value if value.ndim else float(value)
         statistics = FilmStatistics(**kept)
-        columns = (arrays[name] for name in ("frame", "drift", "peaks", "pulse_energy"))
+        columns = (arrays[name] for name in ("frame", "drift", "peaks", "pulse_energy", "digests"))
         frames = tuple(
             FrameResult(
                 int(frame),
                 (float(drift[0]), float(drift[1])),
                 (int(peaks[0]), int(peaks[1])),
                 float(energy),
+                (digests[0].decode(), digests[1].decode()),
             )
-            for frame, drift, peaks, energy in zip(*columns, strict=True)
+            for frame, drift, peaks, energy, digests in zip(*columns, strict=True)
         )
         return cls(statistics, frames)
 
@@ -102,6 +114,16 @@ def mean_drift(frames: Iterable[FrameResult]) -> Array:
     """Mean drift (x, y) over the frames whose drift is known; zero where there is none. [px]"""
     known = np.array([one.drift for one in frames if not np.isnan(one.drift[0])])
     return known.mean(axis=0) if known.size else np.zeros(2)
+
+
+def known_digests(frames: Iterable[FrameResult], pairs: FramePairs) -> dict[Path, str]:
+    """SHA-256 of the frame files that were hashed as they were read, for `hash_inputs`."""
+    return {
+        pages[one.frame].path: digest
+        for one in frames
+        for pages, digest in zip(pairs.pages, one.digests, strict=True)
+        if digest
+    }
 
 
 def describe_frame_notes(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:

@@ -27,7 +27,8 @@ from erlif.files import (
     remove_remains,
     write_film,
 )
-from erlif.ingest import Run, hash_inputs, open_run
+from erlif.ingest import Run, hash_files_beside_frames, hash_inputs, open_run, sign_inputs
+from erlif.ingest.hashes import Digests
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.film import (
@@ -45,7 +46,7 @@ from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.register import stored_map
-from erlif.pipeline.results import describe_frame_notes, mean_drift
+from erlif.pipeline.results import describe_frame_notes, known_digests, mean_drift
 from erlif.pipeline.swap import refuse_swapped_cameras
 from erlif.pipeline.triggers import TriggerTask, run_triggers
 from erlif.registration import move_map
@@ -147,12 +148,11 @@ def process_run(
     calibration = find_calibration(run, calibration, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     _log_calibration(calibration)
-    hashes = hash_inputs(run)
-    identity = identify_work(run, calibration, hashes)
-    if resume:
-        if has_identity(output, identity):
+    digests = hash_files_beside_frames(run)
+    if resume and output.exists():
+        if has_identity(output, identify_work(run, calibration, hash_inputs(run, digests))):
             return False
-        if output.exists() and not overwrite:
+        if not overwrite:
             raise OutputError(
                 f"{output} exists already, made from other inputs or settings or by another "
                 "version; use --overwrite to make it again, or name another output."
@@ -160,7 +160,8 @@ def process_run(
         refuse_existing(output, overwrite=overwrite)
 
     grid = describe_grid(settings, run.pairs.shape, len(frames_of))
-    with PartialFilm(output, identity, grid, MAPS) as unfinished:
+    key = identify_start(run, calibration, digests)
+    with PartialFilm(output, key, grid, MAPS) as unfinished:
         # cameras: references, map, sharpness and noise of the whole run
         stored = stored_map(calibration.camera_map, settings.registration)
         prepared = prepare_chain(run, progress, stored=stored)
@@ -176,8 +177,9 @@ def process_run(
         frames = [one for result in results for one in result.frames]
         drift = mean_drift(frames)
         notes = [*prepared.notes, *describe_frame_notes(frames, run.pairs)]
+        hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
-        film.attrs["identity"] = identity
+        film.attrs["identity"] = identify_work(run, calibration, hashes)
         groups = {
             "frames": describe_frames(run, cycle, results, drift),
             "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
@@ -205,10 +207,22 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
 
 def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str]) -> str:
     """Identity of a piece of work: its inputs, its settings and the version of erlif."""
+    return _identify(run, calibration, describe_hashes(hashes))
+
+
+def identify_start(run: Run, calibration: Calibration, digests: Digests) -> str:
+    """The same before the frames are read: they enter by name, size and time of change.
+
+    Unfinished work is resumed by this. Its triggers keep the hashes of the frames that were read.
+    """
+    return _identify(run, calibration, sign_inputs(run, digests))
+
+
+def _identify(run: Run, calibration: Calibration, inputs: str) -> str:
     parts = [
         __version__,
         to_toml(run.settings),
-        describe_hashes(hashes),
+        inputs,
         record_calibration(calibration),
         json.dumps(sorted(run.pairs.skipped)),
     ]

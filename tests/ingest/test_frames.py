@@ -1,5 +1,6 @@
 """Frame pairs, chosen and read, against the counts that were written."""
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,34 @@ def test_one_multi_page_file_holds_the_same_frames_as_single_pages(run, save_pag
         run.edit("run.toml", (f'"camera{camera}/*.tif"', f'"all{camera}.tiff"'))
     frames = read_frames(open_run(run.directory).pairs, [5, 0])
     np.testing.assert_array_equal(frames.counts, run.counts[:, [5, 0]])
+
+
+def test_files_are_hashed_as_they_are_read_where_asked(run):
+    pairs = open_run(run.directory).pairs
+    assert "digest_camera1" not in read_frames(pairs, [4]).coords
+    frames = read_frames(pairs, [4, 1], digests=True)
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [4, 1]])
+    for camera in (1, 2):
+        paths = [run.frames(camera)[k] for k in (4, 1)]
+        expected = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
+        assert frames[f"digest_camera{camera}"].values.tolist() == expected
+
+
+def test_a_file_of_many_frames_is_not_hashed_with_each(run, save_pages):
+    save_pages(run.directory / "all1.tiff", run.counts[0])
+    run.edit("run.toml", ('"camera1/*.tif"', '"all1.tiff"'))
+    frames = read_frames(open_run(run.directory).pairs, [5], digests=True)
+    assert frames.digest_camera1.values.tolist() == [""]
+    assert len(str(frames.digest_camera2.values[0])) == 64
+
+
+def test_a_page_that_is_not_plain_is_hashed_too(run):
+    path = run.frames(1)[2]
+    tifffile.imwrite(path, run.counts[0, 2], byteorder=">")
+    frames = read_frames(open_run(run.directory).pairs, [2], digests=True)
+    np.testing.assert_array_equal(frames.counts, run.counts[:, [2]])
+    expected = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert frames.digest_camera1.values.tolist() == [expected]
 
 
 def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):

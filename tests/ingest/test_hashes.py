@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 import tifffile
 
-from erlif.ingest import hash_inputs, open_fixture, open_run
+from erlif.ingest import (
+    hash_files_beside_frames,
+    hash_inputs,
+    open_fixture,
+    open_run,
+    sign_inputs,
+)
 
 KEYS = [f"camera{n}{rest}" for n in (1, 2) for rest in ("/*.tif", "_dark.tif", "_flat.tif")]
 
@@ -92,3 +98,79 @@ def test_a_run_without_darks_and_flats_has_none_among_its_hashes(run):
         )
     found = set(hash_inputs(open_run(run.directory)))
     assert found == {"run.toml", "encoder.csv", "camera1/*.tif", "camera2/*.tif"}
+
+
+# hashes that are known
+
+
+def test_files_that_were_hashed_before_are_not_read_again(run, monkeypatch):
+    recording = open_run(run.directory)
+    hashes = hash_inputs(recording)
+    known = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in run.frames(1)}
+    known |= hash_files_beside_frames(recording)
+    read = []
+    digest = hashlib.file_digest
+    monkeypatch.setattr(
+        hashlib, "file_digest", lambda file, kind: read.append(file.name) or digest(file, kind)
+    )
+    assert hash_inputs(recording, known) == hashes
+    assert sorted(read) == sorted(os.fspath(path) for path in run.frames(2))
+
+
+def test_files_beside_the_frames_are_settings_log_darks_and_flats(run):
+    found = hash_files_beside_frames(open_run(run.directory))
+    names = {"run.toml", "encoder.csv"}
+    names |= {f"camera{n}_{kind}.tif" for n in (1, 2) for kind in ("dark", "flat")}
+    assert {path.name for path in found} == names
+    for path, digest in found.items():
+        assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+# the sign of unfinished work
+
+
+def sign(directory):
+    recording = open_run(directory, skip_bad_frames=True)
+    return sign_inputs(recording, hash_files_beside_frames(recording))
+
+
+def test_the_sign_stays_where_nothing_changes(run):
+    assert sign(run.directory) == sign(run.directory)
+
+
+@pytest.mark.parametrize("name", ["run.toml", "encoder.csv", *KEYS])
+def test_a_changed_input_changes_the_sign(run, name):
+    before = sign(run.directory)
+    path = run.frames(int(name[6]))[5] if "*" in name else run.directory / name
+    if path.suffix == ".tif":
+        path.write_bytes(path.read_bytes() + b"0")
+    else:
+        path.write_text(path.read_text() + "\n")
+    assert sign(run.directory) != before
+
+
+def test_a_frame_of_the_same_size_written_a_nanosecond_later_changes_the_sign(run):
+    before = sign(run.directory)
+    path = run.frames(2)[3]
+    stamp = path.stat()
+    os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns + 1))
+    assert sign(run.directory) != before
+
+
+def test_frames_that_change_places_change_the_sign(run):
+    before = sign(run.directory)
+    first, second = run.frames(1)[:2]
+    third = first.with_name("third")
+    first.rename(third)
+    second.rename(first)
+    third.rename(second)
+    times = [path.stat().st_mtime_ns for path in (first, second)]
+    assert times[0] != times[1]
+    assert sign(run.directory) != before
+
+
+def test_an_unreadable_frame_has_a_place_in_the_sign(run):
+    path = run.frames(2)[2]
+    path.unlink()
+    path.symlink_to(run.directory / "gone.tif")
+    assert sign(run.directory) == sign(run.directory)

@@ -11,11 +11,12 @@ from scenes.results import make_result
 
 from erlif.core.notes import Level
 from erlif.core.products import RatioImages
-from erlif.ingest import FramePairs
+from erlif.ingest import FramePairs, Page
 from erlif.pipeline.results import (
     FrameResult,
     TriggerResult,
     describe_frame_notes,
+    known_digests,
     mean_drift,
 )
 
@@ -73,6 +74,29 @@ def test_frame_result_takes_drift_and_peaks_from_its_ratio_image():
     assert FrameResult.of(7, ratios, pulse_energy=90.0) == FrameResult(
         7, (0.25, -0.5), (3100, 2100), 90.0
     )
+
+
+def test_frame_result_takes_the_hashes_of_its_files_where_they_were_taken():
+    coordinates = {name: ("frame", [0.0]) for name in ("drift_x", "drift_y")}
+    coordinates |= {name: ("frame", [1]) for name in ("peak_camera1", "peak_camera2")}
+    assert FrameResult.of(0, RatioImages(xr.Dataset(coords=coordinates))).digests == ("", "")
+    coordinates |= {f"digest_camera{n}": ("frame", [f"{n:064x}"]) for n in (1, 2)}
+    ratios = RatioImages(xr.Dataset(coords=coordinates))
+    assert FrameResult.of(0, ratios).digests == (f"{1:064x}", f"{2:064x}")
+
+
+def test_hashes_of_frames_are_known_by_the_files_of_the_frames():
+    pages = tuple(tuple(Page(Path(f"camera{n}", f"{k}.tif"), 0) for k in range(3)) for n in (1, 2))
+    pairs = FramePairs(Path(), pages, (64, 64), (12, 12))
+    frames = [
+        FrameResult(2, (0.0, 0.0), (1, 1), digests=("a2", "b2")),
+        FrameResult(0, (0.0, 0.0), (1, 1), digests=("a0", "")),
+    ]
+    assert known_digests(frames, pairs) == {
+        Path("camera1/2.tif"): "a2",
+        Path("camera2/2.tif"): "b2",
+        Path("camera1/0.tif"): "a0",
+    }
 
 
 def test_mean_drift_leaves_out_frames_without_common_texture():

@@ -12,7 +12,9 @@ import erlif
 from erlif.commands.log import show_log
 from erlif.commands.main import main
 from erlif.core.errors import OutputError
-from erlif.pipeline.run import identify_work
+from erlif.files import describe_hashes
+from erlif.ingest import hash_files_beside_frames, hash_inputs, open_run
+from erlif.pipeline.run import identify_start, identify_work
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
 
@@ -121,3 +123,28 @@ def test_other_inputs_are_other_work(run, calibration, change):
 def test_other_files_are_other_work(run, calibration):
     other = identify_work(run, calibration, {"run.toml": "cd" * 32})
     assert other != identify_work(run, calibration, HASHES)
+
+
+def test_a_film_has_the_hashes_of_the_frames_as_they_were_read(lab):
+    hashes = describe_hashes(hash_inputs(open_run(lab.run)))
+
+    def spoil(what, done, total):
+        """Replace a frame once the film is computed."""
+        if (what, done) == ("film", total):
+            lab.frames(1)[3].write_bytes(lab.frames(1)[2].read_bytes())
+
+    film = erlif.process(lab.run, progress=spoil)
+    assert film.attrs["input_hashes"] == hashes
+    assert describe_hashes(hash_inputs(open_run(lab.run))) != hashes
+
+
+def test_a_changed_frame_is_other_unfinished_work(lab, calibration):
+    def key():
+        recording = open_run(lab.run)
+        return identify_start(recording, calibration, hash_files_beside_frames(recording))
+
+    before = key()
+    assert key() == before
+    path = lab.frames(2)[1]
+    path.write_bytes(path.read_bytes())  # the same bytes, written later: not known to be the same
+    assert key() != before
