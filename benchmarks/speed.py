@@ -332,7 +332,7 @@ def main() -> None:
     if options.growth:
         sizes, pairs = ["320x256"], [20, 200, 1000, 5000]
     if options.small:
-        sizes, pairs, options.workers = ["320x256"], [10, 40], [2]
+        sizes, pairs, options.workers = ["320x256"], [10, 100], [2]
     options.sizes, options.pairs = options.sizes or sizes, options.pairs or pairs
 
     if len(options.pairs) < 2:
