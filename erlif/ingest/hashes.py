@@ -89,6 +89,13 @@ def sign_inputs(recording: Run | Fixture, known: Digests) -> str:
     str
         Hexadecimal. It changes with the name, the size or the time of change of any frame, to the
         nanosecond, and with any of the hashes.
+
+    Examples
+    --------
+    >>> from erlif.ingest import open_run
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> sign_inputs(run, {}) == sign_inputs(run, {run.directory / "run.toml": "5a"})
+    False
     """
     sign = hashlib.sha256()
     for paths in _files_beside_frames(recording).values():
