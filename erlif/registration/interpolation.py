@@ -28,6 +28,8 @@ _LANES: Final = 16
 """Rows that are filtered together, one in each lane of a vector register."""
 _FARTHEST: Final = 1e6
 """Displacements beyond this lie outside any image and beyond the precision of float32. [px]"""
+_OUTSIDE: Final = np.float32(2.0**30)
+"""Stands for the whole pixels of a point outside the image. [px]"""
 _REACH: Final = 9
 """Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
 
@@ -156,6 +158,87 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _whole_pixels(
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
+    drift_x: float,
+    drift_y: float,
+    y: int,
+    w: int,
+    h: int,
+    left: AnyArray,
+    top: AnyArray,
+) -> None:
+    """Whole pixels of the displacement along row ``y``; ``_OUTSIDE`` outside the image."""
+    zero = np.float32(0)
+    last_x = np.float32(w - 1)
+    last_y = np.float32(h - 1)
+    row = np.float32(y)
+
+    # float32 holds whole pixels exactly; a NaN fails all comparisons
+    for x in range(left.size):
+        dx = displacement_x[x] + drift_x
+        dy = displacement_y[x] + drift_y
+        fx = np.floor(dx)
+        fy = np.floor(dy)
+        px = np.float32(x) + fx
+        py = row + fy
+        along_x = (px >= zero) & ((px < last_x) | ((px == last_x) & (dx == fx)))
+        along_y = (py >= zero) & ((py < last_y) | ((py == last_y) & (dy == fy)))
+        left[x] = fx if along_x & along_y else _OUTSIDE
+        top[x] = fy if along_x & along_y else _OUTSIDE
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _along_row(
+    row_0: AnyArray,
+    row_1: AnyArray,
+    row_2: AnyArray,
+    row_3: AnyArray,
+    displacement_x: AnyArray,
+    displacement_y: AnyArray,
+    offset_x: float,
+    offset_y: float,
+    out: AnyArray,
+) -> None:
+    """Evaluate the spline along a row where the taps of neighbouring points are neighbours.
+
+    The offset makes the displacement a fraction of a pixel. Without a test or an index from
+    memory, the loop runs on vectors.
+    """
+    sixth = np.float32(1.0 / 6.0)
+    one = np.float32(1)
+    four = np.float32(4)
+    three = np.float32(3)
+    six = np.float32(6)
+
+    for k in range(out.size):
+        # the fraction is taken from the displacement alone, which float32 holds to a millionth
+        # of a pixel; the sum with x would lose three digits
+        u = displacement_x[k] + offset_x
+        v = displacement_y[k] + offset_y
+
+        # the four B-splines that reach the point, along x and, with both sixths, along y
+        u2 = u * u
+        u3 = u2 * u
+        v2 = v * v
+        v3 = v2 * v
+        a0 = one - three * u + three * u2 - u3
+        a1 = four - six * u2 + three * u3
+        a2 = one + three * u + three * u2 - three * u3
+        b0 = (one - three * v + three * v2 - v3) * sixth * sixth
+        b1 = (four - six * v2 + three * v3) * sixth * sixth
+        b2 = (one + three * v + three * v2 - three * v3) * sixth * sixth
+        b3 = v3 * sixth * sixth
+
+        s0 = b0 * row_0[k] + b1 * row_1[k] + b2 * row_2[k] + b3 * row_3[k]
+        s1 = b0 * row_0[k + 1] + b1 * row_1[k + 1] + b2 * row_2[k + 1] + b3 * row_3[k + 1]
+        s2 = b0 * row_0[k + 2] + b1 * row_1[k + 2] + b2 * row_2[k + 2] + b3 * row_3[k + 2]
+        s3 = b0 * row_0[k + 3] + b1 * row_1[k + 3] + b2 * row_2[k + 3] + b3 * row_3[k + 3]
+        out[k] = a0 * s0 + a1 * s1 + a2 * s2 + u3 * s3
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def sample_spline(
     coefficients: AnyArray,
     displacement_x: AnyArray,
@@ -198,75 +281,52 @@ def sample_spline(
     """
     h = coefficients.shape[0] - 2 * _MARGIN
     w = coefficients.shape[1] - 2 * _MARGIN
+    width = out.shape[1]
     masked = bad.size > 0
     sx = np.float32(drift_x)
     sy = np.float32(drift_y)
-    sixth = np.float32(1.0 / 6.0)
-    one = np.float32(1)
-    four = np.float32(4)
-    three = np.float32(3)
-    six = np.float32(6)
+    left = np.empty(width, np.float32)
+    top = np.empty(width, np.float32)
 
     for y in range(start, stop):
-        for x in range(out.shape[1]):
-            dx = displacement_x[y, x] + sx
-            dy = displacement_y[y, x] + sy
-            if not (abs(dx) < _FARTHEST and abs(dy) < _FARTHEST):
-                out[y, x] = np.nan
+        _whole_pixels(displacement_x[y], displacement_y[y], sx, sy, y, w, h, left, top)
+
+        # the displacement is smooth: whole pixels are constant over long runs of a row
+        x = 0
+        while x < width:
+            fx = left[x]
+            fy = top[x]
+            end = x + 1
+            while end < width and left[end] == fx and top[end] == fy:
+                end += 1
+            if fx == _OUTSIDE:
+                out[y, x:end] = np.nan
+                x = end
                 continue
-
-            # the fraction is taken from the displacement alone, which float32 holds to a
-            # millionth of a pixel; the sum with x would lose three digits
-            fx = np.floor(dx)
-            fy = np.floor(dy)
-            u = dx - fx
-            v = dy - fy
-            i = x + int(fx)
-            j = y + int(fy)
-
-            if (
-                i < 0
-                or j < 0
-                or i > w - 1
-                or j > h - 1
-                or (i == w - 1 and u > 0)
-                or (j == h - 1 and v > 0)
-            ):
-                out[y, x] = np.nan
-                continue
-            if masked:
-                i1 = min(i + 1, w - 1)
-                j1 = min(j + 1, h - 1)
-                if bad[j, i] or bad[j, i1] or bad[j1, i] or bad[j1, i1]:
-                    out[y, x] = np.nan
-                    continue
-
-            # the four B-splines that reach the point, along x and, with both sixths, along y
-            u2 = u * u
-            u3 = u2 * u
-            v2 = v * v
-            v3 = v2 * v
-            a0 = one - three * u + three * u2 - u3
-            a1 = four - six * u2 + three * u3
-            a2 = one + three * u + three * u2 - three * u3
-            a3 = u3
-            b0 = (one - three * v + three * v2 - v3) * sixth * sixth
-            b1 = (four - six * v2 + three * v3) * sixth * sixth
-            b2 = (one + three * v + three * v2 - three * v3) * sixth * sixth
-            b3 = v3 * sixth * sixth
 
             # pixel i has its coefficient at i + 2, so the first of the four taps is at i + 1
-            i += 1
-            j += 1
-            s0 = b0 * coefficients[j, i] + b1 * coefficients[j + 1, i]
-            s0 += b2 * coefficients[j + 2, i] + b3 * coefficients[j + 3, i]
-            s1 = b0 * coefficients[j, i + 1] + b1 * coefficients[j + 1, i + 1]
-            s1 += b2 * coefficients[j + 2, i + 1] + b3 * coefficients[j + 3, i + 1]
-            s2 = b0 * coefficients[j, i + 2] + b1 * coefficients[j + 1, i + 2]
-            s2 += b2 * coefficients[j + 2, i + 2] + b3 * coefficients[j + 3, i + 2]
-            s3 = b0 * coefficients[j, i + 3] + b1 * coefficients[j + 1, i + 3]
-            s3 += b2 * coefficients[j + 2, i + 3] + b3 * coefficients[j + 3, i + 3]
-            out[y, x] = a0 * s0 + a1 * s1 + a2 * s2 + a3 * s3
+            i = x + int(fx)
+            j = y + int(fy)
+            last = i + end - x + 4
+            _along_row(
+                coefficients[j + 1, i + 1 : last],
+                coefficients[j + 2, i + 1 : last],
+                coefficients[j + 3, i + 1 : last],
+                coefficients[j + 4, i + 1 : last],
+                displacement_x[y, x:end],
+                displacement_y[y, x:end],
+                sx - fx,
+                sy - fy,
+                out[y, x:end],
+            )
+            if masked:
+                below = min(j + 1, h - 1)
+                for k in range(end - x):
+                    a = i + k
+                    b = min(a + 1, w - 1)
+                    if bad[j, a] or bad[j, b] or bad[below, a] or bad[below, b]:
+                        out[y, x + k] = np.nan
+            x = end
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
