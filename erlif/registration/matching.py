@@ -63,6 +63,103 @@ SINGULAR: Final = 1e-6
 """Below this part of the squared trace the determinant leaves one direction open. [1]"""
 
 
+# Rows of the factors of which the sums are products, each along a row of the image.
+
+_GX, _GY, _E, _A, _B, _CROSS, _W, _SLOPE, _ONE = range(9)
+_FACTORS: Final = 9
+_PRODUCTS: Final = np.array(
+    [
+        (_SLOPE, _GX, _GX),
+        (_SLOPE, _GX, _GY),
+        (_SLOPE, _GY, _GY),
+        (_W, _GX, _E),
+        (_W, _GY, _E),
+        (_W, _E, _E),
+        (_W, _ONE, _ONE),
+        (_W, _A, _B),
+        (_W, _A, _A),
+        (_W, _B, _B),
+        (_SLOPE, _CROSS, _ONE),
+    ]
+)
+"""The three factors of each of the sums."""
+_LANES: Final = 32
+"""Rows of factors are filled up to a multiple of this, so that no loop has a remainder."""
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _gradient(
+    before_2: AnyArray,
+    before: AnyArray,
+    row: AnyArray,
+    after: AnyArray,
+    after_2: AnyArray,
+    gx: AnyArray,
+    gy: AnyArray,
+) -> None:
+    """Half the five-point derivative along x and y of a row between its neighbours."""
+    c1 = np.float32(1.0 / 24.0)
+    c8 = np.float32(8.0 / 24.0)
+    for i in range(row.size - 2 * EDGE):
+        k = i + EDGE
+        gx[i] = c8 * (row[i + 3] - row[i + 1]) - c1 * (row[i + 4] - row[i])
+        gy[i] = c8 * (after[k] - before[k]) - c1 * (after_2[k] - before_2[k])
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _join(
+    a: AnyArray,
+    b: AnyArray,
+    weight: AnyArray,
+    ax: AnyArray,
+    ay: AnyArray,
+    bx: AnyArray,
+    by: AnyArray,
+    gx: AnyArray,
+    gy: AnyArray,
+    e: AnyArray,
+    own_a: AnyArray,
+    own_b: AnyArray,
+    cross: AnyArray,
+    own_weight: AnyArray,
+) -> None:
+    """Factors of a row; the last seven arguments are filled."""
+    zero = np.float32(0)
+    for i in range(a.size - 2 * EDGE):
+        x = ax[i] + bx[i]
+        y = ay[i] + by[i]
+        d = a[i + EDGE] - b[i + EDGE]
+
+        # one NaN of the warped image among the neighbours takes the pixel out
+        ok = abs(x) + abs(y) + abs(d) < np.float32(KNOWN)
+        gx[i] = x if ok else zero
+        gy[i] = y if ok else zero
+        e[i] = d if ok else zero
+        own_a[i] = a[i + EDGE] if ok else zero
+        own_b[i] = b[i + EDGE] if ok else zero
+        # each is half a gradient
+        cross[i] = np.float32(4) * (ax[i] * bx[i] + ay[i] * by[i]) if ok else zero
+        own_weight[i] = weight[i + EDGE] if ok else zero
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _bound(e: AnyArray, limit: AnyArray, weight: AnyArray, slope: AnyArray) -> None:
+    """Lower the weight of large differences; the slope is that of weight times difference."""
+    one = np.float32(1)
+    for i in range(limit.size - 2 * EDGE):
+        t = e[i] * e[i] * limit[i + EDGE]
+        share = one / (one + t)
+        # the score is w e share, so its slope is w (1 - t) share^2
+        slope[i] = weight[i] * max(one - t, np.float32(0)) * share * share
+        weight[i] = weight[i] * share
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _add_products(line: AnyArray, a: AnyArray, b: AnyArray, c: AnyArray) -> None:
+    for i in range(line.size):
+        line[i] += a[i] * b[i] * c[i]
+
+
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _cell_sums(
     a: AnyArray,
@@ -77,68 +174,60 @@ def _cell_sums(
     """Fill the sums of the cell rows ``start`` to ``stop``; ``limit`` is (cell row, x) or empty."""
     h, w = a.shape
     cols = sums.shape[1]
-    # five-point derivative of the mean image: half of 1/12, half of 8/12
-    c1 = np.float32(1.0 / 24.0)
-    c8 = np.float32(8.0 / 24.0)
-    zero = np.float32(0)
     bounded = limit.size > 0
-    line = np.empty((SUMS, w), np.float32)
+    width = -(-(w - 2 * EDGE) // _LANES) * _LANES
+    line = np.empty((SUMS, width), np.float32)
+    half = np.empty((4, width), np.float32)
+    factors = np.zeros((_FACTORS, width), np.float32)
+    factors[_ONE] = np.float32(1)
 
     for r in range(start, stop):
-        # first along the columns of one row of cells, so that the inner loop uses the vector unit
-        for k in range(SUMS):
-            for x in range(w):
-                line[k, x] = zero
+        # first along the columns of one row of cells: short loops of few arrays run on vectors
+        line[:] = np.float32(0)
         for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
-            for x in range(EDGE, w - EDGE):
-                ax = c8 * (a[y, x + 1] - a[y, x - 1]) - c1 * (a[y, x + 2] - a[y, x - 2])
-                ay = c8 * (a[y + 1, x] - a[y - 1, x]) - c1 * (a[y + 2, x] - a[y - 2, x])
-                bx = c8 * (b[y, x + 1] - b[y, x - 1]) - c1 * (b[y, x + 2] - b[y, x - 2])
-                by = c8 * (b[y + 1, x] - b[y - 1, x]) - c1 * (b[y + 2, x] - b[y - 2, x])
-                gx = ax + bx
-                gy = ay + by
-                cross = np.float32(4) * (ax * bx + ay * by)  # each is half a gradient
-                e = a[y, x] - b[y, x]
-                p = b[y, x]
-                q = a[y, x]
-                g = weight[y, x]
-
-                # one NaN of the warped image among the neighbours takes the pixel out
-                ok = abs(gx) + abs(gy) + abs(e) < np.float32(KNOWN)
-                gx = gx if ok else zero
-                gy = gy if ok else zero
-                e = e if ok else zero
-                p = p if ok else zero
-                q = q if ok else zero
-                cross = cross if ok else zero
-                g = g if ok else zero
-
-                slope = g
-                if bounded:
-                    t = e * e * limit[r, x]
-                    share = np.float32(1) / (np.float32(1) + t)
-                    # the score is g e share, so its slope is g (1 - t) share^2
-                    slope = g * max(np.float32(1) - t, zero) * share * share
-                    g = g * share
-
-                line[GXX, x] += slope * gx * gx
-                line[GXY, x] += slope * gx * gy
-                line[GYY, x] += slope * gy * gy
-                line[BX, x] += g * gx * e
-                line[BY, x] += g * gy * e
-                line[EE, x] += g * e * e
-                line[WEIGHT, x] += g
-                line[AB, x] += g * p * q
-                line[AA, x] += g * q * q
-                line[BB, x] += g * p * p
-                line[CROSS, x] += slope * cross
+            for k in range(2):
+                image = b if k == 1 else a
+                _gradient(
+                    image[y - 2],
+                    image[y - 1],
+                    image[y],
+                    image[y + 1],
+                    image[y + 2],
+                    half[2 * k],
+                    half[2 * k + 1],
+                )
+            _join(
+                a[y],
+                b[y],
+                weight[y],
+                half[0],
+                half[1],
+                half[2],
+                half[3],
+                factors[_GX],
+                factors[_GY],
+                factors[_E],
+                factors[_A],
+                factors[_B],
+                factors[_CROSS],
+                factors[_W],
+            )
+            if bounded:
+                _bound(factors[_E], limit[r], factors[_W], factors[_SLOPE])
+            for k in range(SUMS):
+                first = _PRODUCTS[k, 0]
+                first = first if bounded or first != _SLOPE else _W
+                _add_products(
+                    line[k], factors[first], factors[_PRODUCTS[k, 1]], factors[_PRODUCTS[k, 2]]
+                )
 
         # then across each cell; the last one takes the columns that are left over
         for c in range(cols):
-            x1 = w if c == cols - 1 else (c + 1) * step
+            x0 = max(c * step - EDGE, 0)
+            x1 = w - 2 * EDGE if c == cols - 1 else (c + 1) * step - EDGE
             for k in range(SUMS):
-                total = zero
-                for x in range(c * step, x1):
+                total = np.float32(0)
+                for x in range(x0, x1):
                     total += line[k, x]
                 sums[r, c, k] = total
 
