@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cv2
-import numba
 import numpy as np
 
 from erlif.core.arrays import Image, Mask
@@ -39,26 +38,25 @@ def block_light(one: Image, two: Image, width: int = BLOCK) -> Image:
     >>> block_light(light, light, 2)
     array([[ 8., 20.]], dtype=float32)
     """
-    return np.asarray(_average_blocks(one, two, width))
+    light = one + two
+    known = np.isfinite(light)
+    total = _sum_blocks(light if known.all() else np.where(known, light, np.float32(0)), width)
+    count = _sum_blocks(known.astype(np.float32), width)
+    return np.where(count > 0, total / np.maximum(count, 1), np.float32(np.nan))
 
 
-@numba.njit(nogil=True, cache=True)
-def _average_blocks(one, two, block):  # type: ignore[no-untyped-def]
-    height, width = one.shape
-    rows, columns = (height + block - 1) // block, (width + block - 1) // block
-    total = np.zeros((rows, columns), np.float32)
-    count = np.zeros((rows, columns), np.float32)
-
-    for i in range(height):
-        for j in range(width):
-            light = one[i, j] + two[i, j]
-            if np.isfinite(light):
-                total[i // block, j // block] += light
-                count[i // block, j // block] += 1
-
-    for i in range(rows):
-        for j in range(columns):
-            total[i, j] = total[i, j] / count[i, j] if count[i, j] > 0 else np.nan
+def _sum_blocks(image: Image, width: int) -> Image:
+    """Sums over square blocks; those at the lower and right edge may be smaller."""
+    # zeros fill up the last blocks
+    below, beside = (-size % width for size in image.shape)
+    if below or beside:
+        image = np.pad(image, ((0, below), (0, beside)))
+    rows = image[::width].copy()
+    for k in range(1, width):
+        rows += image[k::width]
+    total = rows[:, ::width].copy()
+    for k in range(1, width):
+        total += rows[:, k::width]
     return total
 
 

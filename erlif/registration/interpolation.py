@@ -6,8 +6,9 @@ Aldroubi and Eden 1993).
 """
 
 from functools import cache
-from typing import Final
+from typing import Any, Final
 
+import cv2
 import numpy as np
 from numba import njit
 
@@ -18,20 +19,27 @@ from erlif.registration.bands import in_bands
 FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
 """Floating-point freedoms that keep NaN a NaN."""
 
+Single = np.floating[Any]
+"""A number in single precision."""
+
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
 """Pole of the filter that turns samples into cubic B-spline coefficients."""
 _START: Final = 16
 """Samples that start the causal filter: the power of the pole falls below 1e-9."""
 _MARGIN: Final = 2
 """Mirrored coefficients on every side, so that the sixteen taps need no check of bounds."""
-_LANES: Final = 16
-"""Rows that are filtered together, one in each lane of a vector register."""
 _FARTHEST: Final = 1e6
 """Displacements beyond this lie outside any image and beyond the precision of float32. [px]"""
 _OUTSIDE: Final = np.float32(2.0**30)
 """Stands for the whole pixels of a point outside the image. [px]"""
 _REACH: Final = 9
 """Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _mix(one: AnyArray, two: AnyArray, u: Single, v: Single, out: AnyArray) -> None:
+    for x in range(out.size):
+        out[x] = u * one[x] + v * two[x]
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -53,68 +61,23 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
         for x in range(start, stop):
             out[m, x] += power * image[j, x]
         power *= z
-    for y in range(1, n):
-        for x in range(start, stop):
-            out[m + y, x] = image[y, x] + z * out[m + y - 1, x]
 
-    # the anticausal filter runs back; the gain of 6 makes the sum of the weights 1
-    gain = z / (z * z - np.float32(1))
-    for x in range(start, stop):
-        out[m + n - 1, x] = np.float32(6) * gain * (out[m + n - 1, x] + z * out[m + n - 2, x])
-    for y in range(n - 2, -1, -1):
-        for x in range(start, stop):
-            out[m + y, x] = z * (out[m + y + 1, x] - np.float32(6) * out[m + y, x])
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def filter_rows(columns: AnyArray, out: AnyArray, start: int, stop: int) -> None:
-    """Filter the rows ``start`` to ``stop`` along x, sixteen at a time, and mirror the margins."""
-    n = columns.shape[1]
-    z = _POLE
-    m = _MARGIN
-    period = 2 * n - 2
-    lanes = np.empty((n, _LANES), np.float32)
-    gain = z / (z * z - np.float32(1))
-    first = np.empty(_LANES, np.float32)
-
-    for top in range(start, stop, _LANES):
-        # the last rows are repeated where fewer than sixteen are left
-        rows = min(_LANES, stop - top)
-        for r in range(_LANES):
-            row = m + top + min(r, rows - 1)
-            for x in range(n):
-                lanes[x, r] = columns[row, x]
-
-        # causal and anticausal filter as in `filter_columns`
-        for r in range(_LANES):
-            first[r] = lanes[0, r]
-        power = z
-        for k in range(1, _START):
-            j = k % period
-            if j >= n:
-                j = period - j
-            for r in range(_LANES):
-                first[r] += power * lanes[j, r]
-            power *= z
-        for r in range(_LANES):
-            lanes[0, r] = first[r]
-        for x in range(1, n):
-            for r in range(_LANES):
-                lanes[x, r] += z * lanes[x - 1, r]
-        for r in range(_LANES):
-            lanes[n - 1, r] = np.float32(6) * gain * (lanes[n - 1, r] + z * lanes[n - 2, r])
-        for x in range(n - 2, -1, -1):
-            for r in range(_LANES):
-                lanes[x, r] = z * (lanes[x + 1, r] - np.float32(6) * lanes[x, r])
-
-        for r in range(rows):
-            row = m + top + r
-            for x in range(n):
-                out[row, m + x] = lanes[x, r]
-            out[row, 1] = lanes[1, r]
-            out[row, 0] = lanes[min(2, period - 2), r]
-            out[row, m + n] = lanes[n - 2, r]
-            out[row, m + n + 1] = lanes[max(n - 3, 0), r]
+    # the causal filter runs down, the anticausal filter up again; the gain of 6 makes the sum of
+    # the weights 1
+    six = np.float32(6)
+    gain = six * z / (z * z - np.float32(1))
+    last = m + n - 1
+    for k in range(1, 2 * n):
+        if k < n:
+            y = m + k
+            one, two, u, v = image[k], out[y - 1], np.float32(1), z
+        elif k == n:
+            y = last
+            one, two, u, v = out[y], out[y - 1], gain, gain * z
+        else:
+            y = last + n - k
+            one, two, u, v = out[y + 1], out[y], z, -six * z
+        _mix(one[start:stop], two[start:stop], u, v, out[y, start:stop])
 
 
 def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
@@ -146,12 +109,16 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
            [ 0., 36.,  0.],
            [ 0.,  0.,  0.]], dtype=float32)
     """
+    # the same filter along both axes: transposing costs less than a second one
+    columns = _filter(np.ascontiguousarray(image, np.float32), threads)
+    return np.asarray(cv2.transpose(_filter(np.asarray(cv2.transpose(columns)), threads)))
+
+
+def _filter(image: AnyArray, threads: int) -> AnyArray:
+    """Filter along y, with two mirrored coefficients above the first and below the last row."""
     h, w = image.shape
-    image = np.ascontiguousarray(image, np.float32)
-    columns = np.empty((h + 2 * _MARGIN, w), np.float32)
-    in_bands(lambda a, b: filter_columns(image, columns, a, b), w, threads)
-    out = np.empty((h + 2 * _MARGIN, w + 2 * _MARGIN), np.float32)
-    in_bands(lambda a, b: filter_rows(columns, out, a, b), h, threads)
+    out = np.empty((h + 2 * _MARGIN, w), np.float32)
+    in_bands(lambda a, b: filter_columns(image, out, a, b), w, threads)
     out[1], out[0] = out[3], out[4]
     out[_MARGIN + h], out[_MARGIN + h + 1] = out[_MARGIN + h - 2], out[_MARGIN + h - 3]
     return out
@@ -161,8 +128,8 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
 def _whole_pixels(
     displacement_x: AnyArray,
     displacement_y: AnyArray,
-    drift_x: float,
-    drift_y: float,
+    drift_x: Single,
+    drift_y: Single,
     y: int,
     w: int,
     h: int,
@@ -197,8 +164,8 @@ def _along_row(
     row_3: AnyArray,
     displacement_x: AnyArray,
     displacement_y: AnyArray,
-    offset_x: float,
-    offset_y: float,
+    offset_x: Single,
+    offset_y: Single,
     out: AnyArray,
 ) -> None:
     """Evaluate the spline along a row where the taps of neighbouring points are neighbours.

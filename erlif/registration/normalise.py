@@ -5,16 +5,13 @@ The local mean and the local rms are divided out; what is left is the texture.
 
 from typing import Final
 
+import cv2
 import numpy as np
 from numba import njit
-from scipy import ndimage
 
 from erlif.core.arrays import AnyArray, Image
 from erlif.registration.bands import in_bands
 from erlif.registration.interpolation import FAST
-
-NO_WEIGHT: Final = np.zeros((0, 0), np.float32)
-"""Stands for a weight of 1 on every pixel; the kernels take no None."""
 
 CELL: Final = 4
 """Side of the cells from which the local mean and rms are averaged. [px]"""
@@ -46,41 +43,11 @@ LEAST_CONTRAST: Final = 0.02
 LEAST_RMS: Final = 1e-6
 """The same for a frame that is flat everywhere. [1]"""
 
+MOST: Final = 0.5
+"""A binned pixel counts if more than this part of it does. [1]"""
+
 NEAR: Final = 1e-6
 """Where the average of the weights is below this part of the largest weight, nothing is near."""
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def bin_image(
-    image: AnyArray, weight: AnyArray, factor: int, out: AnyArray, out_weight: AnyArray
-) -> None:
-    """Weighted mean over blocks of ``factor`` by ``factor`` pixels, and the weight of each block.
-
-    ``weight`` may be of size 0 for all ones. A block with half its weight or less gets weight 0.
-    """
-    h, w = out.shape
-    weighted = weight.size > 0
-    full = factor * factor
-
-    for y in range(h):
-        for x in range(w):
-            total = np.float32(0)
-            if weighted:
-                sound = np.float32(0)
-                for j in range(y * factor, (y + 1) * factor):
-                    for i in range(x * factor, (x + 1) * factor):
-                        if weight[j, i] > 0 and abs(np.float32(image[j, i])) < FINITE:
-                            total += weight[j, i] * np.float32(image[j, i])
-                            sound += weight[j, i]
-            else:
-                for j in range(y * factor, (y + 1) * factor):
-                    for i in range(x * factor, (x + 1) * factor):
-                        total += np.float32(image[j, i])
-                sound = np.float32(full)
-
-            ok = 2 * sound > full and abs(total) < FINITE
-            out[y, x] = total / sound if ok else np.float32(0)
-            out_weight[y, x] = np.float32(1) if ok else np.float32(0)
 
 
 def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image, Image]:
@@ -100,11 +67,44 @@ def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image
     image, weight : array, (y // factor, x // factor), float32
         Weighted means, and 1 where more than half of the block counts, otherwise both 0.
     """
-    h, w = image.shape
-    out = np.empty((h // factor, w // factor), np.float32)
-    out_weight = np.empty_like(out)
-    bin_image(image, NO_WEIGHT if weight is None else weight, factor, out, out_weight)
-    return out, out_weight
+    h, w = image.shape[0] // factor, image.shape[1] // factor
+    image = image[: h * factor, : w * factor].astype(np.float32, copy=False)
+    size = (w, h)
+    if weight is None:
+        out = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+        ok = np.abs(out) < FINITE
+        return np.where(ok, out, np.float32(0)), ok.astype(np.float32)
+
+    # pixels that are not finite must not enter the sums
+    weight = weight[: h * factor, : w * factor].astype(np.float32, copy=False)
+    good = (weight > 0) & (np.abs(image) < FINITE)
+    weight = np.where(good, weight, np.float32(0))
+    total = cv2.resize(np.where(good, image, 0) * weight, size, interpolation=cv2.INTER_AREA)
+    sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
+    ok = sound > MOST
+    return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _add_moments(
+    row: AnyArray,
+    weight: AnyArray,
+    pivot: AnyArray,
+    s0: AnyArray,
+    s1: AnyArray,
+    s2: AnyArray,
+) -> None:
+    """Add the weight of a row, and the first two moments of its deviation from the pivot."""
+    zero = np.float32(0)
+    for x in range(row.size):
+        value = np.float32(row[x]) - pivot[x]
+        g = np.float32(weight[x])
+        ok = (g > zero) & (abs(value) < np.float32(FINITE))
+        g = g if ok else zero
+        value = value if ok else zero
+        s0[x] += g
+        s1[x] += g * value
+        s2[x] += g * value * value
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -113,103 +113,58 @@ def _cell_statistics(
 ) -> None:
     """Weight, mean and variance of the cells in the rows ``start`` to ``stop``."""
     h, w = image.shape
-    weighted = weight.size > 0
+    pivot = np.empty(w, np.float32)
+    s0, s1, s2 = np.empty(w, np.float32), np.empty(w, np.float32), np.empty(w, np.float32)
 
     for r in range(start, stop):
+        # deviations from one pixel of the cell, so that single precision holds their squares
+        y0, y1 = r * size, min((r + 1) * size, h)
         for c in range(sums.shape[1]):
-            s0 = np.float32(0)
-            s1 = np.float32(0)
-            s2 = np.float32(0)
             x0, x1 = c * size, min((c + 1) * size, w)
-            y0, y1 = r * size, min((r + 1) * size, h)
+            one = np.float32(image[(y0 + y1) // 2, (x0 + x1) // 2])
+            pivot[x0:x1] = one if abs(one) < np.float32(FINITE) else np.float32(0)
 
-            # deviations from one pixel of the cell, so that single precision holds their squares
-            pivot = np.float32(image[(y0 + y1) // 2, (x0 + x1) // 2])
-            if not abs(pivot) < FINITE:
-                pivot = np.float32(0)
+        # first along the columns, then across each cell
+        s0[:] = np.float32(0)
+        s1[:] = np.float32(0)
+        s2[:] = np.float32(0)
+        for y in range(y0, y1):
+            _add_moments(image[y], weight[y], pivot, s0, s1, s2)
+        for c in range(sums.shape[1]):
+            x0, x1 = c * size, min((c + 1) * size, w)
+            total, first, second = s0[x0], s1[x0], s2[x0]
+            for x in range(x0 + 1, x1):
+                total += s0[x]
+                first += s1[x]
+                second += s2[x]
 
-            for y in range(y0, y1):
-                for x in range(x0, x1):
-                    value = np.float32(image[y, x]) - pivot
-                    g = np.float32(1)
-                    if weighted:
-                        g = np.float32(weight[y, x])
-                    if not (g > 0 and abs(value) < FINITE):
-                        g = np.float32(0)
-                        value = np.float32(0)
-                    s0 += g
-                    s1 += g * value
-                    s2 += g * value * value
-
-            sums[r, c, 0] = s0
-            if s0 > 0:
-                mean = s1 / s0
-                sums[r, c, 1] = pivot + mean
-                sums[r, c, 2] = max(s2 / s0 - mean * mean, 0.0)
-            else:
-                sums[r, c, 1] = 0.0
-                sums[r, c, 2] = 0.0
+            sums[r, c, 0] = total
+            mean = first / total if total > 0 else np.float32(0)
+            sums[r, c, 1] = pivot[x0] + mean if total > 0 else np.float32(0)
+            sums[r, c, 2] = max(second / total - mean * mean, 0.0) if total > 0 else 0.0
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _flatten(
-    image: AnyArray,
+    light: AnyArray,
     weight: AnyArray,
-    size: int,
     mean: AnyArray,
     scale: AnyArray,
     floor: float,
     out: AnyArray,
     out_weight: AnyArray,
-    start: int,
-    stop: int,
 ) -> None:
-    """(I / mean - 1) / rms, with mean and 1/rms bilinear between the cell centres.
+    """(I / mean - 1) times ``scale``, which is 1/rms, for pixels in one row.
 
-    ``scale`` is 1/rms, ``floor`` the light below which a pixel gets weight and texture 0.
+    ``floor`` is the light below which a pixel gets weight and texture 0.
     """
-    w = image.shape[1]
-    rows, cols = mean.shape
-    weighted = weight.size > 0
-
-    # the cell to the left of each column, and the part of the way to the next; constant at the edge
-    left = np.empty(w, np.int64)
-    part = np.empty(w, np.float32)
-    for x in range(w):
-        t = (x + 0.5) / size - 0.5
-        t = min(max(t, 0.0), cols - 1.0)
-        left[x] = min(int(t), max(cols - 2, 0))
-        part[x] = t - left[x]
-
-    row_mean = np.empty(cols + 1, np.float32)
-    row_scale = np.empty(cols + 1, np.float32)
+    zero = np.float32(0)
     low = np.float32(floor)
-    for y in range(start, stop):
-        # first along y, once for all columns; one entry more stands for the next of the last cell
-        t = (y + 0.5) / size - 0.5
-        t = min(max(t, 0.0), rows - 1.0)
-        j = min(int(t), max(rows - 2, 0))
-        v = np.float32(t - j)
-        k = min(j + 1, rows - 1)
-        for c in range(cols):
-            row_mean[c] = (1 - v) * mean[j, c] + v * mean[k, c]
-            row_scale[c] = (1 - v) * scale[j, c] + v * scale[k, c]
-        row_mean[cols] = row_mean[cols - 1]
-        row_scale[cols] = row_scale[cols - 1]
-
-        for x in range(w):
-            i = left[x]
-            u = part[x]
-            m = row_mean[i] + u * (row_mean[i + 1] - row_mean[i])
-            s = row_scale[i] + u * (row_scale[i + 1] - row_scale[i])
-            value = (np.float32(image[y, x]) / m - np.float32(1)) * s
-
-            g = np.float32(1)
-            if weighted:
-                g = np.float32(weight[y, x])
-            ok = m > low and g > 0 and abs(value) < np.float32(LARGEST)
-            out[y, x] = value if ok else np.float32(0)
-            out_weight[y, x] = g if ok else np.float32(0)
+    for x in range(out.size):
+        value = (np.float32(light[x]) / mean[x] - np.float32(1)) * scale[x]
+        ok = (mean[x] > low) & (weight[x] > zero) & (abs(value) < np.float32(LARGEST))
+        out[x] = value if ok else zero
+        out_weight[x] = weight[x] if ok else zero
 
 
 def normalise(
@@ -255,7 +210,10 @@ def normalise(
     True
     """
     h, w = image.shape
-    weight = NO_WEIGHT if weight is None else weight
+    image = np.ascontiguousarray(image)
+    if weight is None:
+        weight = np.ones((h, w), np.float32)
+    weight = np.ascontiguousarray(weight)
     rows, cols = -(-h // CELL), -(-w // CELL)
     sums = np.empty((rows, cols, 3), np.float32)
     in_bands(lambda a, b: _cell_statistics(image, weight, CELL, sums, a, b), rows, threads)
@@ -277,10 +235,24 @@ def normalise(
     least = max(LEAST_CONTRAST * float(rms.max()), LEAST_RMS)
     scale = (1 / np.maximum(rms, least)).astype(np.float32)
 
+    # mean and scale are linear between the cell centres, and constant beyond the outer ones
+    size = (cols * CELL, rows * CELL)
+    dense_mean, dense_scale = (
+        np.ascontiguousarray(cv2.resize(cells, size, interpolation=cv2.INTER_LINEAR)[:h, :w])
+        for cells in (mean, scale)
+    )
     out = np.empty((h, w), np.float32)
     out_weight = np.empty((h, w), np.float32)
     in_bands(
-        lambda a, b: _flatten(image, weight, CELL, mean, scale, floor, out, out_weight, a, b),
+        lambda a, b: _flatten(
+            image[a:b].ravel(),
+            weight[a:b].ravel(),
+            dense_mean[a:b].ravel(),
+            dense_scale[a:b].ravel(),
+            floor,
+            out[a:b].ravel(),
+            out_weight[a:b].ravel(),
+        ),
         h,
         threads,
     )
@@ -290,15 +262,24 @@ def normalise(
 def _average(cells: Image, weight: Image, sigma: float) -> Image:
     """Weighted Gaussian average, edges mirrored; the mean of all where no weight is near."""
 
-    def blurred(values: AnyArray) -> AnyArray:
-        return np.asarray(ndimage.gaussian_filter(values, sigma, mode="reflect", truncate=CUT))
+    reach = int(CUT * sigma + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+    kernel /= kernel.sum()
+
+    def blurred(values: Image) -> Image:
+        border = cv2.BORDER_REFLECT
+        return np.asarray(cv2.sepFilter2D(values, cv2.CV_32F, kernel, kernel, borderType=border))
+
+    # of deviations: rounding must not give a texture to a frame that has none
+    pivot = cells.max()
+    deviation = cells - pivot
 
     # without gaps the weights cancel
     if float(weight.min()) == float(weight.max()):
-        return np.asarray(blurred(cells), np.float32)
+        return np.asarray(pivot + blurred(deviation), np.float32)
 
     near = blurred(weight)
-    total = blurred(cells * weight)
+    total = blurred(deviation * weight)
     overall = float((cells * weight).sum() / max(float(weight.sum()), 1e-30))
     safe = near > NEAR * float(weight.max())
-    return np.asarray(np.where(safe, total / np.where(safe, near, 1), overall), np.float32)
+    return np.asarray(np.where(safe, pivot + total / np.where(safe, near, 1), overall), np.float32)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from typing import Final
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 from erlif.core.arrays import Image, Mask
 from erlif.core.neighbourhood import BLOCK, block_light
+
+LIMIT: Final = 0.04
+"""Relative rise over blocks of 8 px above which light is steep. [1/px]"""
 
 DARKEST: Final = 1e-3
 """Light from which on the logarithm is taken; dark blocks are set to it. [counts]"""
 
 
-def is_steep(signal: Image, *, limit: float = 0.04) -> Mask:
+def is_steep(signal: Image, *, limit: float = LIMIT) -> Mask:
     """Find where the film itself makes the light steep, as at the thin end of a wedge.
 
     There the ratio of the two bands varies as well, so their light rises differently, and a
@@ -43,11 +46,28 @@ def is_steep(signal: Image, *, limit: float = 0.04) -> Mask:
     False
     """
     light = np.nan_to_num(block_light(signal, signal, BLOCK))
+    steep = steep_blocks(light, limit=limit)
+    steep = np.repeat(np.repeat(steep, BLOCK, axis=0), BLOCK, axis=1)
+    return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
+
+
+def steep_blocks(light: Image, *, limit: float = LIMIT) -> Mask:
+    """The same for blocks whose mean light is known.
+
+    Parameters
+    ----------
+    light : array, (row, column), float32
+        Mean light of the blocks of 8 px of one camera; only ratios count.
+    limit : float
+        Relative rise above which a block counts as steep. [1/px]
+
+    Returns
+    -------
+    array of bool, (row, column)
+    """
     blocks = np.log(np.maximum(light, DARKEST))
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
-    smooth = ndimage.median_filter(blocks, size=3, mode="nearest")
+    smooth = cv2.medianBlur(blocks, 3)
     rise = np.hypot(*np.gradient(smooth)) / BLOCK
-
-    steep = np.repeat(np.repeat(rise > limit, BLOCK, axis=0), BLOCK, axis=1)
-    return np.asarray(steep[: signal.shape[0], : signal.shape[1]])
+    return np.asarray(rise > limit)
