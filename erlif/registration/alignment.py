@@ -14,7 +14,7 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, require
 from erlif.registration.camera_map import CameraMap
-from erlif.registration.interpolation import interpolation_variance_factor, warp
+from erlif.registration.interpolation import FARTHEST, interpolation_variance_factor, warp
 from erlif.registration.settings import orient
 
 _OUTSIDE, _POOR = int(Flag.OUTSIDE_OVERLAP), int(Flag.POOR_REGISTRATION)
@@ -44,7 +44,7 @@ def align_frames(
     AlignedFrames
         As `frames`, with displacement_std (y, x), the standard deviation of one component of the
         map [px], and interpolation (frame), the mean factor by which the interpolation lowers the
-        variance of a pixel of camera 2.
+        variance of a pixel of camera 2, over all pixels that it sees.
 
     Raises
     ------
@@ -79,7 +79,10 @@ def align_frames(
     turn = camera_map.settings.orientation
     count = aligned["signal"].shape[1]
     offsets = np.zeros((count, 2)) if drift is None else np.asarray(drift, float)
-    dx, dy = camera_map.displacement_x, camera_map.displacement_y
+    dx, dy = (
+        np.ascontiguousarray(field, np.float32)
+        for field in (camera_map.displacement_x, camera_map.displacement_y)
+    )
     averaging = np.ones(count)
 
     for n, (x, y) in enumerate(offsets.tolist()):
@@ -90,13 +93,15 @@ def align_frames(
 
         # the spline averages the noise of neighbouring pixels; their variance changes slowly
         factor = interpolation_variance_factor(dx, dy, (x, y))
+        drifted = np.float32(x), np.float32(y)
         for name in ("signal_var", "signal_var_fixed"):
-            _gather(own[name], dx, dy, x, y, factor, aligned[name][1, n])
-        averaging[n] = np.nanmean(factor) if np.isfinite(factor).any() else 1.0
+            _gather(own[name], dx, dy, *drifted, factor, aligned[name][1, n])
+        seen = np.isfinite(aligned["signal_var"][1, n])
+        averaging[n] = np.mean(factor[seen], dtype=float) if seen.any() else 1.0
 
         # NaN drift leaves no pixel valid, and the reason belongs in the flags
         flags = aligned["flags"][1, n]
-        _gather_flags(own["flags"], dx, dy, x, y, flags)
+        _gather_flags(own["flags"], dx, dy, *drifted, flags)
         flags[~camera_map.overlap] |= _OUTSIDE
         flags[camera_map.poor | np.isnan(x)] |= _POOR
 
@@ -119,20 +124,39 @@ def align_frames(
 
 
 @numba.njit(nogil=True, cache=True)
-def _flags_of_four(flags: AnyArray, out: AnyArray) -> None:
+def spread_flags(flags: AnyArray, out: AnyArray) -> None:
     """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
     height, width = flags.shape
+    four = np.empty((4, width), flags.dtype)
+    along = np.empty(width + 3, flags.dtype)
+    for i in range(-1, height + 2):
+        # along x, the outermost pixels repeated; each row stays until three more are known
+        row = flags[min(max(i, 0), height - 1)]
+        along[1 : width + 1] = row
+        along[0], along[width + 1], along[width + 2] = row[0], row[-1], row[-1]
+        kept = four[(i + 1) % 4]
+        for j in range(width):
+            kept[j] = along[j] | along[j + 1] | along[j + 2] | along[j + 3]
 
-    # first along x, then along y: eight reads a pixel instead of sixteen
-    along = np.empty((height, width), flags.dtype)
-    for i in range(height):
-        for j in range(width):
-            before, after, far = max(j - 1, 0), min(j + 1, width - 1), min(j + 2, width - 1)
-            along[i, j] = flags[i, before] | flags[i, j] | flags[i, after] | flags[i, far]
-    for i in range(height):
-        before, after, far = max(i - 1, 0), min(i + 1, height - 1), min(i + 2, height - 1)
-        for j in range(width):
-            out[i, j] = along[before, j] | along[i, j] | along[after, j] | along[far, j]
+        if i >= 2:
+            a, b, c, d = four[0], four[1], four[2], four[3]
+            for j in range(width):
+                out[i - 2, j] = a[j] | b[j] | c[j] | d[j]
+
+
+@numba.njit(nogil=True, cache=True)
+def _locate(place: int, shift: np.float32, size: int) -> tuple[int, np.float32]:
+    """Pixel before a point and its distance from it; -1 outside an image.
+
+    As `erlif.registration.interpolation.sample_rows` has it, in single precision.
+    """
+    if not abs(shift) < FARTHEST:
+        return -1, np.float32(0)
+    whole = np.floor(shift)
+    pixel, part = place + int(whole), np.float32(shift - whole)
+    if pixel == size - 1 and part == 0:  # the last pixel is reached from the one before it
+        return pixel - 1, np.float32(1)
+    return (pixel, part) if 0 <= pixel < size - 1 else (-1, np.float32(0))
 
 
 @numba.njit(nogil=True, cache=True)
@@ -140,22 +164,19 @@ def _gather_flags(
     flags: AnyArray,
     displacement_x: AnyArray,
     displacement_y: AnyArray,
-    drift_x: float,
-    drift_y: float,
+    drift_x: np.float32,
+    drift_y: np.float32,
     out: AnyArray,
 ) -> None:
     """All flags of the 4 x 4 pixels about each point."""
     height, width = flags.shape
     spread = np.empty((height, width), flags.dtype)
-    _flags_of_four(flags, spread)
+    spread_flags(flags, spread)
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
-            x = j + displacement_x[i, j] + drift_x
-            y = i + displacement_y[i, j] + drift_y
-            if x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1:
-                out[i, j] = spread[min(int(y), height - 2), min(int(x), width - 2)]
-            else:
-                out[i, j] = _OUTSIDE
+            m, _ = _locate(j, displacement_x[i, j] + drift_x, width)
+            k, _ = _locate(i, displacement_y[i, j] + drift_y, height)
+            out[i, j] = spread[k, m] if k >= 0 and m >= 0 else _OUTSIDE
 
 
 @numba.njit(nogil=True, cache=True)
@@ -163,8 +184,8 @@ def _gather(
     variance: AnyArray,
     displacement_x: AnyArray,
     displacement_y: AnyArray,
-    drift_x: float,
-    drift_y: float,
+    drift_x: np.float32,
+    drift_y: np.float32,
     factor: AnyArray,
     out: AnyArray,
 ) -> None:
@@ -172,15 +193,12 @@ def _gather(
     height, width = variance.shape
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
-            x = j + displacement_x[i, j] + drift_x
-            y = i + displacement_y[i, j] + drift_y
-            if not (x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1):
+            m, u = _locate(j, displacement_x[i, j] + drift_x, width)
+            k, v = _locate(i, displacement_y[i, j] + drift_y, height)
+            if k < 0 or m < 0:
                 out[i, j] = np.nan
                 continue
 
-            # the last row and column are reached from the pixel before them
-            k, m = min(int(y), height - 2), min(int(x), width - 2)
-            v, u = y - k, x - m
             top = variance[k, m] + u * (variance[k, m + 1] - variance[k, m])
             bottom = variance[k + 1, m] + u * (variance[k + 1, m + 1] - variance[k + 1, m])
             out[i, j] = (top + v * (bottom - top)) * factor[i, j]

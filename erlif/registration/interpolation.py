@@ -5,22 +5,18 @@ up to the third degree. Its coefficients come from a recursive filter along each
 Aldroubi and Eden 1993).
 """
 
-from functools import cache
-from typing import Any, Final
+from typing import Final
 
-import cv2
 import numpy as np
 from numba import njit
 
-from erlif.core.arrays import AnyArray, Array, Image
+from erlif.core.arrays import AnyArray, Image
 from erlif.core.errors import RegistrationError
+from erlif.core.flags import Flag
 from erlif.registration.bands import in_bands
 
 FAST: Final = {"nsz", "arcp", "contract", "afn", "reassoc"}
 """Floating-point freedoms that keep NaN a NaN."""
-
-Single = np.floating[Any]
-"""A number in single precision."""
 
 _POLE: Final = np.float32(np.sqrt(3.0) - 2.0)
 """Pole of the filter that turns samples into cubic B-spline coefficients."""
@@ -28,23 +24,32 @@ _START: Final = 16
 """Samples that start the causal filter: the power of the pole falls below 1e-9."""
 _MARGIN: Final = 2
 """Mirrored coefficients on every side, so that the sixteen taps need no check of bounds."""
-_FARTHEST: Final = 1e6
+_BESIDE: Final = _START
+"""Mirrored samples on both sides of a row, from which the filters start."""
+FARTHEST: Final = np.float32(1e6)
 """Displacements beyond this lie outside any image and beyond the precision of float32. [px]"""
-_OUTSIDE: Final = np.float32(2.0**30)
-"""Stands for the whole pixels of a point outside the image. [px]"""
 _REACH: Final = 9
 """Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
 
+# single precision throughout: a loop with one double is half as fast
+_ZERO, _ONE, _THREE, _FOUR, _SIX = (np.float32(value) for value in (0, 1, 3, 4, 6))
+_PER_36: Final = np.float32(1 / 36)
+_CUBIC: Final = np.float32(14 - 6 * np.sqrt(3))
+"""Factor of the cubic term of the noise, see `interpolation_variance_factor`."""
+_NAN: Final = np.float32(np.nan)
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _mix(one: AnyArray, two: AnyArray, u: Single, v: Single, out: AnyArray) -> None:
-    for x in range(out.size):
-        out[x] = u * one[x] + v * two[x]
+# an unsigned index cannot count from the end; without this case the loops run in vector registers
+_at = np.uint64
+_NEXT, _SAME = np.uint8(1), np.uint8(0)
+_OUTSIDE: Final = np.uint8(Flag.OUTSIDE_OVERLAP)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> None:
-    """Filter the columns ``start`` to ``stop`` along y, mirrored about the outer pixels."""
+    """Filter the columns ``start`` to ``stop`` along y, mirrored about the outer pixels.
+
+    ``out`` has a margin of two on every side; those above and below are not filled.
+    """
     n = image.shape[0]
     z = _POLE
     m = _MARGIN
@@ -52,35 +57,79 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
 
     # the causal filter starts with the sum over the mirrored samples before the first
     for x in range(start, stop):
-        out[m, x] = image[0, x]
+        out[m, x + m] = image[0, x]
     power = z
     for k in range(1, _START):
         j = k % period
         if j >= n:
             j = period - j
         for x in range(start, stop):
-            out[m, x] += power * image[j, x]
+            out[m, x + m] += power * image[j, x]
         power *= z
+    for y in range(1, n):
+        for x in range(start, stop):
+            out[m + y, x + m] = image[y, x] + z * out[m + y - 1, x + m]
 
-    # the causal filter runs down, the anticausal filter up again; the gain of 6 makes the sum of
-    # the weights 1
-    six = np.float32(6)
-    gain = six * z / (z * z - np.float32(1))
-    last = m + n - 1
-    for k in range(1, 2 * n):
-        if k < n:
-            y = m + k
-            one, two, u, v = image[k], out[y - 1], np.float32(1), z
-        elif k == n:
-            y = last
-            one, two, u, v = out[y], out[y - 1], gain, gain * z
-        else:
-            y = last + n - k
-            one, two, u, v = out[y + 1], out[y], z, -six * z
-        _mix(one[start:stop], two[start:stop], u, v, out[y, start:stop])
+    # the anticausal filter runs back; the gain of 6 makes the sum of the weights 1
+    gain = z / (z * z - np.float32(1))
+    for x in range(start + m, stop + m):
+        out[m + n - 1, x] = np.float32(6) * gain * (out[m + n - 1, x] + z * out[m + n - 2, x])
+    for y in range(n - 2, -1, -1):
+        for x in range(start + m, stop + m):
+            out[m + y, x] = z * (out[m + y + 1, x] - np.float32(6) * out[m + y, x])
 
 
-def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def filter_rows(out: AnyArray, start: int, stop: int) -> None:
+    """Filter the rows ``start`` to ``stop`` along x in place, and mirror the margins.
+
+    The recursive filter 1 + z + z^2 + ... is the product of 1 + z, 1 + z^2, 1 + z^4 and 1 + z^8,
+    each of which takes all pixels of a row at once.
+    """
+    n = out.shape[1] - 2 * _MARGIN
+    size = n + 2 * _BESIDE
+    period = 2 * n - 2
+    z = _POLE
+    z2 = z * z
+    z4 = z2 * z2
+    z8 = z4 * z4
+    gain = np.float32(-6) * z
+    a = np.empty(size, np.float32)
+    b = np.empty(size, np.float32)
+
+    for y in range(start + _MARGIN, stop + _MARGIN):
+        for x in range(n):
+            a[x + _BESIDE] = out[y, x + _MARGIN]
+        for k in range(1, _BESIDE + 1):
+            left = k % period
+            right = (n - 1 + k) % period
+            a[_BESIDE - k] = a[_BESIDE + (left if left < n else period - left)]
+            a[_BESIDE + n - 1 + k] = a[_BESIDE + (right if right < n else period - right)]
+
+        # the causal factors
+        for x in range(1, size):
+            b[x] = a[x] + z * a[x - 1]
+        for x in range(3, size):
+            a[x] = b[x] + z2 * b[x - 2]
+        for x in range(7, size):
+            b[x] = a[x] + z4 * a[x - 4]
+        for x in range(15, size):
+            a[x] = b[x] + z8 * b[x - 8]
+
+        # the anticausal ones, and the gain that makes the sum of the weights 1
+        for x in range(15, size - 1):
+            b[x] = a[x] + z * a[x + 1]
+        for x in range(15, size - 3):
+            a[x] = b[x] + z2 * b[x + 2]
+        for x in range(15, size - 7):
+            b[x] = a[x] + z4 * a[x + 4]
+        for x in range(n):
+            out[y, x + _MARGIN] = gain * (b[x + _BESIDE] + z8 * b[x + _BESIDE + 8])
+        out[y, 1], out[y, 0] = out[y, 3], out[y, 4]
+        out[y, n + 2], out[y, n + 3] = out[y, n], out[y, n - 1]
+
+
+def spline_coefficients(image: AnyArray, *, threads: int = 1, out: Image | None = None) -> Image:
     """Return the cubic B-spline coefficients of an image, mirrored about its outer pixels.
 
     Parameters
@@ -89,6 +138,8 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
         Finite values, at least 3 by 3 pixels.
     threads : int
         Threads to use; the result does not depend on it.
+    out : array, (y + 4, x + 4), float32, optional
+        Filled and returned.
 
     Returns
     -------
@@ -109,103 +160,26 @@ def spline_coefficients(image: AnyArray, *, threads: int = 1) -> Image:
            [ 0., 36.,  0.],
            [ 0.,  0.,  0.]], dtype=float32)
     """
-    # the same filter along both axes: transposing costs less than a second one
-    columns = _filter(np.ascontiguousarray(image, np.float32), threads)
-    return np.asarray(cv2.transpose(_filter(np.asarray(cv2.transpose(columns)), threads)))
-
-
-def _filter(image: AnyArray, threads: int) -> AnyArray:
-    """Filter along y, with two mirrored coefficients above the first and below the last row."""
     h, w = image.shape
-    out = np.empty((h + 2 * _MARGIN, w), np.float32)
-    in_bands(lambda a, b: filter_columns(image, out, a, b), w, threads)
+    image = np.ascontiguousarray(image, np.float32)
+    if out is None:
+        out = np.empty((h + 2 * _MARGIN, w + 2 * _MARGIN), np.float32)
+    found = out
+    in_bands(lambda a, b: filter_columns(image, found, a, b), w, threads)
+    in_bands(lambda a, b: filter_rows(found, a, b), h, threads)
     out[1], out[0] = out[3], out[4]
     out[_MARGIN + h], out[_MARGIN + h + 1] = out[_MARGIN + h - 2], out[_MARGIN + h - 3]
     return out
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _whole_pixels(
-    displacement_x: AnyArray,
-    displacement_y: AnyArray,
-    drift_x: Single,
-    drift_y: Single,
-    y: int,
-    w: int,
-    h: int,
-    left: AnyArray,
-    top: AnyArray,
-) -> None:
-    """Whole pixels of the displacement along row ``y``; ``_OUTSIDE`` outside the image."""
-    zero = np.float32(0)
-    last_x = np.float32(w - 1)
-    last_y = np.float32(h - 1)
-    row = np.float32(y)
-
-    # float32 holds whole pixels exactly; a NaN fails all comparisons
-    for x in range(left.size):
-        dx = displacement_x[x] + drift_x
-        dy = displacement_y[x] + drift_y
-        fx = np.floor(dx)
-        fy = np.floor(dy)
-        px = np.float32(x) + fx
-        py = row + fy
-        along_x = (px >= zero) & ((px < last_x) | ((px == last_x) & (dx == fx)))
-        along_y = (py >= zero) & ((py < last_y) | ((py == last_y) & (dy == fy)))
-        left[x] = fx if along_x & along_y else _OUTSIDE
-        top[x] = fy if along_x & along_y else _OUTSIDE
+NOTHING: Final = np.zeros((0, 0), np.float32)
+"""Stands for a variance that is not asked for."""
+NO_FLAGS: Final = np.zeros((0, 0), np.uint8)
+"""Stands for flags that are not asked for."""
+NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
+"""Mask for `sample_spline` if all pixels are valid."""
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _along_row(
-    row_0: AnyArray,
-    row_1: AnyArray,
-    row_2: AnyArray,
-    row_3: AnyArray,
-    displacement_x: AnyArray,
-    displacement_y: AnyArray,
-    offset_x: Single,
-    offset_y: Single,
-    out: AnyArray,
-) -> None:
-    """Evaluate the spline along a row where the taps of neighbouring points are neighbours.
-
-    The offset makes the displacement a fraction of a pixel. Without a test or an index from
-    memory, the loop runs on vectors.
-    """
-    sixth = np.float32(1.0 / 6.0)
-    one = np.float32(1)
-    four = np.float32(4)
-    three = np.float32(3)
-    six = np.float32(6)
-
-    for k in range(out.size):
-        # the fraction is taken from the displacement alone, which float32 holds to a millionth
-        # of a pixel; the sum with x would lose three digits
-        u = displacement_x[k] + offset_x
-        v = displacement_y[k] + offset_y
-
-        # the four B-splines that reach the point, along x and, with both sixths, along y
-        u2 = u * u
-        u3 = u2 * u
-        v2 = v * v
-        v3 = v2 * v
-        a0 = one - three * u + three * u2 - u3
-        a1 = four - six * u2 + three * u3
-        a2 = one + three * u + three * u2 - three * u3
-        b0 = (one - three * v + three * v2 - v3) * sixth * sixth
-        b1 = (four - six * v2 + three * v3) * sixth * sixth
-        b2 = (one + three * v + three * v2 - three * v3) * sixth * sixth
-        b3 = v3 * sixth * sixth
-
-        s0 = b0 * row_0[k] + b1 * row_1[k] + b2 * row_2[k] + b3 * row_3[k]
-        s1 = b0 * row_0[k + 1] + b1 * row_1[k + 1] + b2 * row_2[k + 1] + b3 * row_3[k + 1]
-        s2 = b0 * row_0[k + 2] + b1 * row_1[k + 2] + b2 * row_2[k + 2] + b3 * row_3[k + 2]
-        s3 = b0 * row_0[k + 3] + b1 * row_1[k + 3] + b2 * row_2[k + 3] + b3 * row_3[k + 3]
-        out[k] = a0 * s0 + a1 * s1 + a2 * s2 + u3 * s3
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def sample_spline(
     coefficients: AnyArray,
     displacement_x: AnyArray,
@@ -246,54 +220,201 @@ def sample_spline(
     >>> round(float(out[20, 30]), 4)
     61.0
     """
+    field = displacement_x, displacement_y, np.float32(drift_x), np.float32(drift_y)
+    noise = NOTHING, NOTHING, NO_FLAGS
+    sample_rows(coefficients, *field, bad, *noise, out, *noise, start, stop)
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def sample_rows(  # type: ignore[no-untyped-def]
+    coefficients,
+    displacement_x,
+    displacement_y,
+    drift_x,
+    drift_y,
+    bad,
+    variance,
+    fixed,
+    flags,
+    out,
+    out_variance,
+    out_fixed,
+    out_flags,
+    start,
+    stop,
+):
+    """Evaluate the spline in some rows, with the noise and the flags of camera 2 where given.
+
+    The whole part of the displacement is constant over long runs of a row. Within a run the pixels
+    of camera 2 follow each other as those of camera 1 do, and the loops run in vector registers.
+
+    Parameters
+    ----------
+    coefficients, displacement_x, displacement_y, drift_x, drift_y, bad, out, start, stop
+        As of `sample_spline`; the drift in single precision.
+    variance, fixed : array, (y2, x2), float32
+        Two variances of camera 2, or arrays of size 0. They are interpolated bilinearly and
+        multiplied by the factor of `interpolation_variance_factor`.
+    flags : array, (y2, x2), uint8
+        Flags of all pixels from which a point between this pixel and the next is interpolated, or
+        an array of size 0.
+    out_variance, out_fixed : array, (y, x), float32
+        Receive the variances; NaN outside the image.
+    out_flags : array, (y, x), uint8
+        Receives the flags; OUTSIDE_OVERLAP outside the image.
+
+    Returns
+    -------
+    float
+        Sum of the factors of the variance over all points inside the image.
+    int
+        Number of these points, both 0 without variances.
+    """
     h = coefficients.shape[0] - 2 * _MARGIN
     w = coefficients.shape[1] - 2 * _MARGIN
     width = out.shape[1]
     masked = bad.size > 0
-    sx = np.float32(drift_x)
-    sy = np.float32(drift_y)
-    left = np.empty(width, np.float32)
-    top = np.empty(width, np.float32)
+    noisy = variance.size > 0
+    total = 0.0
+    count = 0
 
-    for y in range(start, stop):
-        _whole_pixels(displacement_x[y], displacement_y[y], sx, sy, y, w, h, left, top)
+    # of one row: fractions of the displacement, its whole parts, and where these change
+    us = np.empty(width, np.float32)
+    vs = np.empty(width, np.float32)
+    columns = np.empty(width, np.int32)
+    rows = np.empty(width, np.int32)
+    factors = np.empty(width, np.float32)
+    changes = np.zeros((width // 8 + 1) * 8, np.uint8)
+    changes[width] = _NEXT
+    eights = changes.view(np.uint64)
 
-        # the displacement is smooth: whole pixels are constant over long runs of a row
-        x = 0
-        while x < width:
-            fx = left[x]
-            fy = top[x]
-            end = x + 1
-            while end < width and left[end] == fx and top[end] == fy:
+    for row in range(start, stop):
+        y = _at(row)
+        last_column = np.int32(w - 1)
+        rows_left = np.int32(h - 1 - row)
+        for t in range(width):
+            x = _at(t)
+            u = displacement_x[y, x] + drift_x
+            v = displacement_y[y, x] + drift_y
+            known = (abs(u) < FARTHEST) & (abs(v) < FARTHEST)
+            u = u if known else -FARTHEST
+            v = v if known else -FARTHEST
+
+            # the fraction is taken from the displacement alone, which float32 holds to a
+            # millionth of a pixel; the sum with x would lose three digits
+            whole_u = np.floor(u)
+            whole_v = np.floor(v)
+            u -= whole_u
+            v -= whole_v
+            column = np.int32(whole_u)
+            down = np.int32(whole_v)
+
+            # the last column and row are reached from the pixel before them
+            at_right = (np.int32(t) + column == last_column) & (u == _ZERO)
+            at_bottom = (down == rows_left) & (v == _ZERO)
+            us[x] = _ONE if at_right else u
+            vs[x] = _ONE if at_bottom else v
+            columns[x] = column - np.int32(1) if at_right else column
+            rows[x] = down - np.int32(1) if at_bottom else down
+
+        for t in range(1, width):
+            x, before = _at(t), _at(t - 1)
+            other = (columns[x] != columns[before]) | (rows[x] != rows[before])
+            changes[x] = _NEXT if other else _SAME
+        if noisy:
+            for t in range(width):
+                x = _at(t)
+                p = us[x] * (_ONE - us[x])
+                q = vs[x] * (_ONE - vs[x])
+                along_x = _ONE - p * p * (_THREE + _CUBIC * p)
+                factors[x] = along_x * (_ONE - q * q * (_THREE + _CUBIC * q))
+
+        begin = 0
+        while begin < width:
+            # the end of the run, eight pixels at a time
+            end = begin + 1
+            while end & 7 and not changes[end]:
                 end += 1
-            if fx == _OUTSIDE:
-                out[y, x:end] = np.nan
-                x = end
-                continue
+            if not end & 7:
+                k = end >> 3
+                while not eights[k]:
+                    k += 1
+                end = k << 3
+                while not changes[end]:
+                    end += 1
 
-            # pixel i has its coefficient at i + 2, so the first of the four taps is at i + 1
-            i = x + int(fx)
-            j = y + int(fy)
-            last = i + end - x + 4
-            _along_row(
-                coefficients[j + 1, i + 1 : last],
-                coefficients[j + 2, i + 1 : last],
-                coefficients[j + 3, i + 1 : last],
-                coefficients[j + 4, i + 1 : last],
-                displacement_x[y, x:end],
-                displacement_y[y, x:end],
-                sx - fx,
-                sy - fy,
-                out[y, x:end],
-            )
+            # the part of the run that camera 2 sees
+            shift = int(columns[begin])
+            j = row + int(rows[begin])
+            low = min(max(begin, -shift), end)
+            high = max(min(end, w - 1 - shift), low)
+            if j < 0 or j > h - 2:
+                low = high = end
+            for first, beyond in ((begin, low), (high, end)):
+                for t in range(first, beyond):
+                    out[y, _at(t)] = _NAN
+                if noisy:
+                    for t in range(first, beyond):
+                        x = _at(t)
+                        out_variance[y, x] = _NAN
+                        out_fixed[y, x] = _NAN
+                        out_flags[y, x] = _OUTSIDE
+                        factors[x] = _ZERO
+
+            # the four B-splines that reach the point, along x and along y; pixel i has its
+            # coefficient at i + 2, so the first of the four taps is at i + 1
+            j0, j1, j2, j3, j4 = _at(j), _at(j + 1), _at(j + 2), _at(j + 3), _at(j + 4)
+            for t in range(low, high):
+                x = _at(t)
+                i1, i2 = _at(shift + t + 1), _at(shift + t + 2)
+                i3, i4 = _at(shift + t + 3), _at(shift + t + 4)
+                u = us[x]
+                v = vs[x]
+                a0 = (_ONE - u) * (_ONE - u) * (_ONE - u)
+                a1 = _FOUR + u * u * (_THREE * u - _SIX)
+                a3 = u * u * u
+                a2 = _SIX - a0 - a1 - a3
+                b0 = (_ONE - v) * (_ONE - v) * (_ONE - v)
+                b1 = _FOUR + v * v * (_THREE * v - _SIX)
+                b3 = v * v * v
+                b2 = _SIX - b0 - b1 - b3
+
+                s1 = b0 * coefficients[j1, i1] + b1 * coefficients[j2, i1]
+                s1 += b2 * coefficients[j3, i1] + b3 * coefficients[j4, i1]
+                s2 = b0 * coefficients[j1, i2] + b1 * coefficients[j2, i2]
+                s2 += b2 * coefficients[j3, i2] + b3 * coefficients[j4, i2]
+                s3 = b0 * coefficients[j1, i3] + b1 * coefficients[j2, i3]
+                s3 += b2 * coefficients[j3, i3] + b3 * coefficients[j4, i3]
+                s4 = b0 * coefficients[j1, i4] + b1 * coefficients[j2, i4]
+                s4 += b2 * coefficients[j3, i4] + b3 * coefficients[j4, i4]
+                out[y, x] = (a0 * s1 + a1 * s2 + a2 * s3 + a3 * s4) * _PER_36
+
             if masked:
-                below = min(j + 1, h - 1)
-                for k in range(end - x):
-                    a = i + k
-                    b = min(a + 1, w - 1)
-                    if bad[j, a] or bad[j, b] or bad[below, a] or bad[below, b]:
-                        out[y, x + k] = np.nan
-            x = end
+                for t in range(low, high):
+                    x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
+                    left, above = us[x] < _ONE, vs[x] < _ONE
+                    hit = (bad[j0, i0] & left & above) | (bad[j0, i1] & above)
+                    hit |= (bad[j1, i0] & left) | bad[j1, i1]
+                    out[y, x] = _NAN if hit else out[y, x]
+            if noisy:
+                for t in range(low, high):
+                    x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
+                    u = us[x]
+                    v = vs[x]
+                    upper = variance[j0, i0] + u * (variance[j0, i1] - variance[j0, i0])
+                    lower = variance[j1, i0] + u * (variance[j1, i1] - variance[j1, i0])
+                    out_variance[y, x] = (upper + v * (lower - upper)) * factors[x]
+                    upper = fixed[j0, i0] + u * (fixed[j0, i1] - fixed[j0, i0])
+                    lower = fixed[j1, i0] + u * (fixed[j1, i1] - fixed[j1, i0])
+                    out_fixed[y, x] = (upper + v * (lower - upper)) * factors[x]
+                for t in range(low, high):
+                    out_flags[y, _at(t)] = flags[j0, _at(shift + t)]
+                count += high - low
+            begin = end
+
+        if noisy:
+            total += factors.sum()
+    return total, count
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -336,10 +457,6 @@ def spread(bad: AnyArray, out: AnyArray) -> None:
                 for j in range(max(0, y - 1), min(h, y + 2)):
                     for i in range(max(0, x - 1), min(w, x + 2)):
                         out[j, i] = True
-
-
-NOTHING_BAD: Final = np.zeros((0, 0), np.bool_)
-"""Mask for `sample_spline` if all pixels are valid."""
 
 
 def warp(
@@ -415,29 +532,6 @@ def warp(
     return out
 
 
-@cache
-def _noise_table(size: int = 1024) -> Array:
-    """Sum over k of the squared cardinal cubic spline at f - k, at f = 0, 1/size, ..., 1."""
-    n = 64  # taps on either side; the pole to this power is 1e-37
-    f = np.linspace(0.0, 1.0, size + 1)
-    taps = (
-        np.stack([(1 - f) ** 3, 4 - 6 * f**2 + 3 * f**3, 1 + 3 * f + 3 * f**2 - 3 * f**3, f**3]) / 6
-    )
-
-    # the cardinal spline is the B-spline after the prefilter, whose impulse response is
-    # 6 z/(z^2 - 1) z^|k| = sqrt(3) z^|k|
-    z = float(np.sqrt(3.0) - 2.0)
-    k = np.arange(-n, n + 1)
-    inverse = np.sqrt(3.0) * z ** np.abs(k)
-    response = np.zeros((2 * n + 4, f.size))
-    for i in range(4):
-        response[i : i + 2 * n + 1] += inverse[:, None] * taps[i]
-
-    table: Array = np.sum(response**2, axis=0)
-    table.setflags(write=False)
-    return table
-
-
 def interpolation_variance_factor(
     displacement_x: AnyArray, displacement_y: AnyArray, drift: tuple[float, float] = (0.0, 0.0)
 ) -> Image:
@@ -445,7 +539,8 @@ def interpolation_variance_factor(
 
     The noise is independent from pixel to pixel. The cardinal cubic spline eta weighs the pixels,
     so the factor is s(fx) s(fy) with s(f) = sum over k of eta(f - k)^2 and f the sub-pixel part of
-    the position: 1 on a pixel, 0.57 half-way between four of them.
+    the position: 1 on a pixel, 0.57 half-way between four of them. With q = f (1 - f) the sum is
+    s = 1 - 3 q^2 - (14 - 6 sqrt(3)) q^3.
 
     Parameters
     ----------
@@ -467,31 +562,11 @@ def interpolation_variance_factor(
     >>> float(interpolation_variance_factor(half, half, (0.5, -2.5))[0, 0])  # on a pixel
     1.0
     """
-    table = _noise_table()
-    out = np.empty(displacement_x.shape, np.float32)
-    fx = np.ascontiguousarray(displacement_x, np.float32)
-    fy = np.ascontiguousarray(displacement_y, np.float32)
-    _look_up(fx, fy, float(drift[0]), float(drift[1]), table, out)
-    return out
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
-def _look_up(
-    fx: AnyArray, fy: AnyArray, sx: float, sy: float, table: AnyArray, out: AnyArray
-) -> None:
-    """Product of the table at both sub-pixel parts, interpolated linearly; NaN stays NaN."""
-    n = table.size - 1
-    for y in range(out.shape[0]):
-        for x in range(out.shape[1]):
-            u = fx[y, x] + sx
-            v = fy[y, x] + sy
-            if not (abs(u) < _FARTHEST and abs(v) < _FARTHEST):
-                out[y, x] = np.nan
-                continue
-            u = (u - np.floor(u)) * n
-            v = (v - np.floor(v)) * n
-            i = min(int(u), n - 1)
-            j = min(int(v), n - 1)
-            a = table[i] + (u - i) * (table[i + 1] - table[i])
-            b = table[j] + (v - j) * (table[j + 1] - table[j])
-            out[y, x] = a * b
+    factor = np.ones(displacement_x.shape, np.float32)
+    for displacement, offset in zip((displacement_x, displacement_y), drift, strict=True):
+        place = np.asarray(displacement, np.float32) + np.float32(offset)
+        place = np.where(np.abs(place) < FARTHEST, place, _NAN)
+        fraction = place - np.floor(place)
+        q = fraction * (1 - fraction)
+        factor *= 1 - q * q * (_THREE + _CUBIC * q)
+    return factor
