@@ -5,13 +5,19 @@ from __future__ import annotations
 import cv2
 import numba
 import numpy as np
-from scipy import ndimage
 
 from erlif.core.arrays import Image, Mask
-from erlif.core.neighbourhood import BLOCK, block_light
 
-_REACH = 9
+_BLOCK = 16
+"""Width of the blocks whose light is averaged. [px]"""
+
+_REACH = 5
 """Width of the surroundings whose median is the undisturbed light. [blocks]"""
+
+_ZERO, _ONE, _INFINITE, _NAN = (np.float32(value) for value in (0, 1, np.inf, np.nan))
+
+_ROUNDING = 1e-6
+"""Relative margin of a comparison of sums in single precision."""
 
 
 def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Mask:
@@ -22,7 +28,7 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     one, two : array, (y, x)
         Light of the two cameras on one grid; a pixel with NaN is not dark. [DN]
     share : float
-        A pixel is dark below this share of the median light about it, over 9 x 9 blocks of 8 px.
+        A pixel is dark below this share of the median light about it, over 5 x 5 blocks of 16 px.
     margin : int
         Width of the meniscus about a dark patch, which is marked with it. [px]
 
@@ -38,40 +44,82 @@ def find_bubbles(one: Image, two: Image, *, share: float, margin: int = 3) -> Ma
     >>> np.argwhere(bubble).tolist()
     [[19, 30], [20, 29], [20, 30], [20, 31], [21, 30]]
     """
-    blocks = block_light(one, two, BLOCK)
+    blocks, least = _measure_blocks(one, two, _BLOCK)
     known = np.isfinite(blocks)
     if not known.any():
         return np.zeros(one.shape, bool)
 
     filled = np.where(known, blocks, np.median(blocks[known]))
-    surroundings = ndimage.median_filter(filled, size=_REACH, mode="nearest")
-    dark = _below(one, two, share * surroundings, BLOCK)
-    if not dark.any():
-        return np.asarray(dark, bool)
+    limit = share * cv2.medianBlur(filled, _REACH)
+
+    # the limit of a pixel lies between those of its own and the neighbouring blocks
+    highest = cv2.dilate(limit, np.ones((3, 3), np.uint8))
+    near = least < highest * (1 + _ROUNDING)
+    if not near.any():
+        return np.zeros(one.shape, bool)
+    dark = np.zeros(one.shape, np.uint8)
+    _mark_dark(one, two, limit, near, _BLOCK, dark)
 
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
-    return cv2.dilate(dark, disc).astype(bool)
+    return cv2.dilate(dark, disc).view(bool)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"nsz", "contract"})
+def _measure_blocks(one, two, block):  # type: ignore[no-untyped-def]
+    """Mean and least light of both cameras together in square blocks; NaN and infinity without."""
+    height, width = one.shape
+    rows, columns = (height + block - 1) // block, (width + block - 1) // block
+    mean = np.empty((rows, columns), np.float32)
+    least = np.empty((rows, columns), np.float32)
+    total = np.empty(width, np.float32)
+    count = np.empty(width, np.float32)
+    lowest = np.empty(width, np.float32)
+
+    for k in range(rows):
+        # first over the rows of the blocks, for all columns at once
+        total[:] = _ZERO
+        count[:] = _ZERO
+        lowest[:] = _INFINITE
+        for i in range(k * block, min((k + 1) * block, height)):
+            for j in range(width):
+                light = one[i, j] + two[i, j]
+                known = abs(light) < _INFINITE
+                total[j] += light if known else _ZERO
+                count[j] += _ONE if known else _ZERO
+                lowest[j] = light if light < lowest[j] else lowest[j]
+
+        for m in range(columns):
+            level, known_pixels, low = _ZERO, _ZERO, _INFINITE
+            for j in range(m * block, min((m + 1) * block, width)):
+                level += total[j]
+                known_pixels += count[j]
+                low = min(low, lowest[j])
+            mean[k, m] = level / known_pixels if known_pixels > _ZERO else _NAN
+            least[k, m] = low
+    return mean, least
 
 
 @numba.njit(nogil=True, cache=True)
-def _below(one, two, limit, block):  # type: ignore[no-untyped-def]
-    """Pixels with less light than a limit given per block, interpolated between their centres."""
+def _mark_dark(one, two, limit, near, block, dark):  # type: ignore[no-untyped-def]
+    """Mark pixels with less light than a limit given per block, interpolated between centres.
+
+    Only the blocks of `near` are searched.
+    """
     height, width = one.shape
     rows, columns = limit.shape
-    dark = np.zeros((height, width), np.uint8)
-    for i in range(height):
-        # position among the centres of the blocks; beyond the outermost the limit is constant
-        y = min(max((i + 0.5) / block - 0.5, 0.0), rows - 1.0)
-        k = min(int(y), rows - 2)
-        v = y - k
+    for row, column in zip(*np.nonzero(near)):
+        for i in range(row * block, min((row + 1) * block, height)):
+            # position among the centres of the blocks; beyond the outermost the limit is constant
+            y = min(max((i + 0.5) / block - 0.5, 0.0), rows - 1.0)
+            k = min(int(y), rows - 2)
+            v = y - k
 
-        for j in range(width):
-            x = min(max((j + 0.5) / block - 0.5, 0.0), columns - 1.0)
-            m = min(int(x), columns - 2)
-            u = x - m
+            for j in range(column * block, min((column + 1) * block, width)):
+                x = min(max((j + 0.5) / block - 0.5, 0.0), columns - 1.0)
+                m = min(int(x), columns - 2)
+                u = x - m
 
-            top = limit[k, m] + u * (limit[k, m + 1] - limit[k, m])
-            bottom = limit[k + 1, m] + u * (limit[k + 1, m + 1] - limit[k + 1, m])
-            if one[i, j] + two[i, j] < top + v * (bottom - top):
-                dark[i, j] = 1
-    return dark
+                top = limit[k, m] + u * (limit[k, m + 1] - limit[k, m])
+                bottom = limit[k + 1, m] + u * (limit[k + 1, m + 1] - limit[k + 1, m])
+                if one[i, j] + two[i, j] < top + v * (bottom - top):
+                    dark[i, j] = 1

@@ -1,0 +1,294 @@
+"""Light of one frame pair to the logarithm of its ratio, with variances and flags.
+
+The reference is `erlif.ratio.compute_ratio`. Warp and ratio take turns over bands of rows, so that
+what one writes is still in the cache when the other reads it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numba
+import numpy as np
+
+from erlif.core.flags import Flag
+from erlif.passes.light import PairLight
+from erlif.passes.pair import PairRatio
+from erlif.passes.warp import MapTables, PairWarp, Warp
+from erlif.ratio import BlurDifference, find_bubbles
+from erlif.registration.interpolation import FAST
+
+_BAND = 32
+"""Rows of a band: those of all images together fill half of a cache of 1 MB at 1280 columns."""
+
+_NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
+_DIM, _NO_FILM, _POOR = (
+    np.uint8(flag) for flag in (Flag.DIM, Flag.NO_FILM, Flag.POOR_REGISTRATION)
+)
+_NONE = np.uint8(0)
+_at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
+
+# logarithm of 1 + f, f from sqrt(1/2) - 1 to sqrt(2) - 1, after f - f^2/2 (Cephes library, logf);
+# the logarithm of 2 in two parts, so that whole multiples of the first are exact
+_LOG = tuple(
+    np.float32(c)
+    for c in (
+        7.0376836292e-2,
+        -1.1514610310e-1,
+        1.1676998740e-1,
+        -1.2420140846e-1,
+        1.4249322787e-1,
+        -1.6668057665e-1,
+        2.0000714765e-1,
+        -2.4999993993e-1,
+        3.3333331174e-1,
+    )
+)
+_L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7, _L8 = _LOG
+_LN2_LOW, _LN2_HIGH = np.float32(-2.12194440e-4), np.float32(0.693359375)
+_ROOT_HALF_BITS = np.int32(np.float32(np.sqrt(0.5)).view(np.int32))
+_MANTISSA_BITS = np.int32(23)
+
+
+def empty_ratio(shape: tuple[int, int]) -> PairRatio:
+    """Arrays for frames of a shape (y, x), to be filled by `measure_ratio`.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns.
+
+    Returns
+    -------
+    PairRatio
+    """
+    log_ratio, variance, fixed, shared = (np.empty(shape, np.float32) for _ in range(4))
+    light_one = np.zeros((0, 0), np.float32)
+    return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
+
+
+def measure_ratio(
+    light: PairLight,
+    tables: MapTables,
+    drift: tuple[float, float],
+    *,
+    blur: BlurDifference,
+    no_film_below: float,
+    warped: PairWarp,
+    out: PairRatio,
+) -> PairRatio:
+    """Logarithm of camera 2 over camera 1 of one frame pair.
+
+    Parameters
+    ----------
+    light : PairLight
+    tables : MapTables
+    drift : tuple of float
+        Translation (x, y) of camera 2; NaN where it is not known. [px]
+    blur : BlurDifference
+        Difference of sharpness, whose ghost is subtracted where it is significant.
+    no_film_below : float
+        Light relative to the surroundings below which both bands show a bubble. [1]
+    warped : PairWarp
+        Receives camera 2.
+    out : PairRatio
+        Its images are filled.
+
+    Returns
+    -------
+    PairRatio
+        With the images of `out`.
+    """
+    along_x, along_y = (blur.x, blur.y) if blur.significant else (0.0, 0.0)
+    warp = Warp(light, tables, drift, warped)
+    height = out.log_ratio.shape[0]
+    total = of_two = 0.0
+    done = 0
+
+    # a row of the ratio needs the row of camera 2 below it
+    for start in range(0, height, _BAND):
+        stop = min(start + _BAND, height)
+        warp.fill(start, stop)
+        ready = stop if stop == height else stop - 1
+        sums = _ratio_rows(
+            light.light[0],
+            warped.light,
+            light.variance[0],
+            warped.variance,
+            light.variance_fixed[0],
+            warped.variance_fixed,
+            light.flags[0],
+            warped.flags,
+            tables.flags,
+            tables.variance,
+            np.float32(along_x),
+            np.float32(along_y),
+            out.log_ratio,
+            out.variance,
+            out.variance_fixed,
+            out.variance_shared,
+            out.flags,
+            done,
+            ready,
+        )
+        total, of_two, done = total + sums[0], of_two + sums[1], ready
+
+    # NaN drift leaves no pixel valid, and the reason belongs in the flags
+    if np.isnan(drift[0]):
+        out.flags[:] |= _POOR
+    dark = find_bubbles(light.light[0], warped.light, share=no_film_below)
+    out.flags[dark] |= _NO_FILM
+
+    # interpolation lowers the variance of single pixels of camera 2, not that of their mean
+    share = of_two / total if total > 0 else 0.0
+    one, two = light.peaks
+    return replace(
+        out,
+        light_one=light.light[0],
+        noise_correlation=1 + share * (1 / warp.averaging - 1),
+        drift=(float(drift[0]), float(drift[1])),
+        peaks=(int(one), int(two)),
+    )
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
+    """Replace values by their logarithms; `bits` is the same memory as whole numbers."""
+    for t in range(values.size):
+        x = _at(t)
+        exponent = np.int32(np.int32(bits[x] - _ROOT_HALF_BITS) >> _MANTISSA_BITS)
+        exponents[x] = np.float32(exponent)
+        bits[x] = np.int32(bits[x] - np.int32(exponent << _MANTISSA_BITS))
+    for t in range(values.size):
+        x = _at(t)
+        f = values[x] - _ONE
+        square = f * f
+        y = ((((_L0 * f + _L1) * f + _L2) * f + _L3) * f + _L4) * f + _L5
+        y = (((y * f + _L6) * f + _L7) * f + _L8) * f * square
+        y += exponents[x] * _LN2_LOW - _HALF * square
+        values[x] = exponents[x] * _LN2_HIGH + (f + y)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _log_product(one, two, row, values, bits, exponents, out):  # type: ignore[no-untyped-def]
+    """Logarithm of the product of both cameras in one row; NaN where it is not positive."""
+    y = _at(row)
+    for t in range(values.size):
+        x = _at(t)
+        product = one[y, x] * two[y, x]
+        values[x] = product if product > _ZERO else _ONE
+    _take_log(values, bits, exponents)
+    for t in range(values.size):
+        x = _at(t)
+        out[x] = values[x] if one[y, x] * two[y, x] > _ZERO else _NAN
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _ratio_rows(  # type: ignore[no-untyped-def]
+    one,
+    two,
+    var_one,
+    var_two,
+    fixed_one,
+    fixed_two,
+    flags_one,
+    flags_two,
+    map_flags,
+    map_var,
+    along_x,
+    along_y,
+    log_ratio,
+    variance,
+    fixed,
+    shared,
+    flags,
+    start,
+    stop,
+):
+    """Fill rows of the five images; sums of the variance of valid pixels, all and of camera 2."""
+    height, width = one.shape
+    ghost = along_x != _ZERO or along_y != _ZERO
+    total, of_two = 0.0, 0.0
+    values = np.empty(width, np.float32)
+    bits = values.view(np.int32)
+    exponents = np.empty(width, np.float32)
+    relative = np.empty(width, np.float32)
+    products = np.empty((3, width), np.float32)
+
+    if ghost:
+        for row in range(max(start - 1, 0), min(start + 1, height)):
+            _log_product(one, two, row, values, bits, exponents, products[row % 3])
+
+    for row in range(start, stop):
+        y = _at(row)
+        for t in range(width):
+            x = _at(t)
+            a, b = one[y, x], two[y, x]
+            values[x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
+        _take_log(values, bits, exponents)
+
+        # the mean of log(1 + e) is -var(e)/2 for a small relative error e
+        for t in range(width):
+            x = _at(t)
+            a, b = one[y, x], two[y, x]
+            light = (a > _ZERO) & (b > _ZERO)
+            per_a, per_b = _ONE / (a * a), _ONE / (b * b)
+            of_a = (var_one[y, x] + fixed_one[y, x]) * per_a
+            of_b = (var_two[y, x] + fixed_two[y, x]) * per_b
+            relative[x] = of_b
+            variance[y, x] = of_a + of_b if light else _NAN
+            repeats = fixed_one[y, x] * per_a + fixed_two[y, x] * per_b
+            fixed[y, x] = repeats if light else _NAN
+            values[x] = values[x] + _HALF * (of_b - of_a) if light else _NAN
+        for t in range(width):
+            x = _at(t)
+            log_ratio[y, x] = values[x]
+
+        for t in range(width):
+            x = _at(t)
+            flag = flags_one[y, x] | flags_two[y, x] | map_flags[y, x]
+            lightless = (flag == _NONE) & (values[x] != values[x])
+            flags[y, x] = _DIM if lightless else flag
+        sum_all, sum_two = _ZERO, _ZERO
+        for t in range(width):
+            x = _at(t)
+            valid = flags[y, x] == _NONE
+            sum_all += variance[y, x] if valid else _ZERO
+            sum_two += relative[x] if valid else _ZERO
+        total += sum_all
+        of_two += sum_two
+
+        # half the logarithm of the product is the mean of both cameras' logarithms
+        inside = row > 0 and row < height - 1
+        if ghost and row + 1 < height:
+            _log_product(one, two, row + 1, values, bits, exponents, products[(row + 1) % 3])
+        if ghost and inside:
+            above, here, below = (
+                products[(row - 1) % 3],
+                products[row % 3],
+                products[(row + 1) % 3],
+            )
+            for t in range(1, width - 1):
+                x = _at(t)
+                bend_x = (here[_at(t - 1)] - here[x]) + (here[_at(t + 1)] - here[x])
+                bend_y = (above[x] - here[x]) + (below[x] - here[x])
+                left_over = _HALF * (along_x * bend_x + along_y * bend_y)
+                log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
+
+        # Sobel's gradient of camera 2, over the light: the gradient of the logarithm
+        for t in range(width):
+            x = _at(t)
+            shared[y, x] = map_var[y, x] * _ZERO
+        if inside:
+            up, down = _at(row - 1), _at(row + 1)
+            for t in range(1, width - 1):
+                x, left, right = _at(t), _at(t - 1), _at(t + 1)
+                a, b, c = two[up, left], two[up, x], two[up, right]
+                d, e, f = two[y, left], two[y, x], two[y, right]
+                g, h, k = two[down, left], two[down, x], two[down, right]
+                in_x = (c - a) + _TWO * (f - d) + (k - g)
+                in_y = (g - a) + _TWO * (h - b) + (k - c)
+                mean = (a + c + g + k + _TWO * (b + d + f + h) + _TWO * _TWO * e) * _HALF
+                size = (in_x * in_x + in_y * in_y) / (mean * mean)
+                shared[y, x] = map_var[y, x] * (size if mean > _ZERO else _ZERO)
+    return total, of_two
