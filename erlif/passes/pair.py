@@ -33,6 +33,8 @@ class PairRatio:
         Drift (x, y) of camera 2, NaN where the cameras show no common texture. [px]
     peaks : tuple[int, int]
         Highest counts of camera 1 and camera 2. [DN]
+    digests : tuple[str, str]
+        SHA-256 of the files, hexadecimal; empty where it is not known.
     """
 
     log_ratio: Image
@@ -44,6 +46,7 @@ class PairRatio:
     noise_correlation: float = 1.0
     drift: tuple[float, float] = (0.0, 0.0)
     peaks: tuple[int, int] = (0, 0)
+    digests: tuple[str, str] = ("", "")
 
     @classmethod
     def of(cls, ratios: RatioImages, frame: int = 0) -> PairRatio:
@@ -53,7 +56,8 @@ class PairRatio:
         ----------
         ratios : RatioImages
             On dim frame, as `erlif.ratio.compute_ratio` returns them; the coordinates drift_x,
-            drift_y, peak_camera1 and peak_camera2 are read where they exist.
+            drift_y, peak_camera1, peak_camera2, digest_camera1 and digest_camera2 are read where
+            they exist.
         frame : int
             Position on dim frame.
 
@@ -65,6 +69,9 @@ class PairRatio:
         def number(name: str, default: float) -> float:
             return float(ratios[name].values[frame]) if name in ratios.variables else default
 
+        def text(name: str) -> str:
+            return str(ratios[name].values[frame]) if name in ratios.variables else ""
+
         return cls(
             ratios.log_ratio.values[frame],
             ratios.log_ratio_var.values[frame],
@@ -75,6 +82,7 @@ class PairRatio:
             number("noise_correlation", 1.0),
             (number("drift_x", 0.0), number("drift_y", 0.0)),
             (int(number("peak_camera1", 0)), int(number("peak_camera2", 0))),
+            (text("digest_camera1"), text("digest_camera2")),
         )
 
     def to_images(self) -> RatioImages:
@@ -108,5 +116,7 @@ class PairRatio:
                 drift_y=("frame", [self.drift[1]]),
                 peak_camera1=("frame", [self.peaks[0]]),
                 peak_camera2=("frame", [self.peaks[1]]),
+                digest_camera1=("frame", [self.digests[0]]),
+                digest_camera2=("frame", [self.digests[1]]),
             )
         )

@@ -255,8 +255,8 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
             valid = flags[y, x] == _NONE
             sum_all += variance[y, x] if valid else _ZERO
             sum_two += relative[x] if valid else _ZERO
-        total += sum_all
-        of_two += sum_two
+        total += float(sum_all)
+        of_two += float(sum_two)
 
         # half the logarithm of the product is the mean of both cameras' logarithms
         inside = row > 0 and row < height - 1

@@ -6,20 +6,25 @@ first. Every frame can then be processed by itself, in any order and from any th
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
+import xarray as xr
 
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import RegistrationError
-from erlif.core.flags import Flag
+from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
-from erlif.correction import correct_frames
 from erlif.ingest import FramePairs, read_frames
-from erlif.passes import PairRatio
+from erlif.passes import PairLight, PairRatio
+from erlif.passes.light import CameraTables, measure_light, tabulate
+from erlif.passes.ratio import empty_ratio, measure_ratio
+from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
 from erlif.ratio import BlurDifference, BlurMoments, compute_ratio
 from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
 
@@ -45,20 +50,72 @@ class FrameCorrection:
     references: References
     least_signal: float = 100.0
 
-    def __call__(self, frame: int, *, digests: bool = False) -> CorrectedFrames:
+    @cached_property
+    def tables(self) -> tuple[CameraTables, CameraTables]:
+        """The references of both cameras as every frame needs them."""
+        return tabulate(self.references, least_signal=self.least_signal)
+
+    def light(self, frame: int) -> PairLight:
+        """Light of one frame pair as plain arrays."""
+        return measure_light(read_frames(self.pairs, [frame]).counts.values[:, 0], self.tables)
+
+    def __call__(self, frame: int) -> CorrectedFrames:
         """One corrected frame pair.
 
         The coordinates peak_camera1 and peak_camera2 on dim frame are its highest counts [DN].
-        With `digests`, digest_camera1 and digest_camera2 are those of `erlif.ingest.read_frames`.
         """
-        frames = read_frames(self.pairs, [frame], digests=digests)
-        peaks = frames.counts.values.max(axis=(2, 3))
-        corrected = correct_frames(frames, self.references, least_signal=self.least_signal)
-        return CorrectedFrames(
-            corrected.assign_coords(
-                peak_camera1=("frame", peaks[0]), peak_camera2=("frame", peaks[1])
-            )
+        return CorrectedFrames(as_frames(self.light(frame)).assign_coords(frame=[frame]))
+
+
+def as_frames(light: PairLight) -> CorrectedFrames:
+    """Light of one frame pair as a dataset, without a copy."""
+    dims = ("camera", "frame", "y", "x")
+    ancillary = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
+    one, two = light.peaks
+    return CorrectedFrames(
+        xr.Dataset(
+            {
+                "signal": (dims, light.light[:, None], ancillary),
+                "signal_var": (dims, light.variance[:, None], {"units": "DN2"}),
+                "signal_var_fixed": (dims, light.variance_fixed[:, None], {"units": "DN2"}),
+                "flags": (dims, light.flags[:, None], FLAG_ATTRS),
+            },
+            {
+                "camera": [1, 2],
+                "peak_camera1": ("frame", [int(one)]),
+                "peak_camera2": ("frame", [int(two)]),
+            },
         )
+    )
+
+
+@dataclass(frozen=True)
+class _Buffers:
+    """Arrays that a frame pair passes through, filled again by the next one."""
+
+    light: PairLight
+    warped: PairWarp
+    ratio: PairRatio
+
+    @classmethod
+    def empty(cls, shape: tuple[int, int], orientation: str) -> _Buffers:
+        return cls(PairLight.empty(shape), PairWarp.empty(shape, orientation), empty_ratio(shape))
+
+
+class _Kept(threading.local):
+    """The buffers of each thread: new ones for each pair would cost as much as the passes."""
+
+    key: tuple[tuple[int, int], str] | None = None
+    buffers: _Buffers
+
+    def take(self, shape: tuple[int, int], orientation: str) -> _Buffers:
+        if self.key != (shape, orientation):
+            self.buffers = _Buffers.empty(shape, orientation)
+            self.key = shape, orientation
+        return self.buffers
+
+
+_kept = _Kept()
 
 
 @dataclass(frozen=True)
@@ -93,6 +150,11 @@ class FrameChain:
     def references(self) -> References:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
+
+    @cached_property
+    def tables(self) -> MapTables:
+        """The camera map as every frame needs it."""
+        return tabulate_map(self.camera_map)
 
     def align(self, corrected: CorrectedFrames, *, drift: Array | None = None) -> AlignedFrames:
         """Camera 2 of one corrected frame pair on the pixel grid of camera 1.
@@ -134,16 +196,64 @@ class FrameChain:
     def ratio(self, frame: int) -> RatioImages:
         """The ratio image of one frame pair, its files hashed as they are read.
 
-        Coordinates are those of `FrameCorrection` and `align`.
+        Coordinates are those of `erlif.passes.PairRatio.to_images`.
         """
-        return self.compute_ratio(self.align(self.correct(frame, digests=True)))
+        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation)
+        return self._measure(frame, buffers).to_images()
 
     def measure(self, frame: int) -> PairRatio:
-        """The ratio of one frame pair as plain arrays.
+        """The ratio of one frame pair as plain arrays, its files hashed as they are read.
 
-        They may be those of the thread, filled again by the next call: copy what is kept.
+        The next call in the same thread fills the same arrays: copy what is kept.
         """
-        return PairRatio.of(self.ratio(frame))
+        return self._measure(frame, _kept.take(self.pairs.shape, self.tables.orientation))
+
+    def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
+        frames = read_frames(self.pairs, [frame], digests=True)
+        light = measure_light(frames.counts.values[:, 0], self.correct.tables, out=buffers.light)
+        ratio = measure_ratio(
+            light,
+            self.tables,
+            self._find_drift(light),
+            blur=self.blur,
+            no_film_below=self.no_film_below,
+            warped=buffers.warped,
+            out=buffers.ratio,
+        )
+        one, two = (str(frames[f"digest_camera{n}"].values[0]) for n in (1, 2))
+        return replace(ratio, digests=(one, two))
+
+    def warp(self, frame: int) -> AlignedFrames:
+        """Light of one frame pair on the pixels of camera 1, as `align` gives it."""
+        light = self.correct.light(frame)
+        warped = PairWarp.empty(self.pairs.shape, self.tables.orientation)
+        drift = self._find_drift(light)
+        warp = Warp(light, self.tables, drift, warped)
+        warp.fill(0, self.pairs.shape[0])
+
+        flags = warped.flags | self.tables.flags
+        if np.isnan(drift[0]):
+            flags |= np.uint8(Flag.POOR_REGISTRATION)
+        both = PairLight(
+            np.stack([light.light[0], warped.light]),
+            np.stack([light.variance[0], warped.variance]),
+            np.stack([light.variance_fixed[0], warped.variance_fixed]),
+            np.stack([light.flags[0], flags]),
+            light.half,
+            light.half_weight,
+            light.blocks,
+            light.peaks,
+        )
+        return AlignedFrames(
+            as_frames(both).assign(
+                displacement_std=(("y", "x"), self.camera_map.displacement_std, {"units": "px"}),
+                interpolation=("frame", [warp.averaging], {"units": "1"}),
+            )
+        )
+
+    def _find_drift(self, light: PairLight) -> tuple[float, float]:
+        x, y = self._estimate_drift(as_frames(light))
+        return float(x), float(y)
 
 
 @dataclass(frozen=True)
@@ -185,7 +295,7 @@ def compare_sharpness(chain: FrameChain) -> BlurDifference:
     moments = BlurMoments.empty()
     with one_thread_per_frame():
         for frame in chain.pairs.spread(_FRAMES_FOR_BLUR):
-            moments.add(chain.align(chain.correct(frame)))
+            moments.add(chain.warp(frame))
     return moments.solve()
 
 

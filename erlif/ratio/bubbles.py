@@ -107,7 +107,7 @@ def _mark_dark(one, two, limit, near, block, dark):  # type: ignore[no-untyped-d
     """
     height, width = one.shape
     rows, columns = limit.shape
-    for row, column in zip(*np.nonzero(near)):
+    for row, column in np.argwhere(near):
         for i in range(row * block, min((row + 1) * block, height)):
             # position among the centres of the blocks; beyond the outermost the limit is constant
             y = min(max((i + 0.5) / block - 0.5, 0.0), rows - 1.0)
