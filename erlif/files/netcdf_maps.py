@@ -111,6 +111,7 @@ class NetcdfMaps:
                 attrs = fix_text(xr.Dataset(attrs=dict(variable.attrs))).attrs
                 created.attrs.update(attrs)
         self._file: Any = h5py.File(self.path, "r+")
+        self._reader = self.path.open("rb", buffering=0)
         self._targets = {one.name: self._file[one.name].id for one in self.variables}
 
     def _resume(self, earlier: tuple[str, list[Record]] | None) -> None:
@@ -167,14 +168,26 @@ class NetcdfMaps:
 
         found: dict[str, list[int]] = {}
         for name, target in self._targets.items():
-            place, chunk = (trigger, 0, 0), chunks[name]
-            target.write_direct_chunk(place, chunk)
-            stored = target.get_chunk_info_by_coord(place)
-            found[name] = [stored.byte_offset, len(chunk), zlib.crc32(chunk)]
+            chunk = chunks[name]
+            offset = self._write(target, (trigger, 0, 0), chunk)
+            found[name] = [offset, len(chunk), zlib.crc32(chunk)]
 
         # the trigger is finished when its line is complete, and not before
         self._journal.write(write_record(trigger, numbers, found))
         self._numbers.append({name: np.asarray(value) for name, value in numbers.items()})
+
+    def _write(self, target: Any, place: tuple[int, int, int], chunk: bytes) -> int:
+        """Write a chunk, and find where it is in the file."""
+        offset = int(self._file.id.get_filesize())
+        target.write_direct_chunk(place, chunk)
+
+        # HDF5 appends chunks at the end of the file, but may put a node of its index there first.
+        # It looks a place up in a time that grows with the number of chunks, so that is the rare
+        # way.
+        self._reader.seek(offset)
+        if self._reader.read(len(chunk)) == chunk:
+            return offset
+        return int(target.get_chunk_info_by_coord(place).byte_offset)
 
     def numbers(self, trigger: int) -> dict[str, AnyArray]:
         """Small arrays of a finished trigger, by the names given to `put`."""
@@ -208,6 +221,7 @@ class NetcdfMaps:
     def close(self) -> None:
         """Release the files."""
         self._file.close()
+        self._reader.close()
         if hasattr(self, "_journal"):
             self._journal.close()
 

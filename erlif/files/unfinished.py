@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -148,7 +147,7 @@ class PartialFilm:
             )
         if marker.is_file() and marker.read_bytes() != key.encode():
             _logger.info("unfinished work of other inputs or settings is removed")
-            shutil.rmtree(self.directory)
+            _clear(self.directory)
         self.directory.mkdir(parents=True, exist_ok=True)
         marker.write_bytes(key.encode())
 
@@ -215,7 +214,7 @@ class PartialFilm:
 
     def discard(self) -> None:
         """Remove what is kept beside the output, once that is complete."""
-        shutil.rmtree(self.directory, ignore_errors=True)
+        _clear(self.directory)
 
 
 def remove_remains(output: Path) -> None:
@@ -236,13 +235,29 @@ def remove_remains(output: Path) -> None:
     >>> remove_remains(Path("no such film.nc"))
     """
     directory, lock = _directory(output), _Lock.path_of(output)
-    done = (directory / "key").is_file() and not any(directory.glob("maps*"))
-    if not output.exists() or not (done or lock.exists()):
+    if not output.exists() or not (directory.is_dir() or lock.exists()):
         return
     held = _Lock(output)
-    if done:
-        shutil.rmtree(directory, ignore_errors=True)
-    held.release()
+    try:
+        key = directory / "key"
+        is_ours = key.is_file() or (directory.is_dir() and not any(directory.iterdir()))
+        if is_ours and not any(directory.glob("maps*")):
+            _clear(directory)
+    finally:
+        held.release()
+
+
+def _clear(directory: Path) -> None:
+    """Remove a directory of ours, its key last: until then a later process knows it."""
+    key = directory / "key"
+    if key.is_file():
+        key.write_bytes(b"")  # what is half removed is the work of no inputs
+    for entry in directory.glob("*"):
+        if entry != key:
+            remove(entry)
+    key.unlink(missing_ok=True)
+    with suppress(OSError):
+        directory.rmdir()
 
 
 def _directory(output: Path) -> Path:

@@ -89,7 +89,7 @@ def describe_grid(settings: RunSettings, shape: tuple[int, int], triggers: int) 
     x, y = pixel_positions(settings, shape)
     return xr.Dataset(
         coords={
-            "trigger": np.arange(triggers),
+            "trigger": ("trigger", np.arange(triggers), {"long_name": "number of the trigger"}),
             "y": ("y", y, {"units": "mm", "long_name": "position along y, downwards"}),
             "x": (
                 "x",

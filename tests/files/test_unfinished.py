@@ -7,6 +7,7 @@ from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of
 
 from erlif.core.errors import OutputError
 from erlif.files import MapStore, PartialFilm, open_film, remove_remains, write_film
+from erlif.files.replacing import remove
 
 
 @pytest.fixture(params=["film.nc", "film.zarr"])
@@ -144,6 +145,38 @@ def test_remains_beside_a_complete_film_are_removed(complete):
     remove_remains(complete)
     assert list(complete.parent.iterdir()) == [complete]
     assert contents(complete) == before
+
+
+def test_a_killed_removal_is_completed(complete, monkeypatch):
+    """The key is removed last, so what remains is known as ours."""
+    removed = []
+
+    def remove_one(path):
+        if removed:
+            raise KeyboardInterrupt
+        removed.append(path)
+        remove(path)
+
+    directory = complete.with_name(complete.name + ".partial")
+    (directory / "another").write_text("one more file")
+    with monkeypatch.context() as patch:
+        patch.setattr("erlif.files.unfinished.remove", remove_one)
+        with pytest.raises(KeyboardInterrupt):
+            remove_remains(complete)
+    remove_remains(complete)
+    assert list(complete.parent.iterdir()) == [complete]
+
+
+@pytest.mark.parametrize("entries", [0, 1])
+def test_a_directory_of_the_user_beside_a_complete_film_is_kept(complete, entries):
+    """An empty one may be ours, begun by a process that was killed at once."""
+    remove_remains(complete)
+    own = complete.with_name(complete.name + ".partial")
+    own.mkdir()
+    for _ in range(entries):
+        (own / "thesis.txt").write_text("years of work")
+    remove_remains(complete)
+    assert own.exists() == bool(entries)
 
 
 def test_unfinished_work_beside_an_earlier_film_is_kept(complete):

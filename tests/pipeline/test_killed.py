@@ -1,0 +1,90 @@
+"""`erlif process` killed at random moments: the film is the same, and nothing is left over."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import SMALL, Laboratory
+from scenes.stores import contents
+
+import erlif
+from erlif.rig import RigSettings, simulate
+
+KILLS = 20
+COMMAND = [sys.executable, "-c", "from erlif.commands.main import main; main()", "process"]
+
+
+@pytest.fixture(scope="module")
+def laboratory(tmp_path_factory):
+    """A whole cycle of 50 triggers, so that most moments lie among the triggers."""
+    lab = Laboratory(tmp_path_factory.mktemp("killed"))
+    simulate(lab.directory, seed=13, rig=RigSettings(**{**vars(SMALL), "spacing": 0.96}))
+    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
+    return lab
+
+
+class Command:
+    """The command in a process of its own that has begun to write, or has ended already."""
+
+    def __init__(self, lab, output, log):
+        self.log = log
+        with log.open("wb") as file:
+            self.process = subprocess.Popen(
+                [*COMMAND, str(lab.run), "-o", str(output)],
+                stdout=subprocess.DEVNULL,
+                stderr=file,
+            )
+        key = output.with_name(output.name + ".partial") / "key"
+        while self.process.poll() is None and not key.is_file():
+            time.sleep(0.01)
+
+    def end(self, seconds=None):
+        """Wait for the end, or kill the process; gives the exit status."""
+        try:
+            return self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            return self.process.wait()
+
+    @property
+    def message(self):
+        return self.log.read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
+def test_a_film_survives_twenty_kills_at_random_moments(laboratory, tmp_path, name):
+    rng = np.random.default_rng(2024)
+    directory, aside = tmp_path / "out", tmp_path / "aside"
+    directory.mkdir()
+    aside.mkdir()
+    output, log = directory / name, tmp_path / "log"
+
+    # an uninterrupted run, and how long it takes from its first file to its end
+    command = Command(laboratory, output, log)
+    start = time.monotonic()
+    assert command.end() == 0, command.message
+    duration = time.monotonic() - start
+    whole = contents(output)
+    output.rename(aside / "whole")
+
+    kills = complete = 0
+    while kills < KILLS or not complete:
+        command = Command(laboratory, output, log)
+        killed = command.end(rng.uniform(0, duration) if kills < KILLS else None) == -9
+        kills += killed
+        if not output.exists():
+            assert killed, command.message
+            continue
+
+        # complete: a start after that tidies up where the process was killed, and is refused
+        if killed:
+            command = Command(laboratory, output, log)
+            assert command.end() == 2
+            assert "exists already" in command.message
+        assert contents(output) == whole
+        assert [path.name for path in directory.iterdir()] == [name]
+        complete += 1
+        output.rename(aside / str(complete))
