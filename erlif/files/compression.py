@@ -32,7 +32,7 @@ MANTISSA_BITS = 23
 """Bits of the mantissa of a float32, the leading one left out."""
 
 SHARE_OF_STD = 0.1
-"""Largest rounding error of a value over its standard deviation; adds 0.2 % to the variance."""
+"""Largest rounding error over the standard deviation; adds at most 0.3 % to the variance."""
 
 _EXPONENT = np.uint32(0x7F800000)
 """Bits of the exponent of a float32: alone they are a power of two."""
