@@ -6,15 +6,23 @@ of such light behind, and at the border of the image its slope; a local quadrati
 (local polynomial regression: Fan and Gijbels, 1996).
 """
 
+from functools import cache
 from typing import Final
 
+import cv2
 import numpy as np
 import scipy
 
-from erlif.core.arrays import AnyArray, Array, Image
+from erlif.core.arrays import AnyArray, Array, Image, Mask
 
 CELL: Final = 8
 """Side of the cells whose sums are fitted. [px]"""
+
+HALF: Final = 0.5
+"""A cell needs this part of its pixels to have a mean of its own. [1]"""
+
+NODE: Final = 4
+"""Distance of the nodes between which the light is taken as linear. [px]"""
 
 REACH: Final = 12.0
 """Standard deviation of the Gaussian window of the fit. [px]"""
@@ -58,31 +66,76 @@ def local_light(image: AnyArray, weight: AnyArray) -> Image:
     >>> bool(np.allclose(local_light(light, np.ones_like(light)), light, rtol=2e-3))
     True
     """
-    count = _cell_sums((weight > 0).astype(np.float32))
-    light = _cell_sums(np.where(weight > 0, image, np.float32(0)))
-    sigma = REACH / CELL
-    reach = int(np.ceil(CUT * sigma))
-    d = np.arange(-reach, reach + 1) / sigma
-    taps = [np.exp(-0.5 * d**2) * d**n for n in range(_ORDERS)]
+    nodes_y, nodes_x = (_to_nodes(size) for size in image.shape)
+    nodes = (nodes_y @ _fit(image, weight) @ nodes_x.T).astype(np.float32)
 
-    def moment(cells: Array, along_x: int, along_y: int) -> Array:
-        rows = scipy.ndimage.correlate1d(cells, taps[along_x], axis=1, mode="constant")
-        return np.asarray(scipy.ndimage.correlate1d(rows, taps[along_y], axis=0, mode="constant"))
+    # linear between the nodes, one of which lies beyond the image on every side
+    rows, cols = nodes.shape
+    light = cv2.resize(nodes, (cols * NODE, rows * NODE), interpolation=cv2.INTER_LINEAR)
+    return np.ascontiguousarray(light[NODE : NODE + image.shape[0], NODE : NODE + image.shape[1]])
 
-    # normal equations of the weighted quadratic about each cell
-    moments = {(a, b): moment(count, a, b) for a in range(_ORDERS) for b in range(_ORDERS - a)}
+
+def _fit(image: AnyArray, weight: AnyArray) -> Array:
+    """Value (row, column) at the middle of each cell of the quadratic that is fitted about it."""
+    sound = weight > 0
+    image = np.asarray(image, np.float32)
+    if sound.all():
+        return _values(_cell_means(image), _coefficients(image.shape))
+
+    # the pixels of a cell that count stand for the others, unless they are fewer than half
+    part = _cell_means(sound.astype(np.float32)) / _cell_parts(image.shape)
+    known = part > HALF
+    light = _cell_means(np.where(sound, image, np.float32(0)))
+    light = np.where(known, light / np.where(known, part, 1), 0)
+    fitted = _values(light, _coefficients(image.shape))
+
+    # near cells without light the quadratic is fitted to the others
+    size = 2 * _reach() + 1
+    near = cv2.dilate((~known).astype(np.uint8), np.ones((size, size), np.uint8)) > 0
+    normal = _normal_matrices(np.where(known, _cell_parts(image.shape), 0), near)
+    fitted[near] = np.linalg.solve(normal, _data(light)[near][..., None])[..., 0, 0]
+    return fitted
+
+
+def _reach() -> int:
+    """Cells that the Gaussian window spans on either side of its middle."""
+    return int(np.ceil(CUT * REACH / CELL))
+
+
+def _moment(cells: Array, along_x: int, along_y: int) -> Array:
+    """Gaussian average of the cells times powers of their distance in standard deviations."""
+    d = np.arange(-_reach(), _reach() + 1) / (REACH / CELL)
+    x, y = (np.exp(-0.5 * d**2) * d**n for n in (along_x, along_y))
+    return np.asarray(cv2.sepFilter2D(cells, cv2.CV_64F, x, y, borderType=cv2.BORDER_CONSTANT))
+
+
+def _data(light: Array) -> Array:
+    """Right side (row, column, term) of the normal equations about each cell."""
+    return np.stack([_moment(light, a, b) for a, b in _TERMS], axis=-1)
+
+
+def _normal_matrices(count: Array, where: Mask) -> Array:
+    """Normal matrices (cell, term, term) of the weighted quadratics about some of the cells."""
+    orders = [(a, b) for a in range(_ORDERS) for b in range(_ORDERS - a)]
+    moments = {order: _moment(count, *order)[where] for order in orders}
     normal = np.stack(
         [np.stack([moments[a + c, b + d] for c, d in _TERMS], -1) for a, b in _TERMS], -2
     )
-    normal += (_RIDGE * normal[..., :1, :1] + _NOTHING) * np.eye(len(_TERMS))
-    data = np.stack([moment(light, a, b) for a, b in _TERMS], -1)
+    return np.asarray(normal + (_RIDGE * normal[..., :1, :1] + _NOTHING) * np.eye(len(_TERMS)))
 
-    # the constant term is the value at the cell itself
-    fitted = np.linalg.solve(normal, data[..., None])[..., 0, 0]
-    along_y, along_x = (
-        _from_cells(cells, pixels) for cells, pixels in zip(fitted.shape, image.shape, strict=True)
-    )
-    return np.asarray(along_y @ fitted @ along_x.T, np.float32)
+
+@cache
+def _coefficients(shape: tuple[int, int]) -> Array:
+    """Weights (row, column, term) with which the data of a frame without gaps give the light."""
+    count = _cell_parts(shape)
+    normal = _normal_matrices(count, np.ones(count.shape, np.bool_))
+    first = np.eye(len(_TERMS))[:, :1]  # the constant term is the value at the cell itself
+    solved = np.asarray(np.linalg.solve(normal, first)[..., 0], np.float64)
+    return solved.reshape(*count.shape, len(_TERMS))
+
+
+def _values(light: Array, coefficients: Array) -> Array:
+    return np.asarray((_data(light) * coefficients).sum(-1))
 
 
 def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
@@ -112,23 +165,38 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
     (True, True)
     """
     light = local_light(image, weight)
-    lit = (weight > 0) & (light > DARK * float(np.percentile(light, BRIGHTER_PARTS)))
-    texture = np.divide(image, light, out=np.ones(image.shape, np.float32), where=lit)
+    bright = float(np.percentile(light[::CELL, ::CELL], BRIGHTER_PARTS))
+    lit = (weight > 0) & (light > DARK * bright)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        texture = np.asarray(image / light, np.float32)
+    texture[~lit] = 1
     return texture, lit.astype(np.float32)
 
 
-def _from_cells(cells: int, pixels: int) -> Array:
-    """Matrix (pixel, cell) of the cubic spline from the cell centres to the pixels of one axis.
+@cache
+def _to_nodes(size: int) -> Array:
+    """Matrix (node, cell) of the cubic spline from the cell centres to the nodes of one axis.
 
-    Pixels beyond the last centres are extrapolated.
+    The first and the last node lie beyond the image, where the spline is extrapolated.
     """
-    centres = CELL * (np.arange(cells) + 0.5) - 0.5
-    return np.asarray(scipy.interpolate.CubicSpline(centres, np.eye(cells))(np.arange(pixels)))
+    centres = CELL * (np.arange(-(-size // CELL)) + 0.5) - 0.5
+    nodes = NODE * (np.arange(-1, -(-size // NODE) + 1) + 0.5) - 0.5
+    return np.asarray(scipy.interpolate.CubicSpline(centres, np.eye(len(centres)))(nodes))
 
 
-def _cell_sums(image: AnyArray) -> Array:
-    """Sums over the cells; a cell that the border cuts is filled up with zeros."""
+@cache
+def _cell_parts(shape: tuple[int, int]) -> Array:
+    """Part of each cell that lies within an image."""
+    return _cell_means(np.ones(shape, np.float32))
+
+
+def _cell_means(image: AnyArray) -> Array:
+    """Means over the cells; a cell that the border cuts is filled up with zeros."""
     rows, cols = -(-image.shape[0] // CELL), -(-image.shape[1] // CELL)
-    padded = np.zeros((rows * CELL, cols * CELL))
-    padded[: image.shape[0], : image.shape[1]] = image
-    return np.asarray(padded.reshape(rows, CELL, cols, CELL).sum(axis=(1, 3)))
+    full = (rows * CELL, cols * CELL)
+    if image.shape != full:
+        padded = np.zeros(full, np.float32)
+        padded[: image.shape[0], : image.shape[1]] = image
+        image = padded
+    means = cv2.resize(np.asarray(image, np.float32), (cols, rows), interpolation=cv2.INTER_AREA)
+    return np.asarray(means, np.float64)
