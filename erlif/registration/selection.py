@@ -288,11 +288,16 @@ def choose_model(
         models.insert(0, best)
     count = int((cells.weight > 0).sum())
 
-    # all are tried, for a ripple shows only at its own scale
+    # all that may gain enough are tried, for a ripple shows only at its own scale
     best, best_gain = models[0], 0.0
+    most, noise = np.inf, 0.0
     system = None
     for number, model in enumerate(models):
-        if CELLS_PER_COEFFICIENT * model.coefficients > count and number > 0:
+        more = 2 * (model.coefficients - best.coefficients)
+        if number > 0 and (
+            CELLS_PER_COEFFICIENT * model.coefficients > count
+            or noise * _need(more) > most + noise * more
+        ):
             break
 
         if system is None or system.elements != model.elements:
@@ -300,13 +305,45 @@ def choose_model(
         surface = solve_surface(system, basis=model.basis)
         moved = moved_to(cells, surface)
         gain = float((cells.weight * (cells.sums[..., EE] - moved.sums[..., EE])).sum())
-        if number == 0:
-            best_gain = gain
-            continue
-
-        # noise alone gives each coefficient a gain of one, which data not fitted lose once more
-        more = 2 * (model.coefficients - best.coefficients)
         noise = noise_of_scores(moved, 2 * model.coefficients)
-        if more > 0 and gain - best_gain > noise * (2 * more + CLEAR * np.sqrt(2 * more)):
+        if number == 0:
+            best_gain, most = gain, attainable_gain(moved)
+        elif more > 0 and gain - best_gain > noise * _need(more):
             best, best_gain = model, gain
     return best
+
+
+def _need(more: int) -> float:
+    """Gain in units of the noise from which on so many more coefficients are worth it.
+
+    Noise alone gives each coefficient a gain of one, which data not fitted lose once more.
+    """
+    return 2 * more + CLEAR * float(np.sqrt(2 * max(more, 0)))
+
+
+def attainable_gain(cells: Cells) -> float:
+    """Gain above chance that finer surfaces may have at most.
+
+    Tiles with a displacement of their own follow everything that a surface can. What they gain
+    above chance is uncertain by the scatter of chance, of which three standard deviations are
+    added.
+
+    Parameters
+    ----------
+    cells : Cells
+        Sums on a fitted surface.
+
+    Returns
+    -------
+    float
+        In units of the weight of the cells, as the gain of a model; infinite for too few tiles.
+    """
+    small = disagreement(cells, 1)
+    gains = []
+    for factor in TILES:
+        large = disagreement(cells, factor)
+        if len(large) >= FEWEST_TILES:
+            # s' M^-1 s of noise has the mean and the variance of chi-square, 2 and 4
+            chance = float(small.mean()) * (len(large) - 3 * float(np.sqrt(len(large))))
+            gains.append(float(large.sum()) - chance)
+    return max(gains, default=np.inf)

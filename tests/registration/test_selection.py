@@ -9,6 +9,7 @@ from erlif.registration.selection import (
     FINE_LADDER,
     LADDER,
     Model,
+    attainable_gain,
     candidates,
     choose_model,
     disagreement,
@@ -19,7 +20,7 @@ from erlif.registration.selection import (
     moved_to,
     noise_of_scores,
 )
-from erlif.registration.surface import Cells, affine_surface
+from erlif.registration.surface import Cells, affine_surface, equations, solve_surface
 
 PITCH = 8
 BOX = (0.0, 320.0, 0.0, 256.0)
@@ -304,6 +305,26 @@ def test_a_given_model_is_kept_unless_a_finer_one_gains():
     ripple = 0.6 * np.sin(k * x) * np.cos(k * y)
     found = choose_model(cells_of(ripple, ripple), FINE_LADDER, start)
     assert max(found.elements) > 8
+
+
+def test_no_surface_gains_more_than_is_attainable():
+    """The gain of 22 x 18 elements on a ripple of six cells, from the plane."""
+    x, y = grid(64, 80)
+    k = 2 * np.pi / 48
+    ripple = 0.1 * np.sin(k * x) * np.cos(k * y)
+    for amplitude in (0.0, 0.5, 1.0):
+        cells = cells_of(amplitude * ripple, -amplitude * ripple)
+        left = [
+            moved_to(cells, solve_surface(equations(cells, elements)))
+            for elements in ((1, 1), (22, 18))
+        ]
+        gain = (left[0].sums[..., EE] - left[1].sums[..., EE]).sum()
+        chance = 2 * (25 * 21 - 16)
+        assert gain - chance < attainable_gain(left[0])
+
+
+def test_without_enough_tiles_any_gain_is_attainable():
+    assert attainable_gain(noise_only(rows=4, cols=4)) == np.inf
 
 
 def test_a_model_is_not_finer_than_the_cells_support():
