@@ -30,7 +30,16 @@ from erlif.registration.matching import (
     solve_shift,
     without_noise,
 )
-from erlif.registration.pairs import Pair, Pairs, laid_over, make_pair, open_frames, textures
+from erlif.registration.normalise import binned
+from erlif.registration.pairs import (
+    Pair,
+    Pairs,
+    Textures,
+    laid_over,
+    make_pair,
+    open_frames,
+    textures,
+)
 from erlif.registration.settings import RegistrationSettings
 from erlif.registration.surface import cell_weights
 
@@ -271,6 +280,36 @@ def follow_drift(
     sums = without_noise(sums)
     std_dx, std_dy = shift_std(move_sums(sums, *solve_shift(sums)))
     return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
+
+
+def rough_drift(
+    displacement_x: Image, displacement_y: Image, view: Textures, *, threads: int = 1
+) -> Array:
+    """Measure the drift of textures against a dense displacement to some hundredths of a pixel.
+
+    Only the first half of `follow_drift`, on the textures themselves after binning.
+
+    Returns
+    -------
+    array, (2,)
+        x first; NaN if the textures do not correlate beyond chance. [px]
+    """
+    binning = 4 if min(view.a.shape) >= LARGE else 2
+    small = Textures(*binned(view.a, view.weight, binning), *binned(view.b, view.weight_b, binning))
+    spline = small.spline(threads)
+    dx, dy = binned_field(displacement_x, binning), binned_field(displacement_y, binning)
+
+    shift = whole_pixels(small.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
+    sums = np.zeros((1, 1, SUMS))
+    for _ in range(COARSE_PASSES):
+        b = laid_over(spline, dx, dy, (float(shift[0]), float(shift[1])), threads)
+        sums = cell_sums(small.a, small.weight, b, STEP, threads=threads)
+        shift = shift + np.array(solve_shift(without_noise(sums)))
+
+    products = sums[..., AB][sums[..., WEIGHT] > 0]
+    if products.size < FEWEST_CELLS or not beyond_chance(products):
+        return np.full(2, np.nan)
+    return binning * shift
 
 
 def beyond_chance(products: Array) -> bool:

@@ -6,7 +6,7 @@ surface suffices. docs/registration.md has the reasons and the measurements.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -109,8 +109,8 @@ def register_frames(
     ----------
     pairs : sequence, or callable that gives a fresh iterable
         Of ``(reference, moving, weight_reference, weight_moving)`` as in `register`. Frames are
-        read when they are needed and not kept; a sequence is indexed, a callable is called several
-        times.
+        read when they are needed; their textures are kept, as long as they fit into some 300 MB. A
+        sequence is indexed, a callable is called several times.
     settings : RegistrationSettings, optional
         Defaults if missing.
 
@@ -142,14 +142,14 @@ def register_frames(
     """
     settings = RegistrationSettings() if settings is None else settings
     frames = open_frames(pairs, settings)
-    first, surface = start_with_any(frames)
-    views = Views(frames, first, settings)
+    begun = start_with_any(frames)
+    views = Views(frames, begun.pair, settings, number=begun.number)
 
-    fit = fit_surface(views, surface)
+    fit = fit_surface(views, begun.surface)
     solution = choose_solution(views, fit)
     camera_map = finish_map(solution, views, fit.cells, fit.quality)
-    if frames.count == 1:
-        return camera_map, np.zeros((1, 2))
+    if len(frames.chosen) == frames.count:
+        return camera_map, views.drift
 
     # the map takes the mean drift of all frames, not only of those it was made from
     drift = measure_drift(frames, camera_map)
@@ -158,15 +158,32 @@ def register_frames(
     return finish_map(moved, views, fit.cells, fit.quality), drift - mean
 
 
-def start_with_any(frames: Frames) -> tuple[Pair, Surface]:
+class Begun(NamedTuple):
+    """The first of the chosen frames that could be aligned.
+
+    Attributes
+    ----------
+    number : int
+        Its place among the chosen frames; blank frames before it do no harm.
+    pair : Pair
+        The frame.
+    surface : Surface
+        The displacement from images binned by two. [px]
+    """
+
+    number: int
+
+    pair: Pair
+
+    surface: Surface
+
+
+def start_with_any(frames: Frames) -> Begun:
     """Find the coarse alignment from the first of a few frames that allows it.
 
     Returns
     -------
-    pair : Pair
-        The frame that was used; a blank frame before it does no harm.
-    surface : Surface
-        The displacement from frames binned by two. [px]
+    Begun
 
     Raises
     ------
@@ -174,7 +191,7 @@ def start_with_any(frames: Frames) -> tuple[Pair, Surface]:
         That of the first frame, if none of the few can be aligned.
     """
     failure: RegistrationError | None = None
-    for pair in frames.pick(frames.chosen[:CANDIDATES]):
+    for number, pair in enumerate(frames.pick(frames.chosen[:CANDIDATES])):
         try:
             start = find_start(
                 pair.reference,
@@ -186,7 +203,7 @@ def start_with_any(frames: Frames) -> tuple[Pair, Surface]:
         except RegistrationError as error:
             failure = failure or error
             continue
-        return pair, align_small(pair, start, frames.settings)
+        return Begun(number, pair, align_small(pair, start, frames.settings))
     assert failure is not None
     raise failure
 
@@ -291,19 +308,16 @@ def fit_surface(views: Views, surface: Surface) -> Fit:
     settings = views.settings
 
     # without the filter: how well the cameras agree, and at which spatial frequencies
-    seen = views.look(surface)
-    surface = seen.surface
-    quality = check_correlation(seen.sums)
-    assert seen.spectra is not None
-    whitening = make_filter(seen.spectra) if settings.whiten else None
-    slope = slope_gain(seen.spectra, whitening)
+    compared = views.compare(surface)
+    quality = check_correlation(compared.sums)
+    whitening = make_filter(compared.spectra) if settings.whiten else None
+    slope = slope_gain(compared.spectra, whitening)
 
-    # on the filtered textures: how fine the surface may be
+    # on the filtered textures of all frames: how fine the surface may be
     if whitening is not None:
         views.filter_through(whitening)
-        seen = views.look(surface)
-        surface = seen.surface
-    cells = views.cells(seen.sums, surface, slope)
+    seen = views.look(compared.surface)
+    cells = views.cells(seen.sums, seen.surface, slope)
     model, unresolved = choose_surface(cells, settings.window)
     surface = solve_surface(equations(cells, model.elements), basis=model.basis)
 

@@ -144,7 +144,7 @@ def solve_local(views: Views, surface: Surface, slope: float, scale: Array) -> S
     dx, dy = base_x, base_y
     sums = np.zeros(0)
     for number in range(settings.passes + 1):
-        sums, _, mean = views.sums(dx, dy, scale)
+        sums, mean = views.sums(dx, dy, scale)
         field += mean.reshape(2, 1, 1)
         sums = without_noise(sums, slope)
         if number == settings.passes:
@@ -173,7 +173,7 @@ def fits_better(views: Views, windows: Solution, surface: Solution) -> bool:
     """
     left = []
     for solution in (windows, surface):
-        sums, _, _ = views.sums(solution.dx, solution.dy, None)
+        sums, _ = views.sums(solution.dx, solution.dy, None)
         left.append(float(sums[..., EE].sum()) / float(sums[..., WEIGHT].sum()))
     return left[0] < CLEARLY_LESS * left[1]
 

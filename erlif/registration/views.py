@@ -11,9 +11,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
-from erlif.registration.drift import follow_drift
+from erlif.registration.drift import rough_drift
 from erlif.registration.matching import (
     EE,
     GRADIENT_PRODUCTS,
@@ -36,6 +36,12 @@ FEWEST_CELLS: Final = 16
 
 LARGE: Final = 400
 """Frames with a shorter side from this on have cells enough to be merged two by two. [px]"""
+
+MOST_KEPT: Final = 20_000_000
+"""Pixels of all chosen frames up to which their textures are kept: some 300 MB. [px]"""
+
+ENOUGH_BLOCKS: Final = 200
+"""Blocks whose spectra determine the filter; no further frames are read for it."""
 
 NEIGHBOURS: Final = 3
 """Side of the median of the expected rms. [merged cells]"""
@@ -118,15 +124,11 @@ class Summed(NamedTuple):
     ----------
     sums : Array
         (row, column, 11)
-    spectra : Spectra | None
-        Spectra of the textures; None if they are filtered already.
     mean_drift : Array
         (2,), x first: what the displacement must be moved by for the sums to hold. [px]
     """
 
     sums: Array
-
-    spectra: Spectra | None
 
     mean_drift: Array
 
@@ -139,68 +141,185 @@ class Seen:
     ----------
     sums : Array
         (row, column, 11)
-    spectra : Spectra | None
-        Spectra of the textures; None if they are filtered already.
     surface : Surface
         Where the sums hold: the given surface and the mean drift that was found. [px]
     """
 
     sums: Array
 
-    spectra: Spectra | None
-
     surface: Surface
+
+
+@dataclass(frozen=True)
+class Compared(Seen):
+    """The textures before any filter, summed over as many frames as their spectra need.
+
+    Attributes
+    ----------
+    sums : Array
+        (row, column, 11)
+    surface : Surface
+        Where the sums hold: the given surface and the mean drift that was found. [px]
+    spectra : Spectra
+        Spectra of the textures.
+    """
+
+    spectra: Spectra
+
+
+class View(NamedTuple):
+    """The textures of one frame, ready to be laid over each other.
+
+    Attributes
+    ----------
+    a : Image
+        Texture of camera 1, (y, x). [1]
+    weight : Image
+        Its weight. [1]
+    spline : tuple[Image, Mask]
+        Spline coefficients of camera 2, and its pixels without weight.
+    """
+
+    a: Image
+
+    weight: Image
+
+    spline: tuple[Image, Mask]
 
 
 class Views:
     """The frames from which the map is made, at full resolution, and the drift of each.
 
-    A single pair is kept in memory. Of several, each is read, prepared and dropped in every pass.
+    Each frame is read and prepared once, and its textures are kept. Frames that are too many or too
+    large for that are read again in every pass.
     """
 
-    def __init__(self, frames: Frames, first: Pair, settings: RegistrationSettings) -> None:
+    def __init__(
+        self, frames: Frames, first: Pair, settings: RegistrationSettings, *, number: int = 0
+    ) -> None:
         self.frames = frames
         self.settings = settings
         self.shape = (first.reference.shape[0], first.reference.shape[1])
         self.shape_moving = (first.moving.shape[0], first.moving.shape[1])
         self.merge = 2 if min(self.shape) >= LARGE else 1
-        self.drift = np.zeros((len(frames.chosen), 2))
-        self._drift_known = frames.count == 1
+        self._keep = len(frames.chosen) * first.reference.size <= MOST_KEPT
         self._whitening: Filter | None = None
-        self._single = textures(first, 1, settings.threads) if frames.count == 1 else None
+        self._grids: dict[tuple[int, int], Image] = {}
+
+        # the start was made from one frame, which is read already; the drift of the others is
+        # found when they are
+        self._plain = {number: textures(first, 1, settings.threads)}
+        self._views: dict[int, View] = {}
+        self.drift = np.full((len(frames.chosen), 2), np.nan)
+        self.drift[number] = 0
+        self._unknown = set(range(len(frames.chosen))) - {number}
 
     def filter_through(self, whitening: Filter) -> None:
         """Filter the textures from now on."""
         self._whitening = whitening
-        if self._single is not None:
-            self._single = self._filtered(self._single, whitening)
+        self._views.clear()
+        self._grids.clear()
 
-    def _filtered(self, plain: Textures, whitening: Filter) -> Textures:
-        """Both textures through the filter."""
-        grid = whitening.on_grid(padded_size(plain.a.shape))
-        a, wa = whiten(plain.a, plain.weight, grid, threads=self.settings.threads)
-        if plain.b.shape != plain.a.shape:
-            grid = whitening.on_grid(padded_size(plain.b.shape))
-        b, wb = whiten(plain.b, plain.weight_b, grid, threads=self.settings.threads)
-        return Textures(a, wa, b, wb)
+    def _filtered(self, texture: Image, weight: Image, whitening: Filter) -> tuple[Image, Image]:
+        """A texture and its weight through the filter."""
+        size = padded_size(texture.shape)
+        if size not in self._grids:
+            self._grids[size] = whitening.on_grid(size)
+        return whiten(texture, weight, self._grids[size], threads=self.settings.threads)
 
-    def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, Textures]]:
-        """Number and textures of the frames that have a drift, which the first pass measures."""
-        if self._single is not None:
-            yield 0, self._single
-            return
+    def _prepared(self, plain: Textures) -> View:
+        """A frame as it is summed: filtered, if there is a filter, with its spline."""
+        if self._whitening is not None:
+            plain = Textures(
+                *self._filtered(plain.a, plain.weight, self._whitening),
+                *self._filtered(plain.b, plain.weight_b, self._whitening),
+            )
+        return View(plain.a, plain.weight, plain.spline(self.settings.threads))
 
-        for number, pair in enumerate(self.frames.pick(self.frames.chosen)):
-            if not self._drift_known:
-                found = follow_drift(dx, dy, pair, threads=self.settings.threads)
-                self.drift[number] = found.dx, found.dy
-            if np.isnan(self.drift[number]).any():
-                continue
-            view = textures(pair, 1, self.settings.threads)
-            if self._whitening is not None:
-                view = self._filtered(view, self._whitening)
+    def _each_plain(self, dx: Image, dy: Image) -> Iterator[tuple[int, Textures]]:
+        """Number and unfiltered textures of the frames that are not kept filtered.
+
+        The first reading measures the drift; frames without one are left out.
+        """
+        for number in sorted(self._plain):
+            yield number, self._plain[number]
+
+        known = self._plain.keys() | self._views.keys()
+        useless = {n for n in np.nonzero(np.isnan(self.drift[:, 0]))[0] if n not in self._unknown}
+        others = sorted(set(range(len(self.frames.chosen))) - known - useless)
+        pairs = self.frames.pick([self.frames.chosen[number] for number in others])
+        for number, pair in zip(others, pairs, strict=False):
+            plain = textures(pair, 1, self.settings.threads)
+            if number in self._unknown:
+                self._unknown.remove(number)
+                self.drift[number] = rough_drift(dx, dy, plain, threads=self.settings.threads)
+                if np.isnan(self.drift[number]).any():
+                    continue
+            yield number, plain
+
+    def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, View]]:
+        """Number and textures of the frames that have a drift, ready to be summed."""
+        for number in sorted(self._views):
+            yield number, self._views[number]
+
+        for number, plain in self._each_plain(dx, dy):
+            view = self._prepared(plain)
+            if self._keep:
+                self._views[number] = view
+                self._plain.pop(number, None)
             yield number, view
-        self._drift_known = True
+
+    def _sum(
+        self, number: int, view: View, dx: Image, dy: Image, scale: Array | None
+    ) -> tuple[Array, Image]:
+        """Cell sums of one frame at its own drift, which is updated, and its camera 2 laid over."""
+        threads = self.settings.threads
+        here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
+        b = laid_over(view.spline, dx, dy, here, threads)
+        sums = cell_sums(view.a, view.weight, b, self.settings.step, scale=scale, threads=threads)
+
+        # a frame of many gets what is left of its drift, free of the noise of the gradients; the
+        # map gets what the frames have in common, so no frame asks for a translation of its own
+        if self.frames.count > 1:
+            self.drift[number] += solve_shift(without_noise(sums))
+            sums = move_sums(sums, *solve_shift(sums))
+        return sums, b
+
+    def _centre_drift(self) -> Array:
+        """Make the mean drift of the frames 0 and return what it was, x first. [px]"""
+        mean = np.asarray(np.nanmean(self.drift, axis=0))
+        self.drift -= mean
+        return mean
+
+    def compare(self, surface: Surface) -> Compared:
+        """Sums and spectra of the unfiltered textures, over as many frames as the spectra need.
+
+        Parameters
+        ----------
+        surface : Surface
+            Lays camera 2 over camera 1 in the frame from which the start was made. [px]
+
+        Returns
+        -------
+        Compared
+        """
+        dx, dy = surface.on_pixels(self.shape)
+        total = np.zeros(0)
+        spectra: Spectra | None = None
+        for number, plain in self._each_plain(dx, dy):
+            view = View(plain.a, plain.weight, plain.spline(self.settings.threads))
+            sums, b = self._sum(number, view, dx, dy, None)
+            one = measure_spectra(plain.a, plain.weight, b)
+            total = sums if spectra is None else total + sums
+            spectra = one if spectra is None else spectra + one
+            if self._keep:
+                self._plain[number] = plain
+            if spectra.blocks >= ENOUGH_BLOCKS:
+                break
+
+        assert spectra is not None  # the frame of the start has a drift
+        mean = self._centre_drift()
+        return Compared(total, surface.moved(float(mean[0]), float(mean[1])), spectra)
 
     def sums(self, dx: Image, dy: Image, scale: Array | None) -> Summed:
         """Go through the frames once and add up their sums.
@@ -215,47 +334,18 @@ class Views:
         Returns
         -------
         Summed
-
-        Raises
-        ------
-        RegistrationError
-            If in none of the frames the cameras share texture.
         """
-        threads = self.settings.threads
         total: Array | None = None
-        spectra: Spectra | None = None
         for number, view in self._each(dx, dy):
-            here = (float(self.drift[number, 0]), float(self.drift[number, 1]))
-            b = laid_over(view.spline(threads), dx, dy, here, threads)
-            sums = cell_sums(
-                view.a, view.weight, b, self.settings.step, scale=scale, threads=threads
-            )
-            if self._whitening is None:
-                one = measure_spectra(view.a, view.weight, b)
-                spectra = one if spectra is None else spectra + one
-
-            # a frame of many gets what is left of its drift; the map gets what they have in common
-            if self.frames.count > 1:
-                shift = solve_shift(sums)
-                self.drift[number] += shift
-                sums = move_sums(sums, *shift)
+            sums, _ = self._sum(number, view, dx, dy, scale)
             total = sums if total is None else total + sums
-
-        if total is None:
-            raise RegistrationError(
-                f"None of the {len(self.frames.chosen)} frames from which the map is to be made "
-                "shows texture that both cameras share. Check the exposure, the focus and that the "
-                "frames of the two cameras belong together."
-            )
-        mean = np.nanmean(self.drift, axis=0)
-        self.drift -= mean
-        return Summed(total, spectra, mean)
+        assert total is not None  # the frame of the start has a drift
+        return Summed(total, self._centre_drift())
 
     def look(self, surface: Surface, *, scale: Array | None = None) -> Seen:
         """Go through the frames once, laid over each other by the surface and each one's drift."""
-        dx, dy = surface.on_pixels(self.shape)
-        total, spectra, mean = self.sums(dx, dy, scale)
-        return Seen(total, spectra, surface.moved(float(mean[0]), float(mean[1])))
+        total, mean = self.sums(*surface.on_pixels(self.shape), scale)
+        return Seen(total, surface.moved(float(mean[0]), float(mean[1])))
 
     def cells(self, sums: Array, surface: Surface, slope: float) -> Cells:
         """The cells from which a surface is made, free of the noise of the gradients."""

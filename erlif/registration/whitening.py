@@ -16,7 +16,7 @@ from erlif.core.arrays import AnyArray, Array, Image
 SIDE: Final = 64
 """Side of the blocks whose spectra are averaged. [px]"""
 
-MOST_BLOCKS: Final = 160
+MOST_BLOCKS: Final = 400
 """Blocks of one frame that are averaged; evenly spaced if there are more."""
 
 FEWEST_BLOCKS: Final = 4

@@ -145,13 +145,13 @@ def test_what_is_missing_is_asked_for_with_its_sign():
     npt.assert_allclose(solve_shift(seen.sums), (0.1, -0.05), atol=4e-3)
 
 
-def test_spectra_are_measured_until_the_textures_are_filtered():
+def test_spectra_are_measured_on_the_unfiltered_textures():
     views = views_of(translated((0.0, 0.0)))
-    seen = views.look(shifted())
+    seen = views.compare(shifted())
     assert seen.spectra.blocks > 4
+    npt.assert_array_equal(seen.sums, views.look(shifted()).sums)
     views.filter_through(make_filter(seen.spectra))
     filtered = views.look(shifted())
-    assert filtered.spectra is None
     # the derivative needs 2 px on each side, the filter 4, the interpolation 1 at the far side
     assert seen.sums[..., WEIGHT].sum() == (128 - 4) * (160 - 4)
     assert filtered.sums[..., WEIGHT].sum() == (128 - 13) * (160 - 13)
@@ -182,9 +182,10 @@ def test_expected_differences_take_weight_from_dust():
 
 
 def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
+    """The surface fits the first frame to a few hundredths of a pixel, as the start does."""
     offsets = np.array([(1.0, 0.0), (-2.0, 1.5), (4.0, 0.5), (0.0, -1.0)])
     views = views_of(translated(*offsets))
-    seen = views.look(shifted())
+    seen = views.look(shifted(0.95, 0.05))
     npt.assert_allclose(views.drift, offsets - offsets.mean(0), atol=0.02)
     npt.assert_allclose(views.drift.mean(0), 0, atol=1e-12)
     dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
@@ -193,7 +194,7 @@ def test_each_frame_is_read_at_its_own_drift_and_the_surface_takes_the_mean():
 
 def test_a_second_look_finds_nothing_more_to_move():
     views = views_of(translated((1.3, 0.2), (-0.4, 0.9)))
-    seen = views.look(shifted())
+    seen = views.look(shifted(1.25, 0.25))
     again = views.look(seen.surface)
     before, after = (s.surface.coefficients for s in (seen, again))
     npt.assert_allclose(after, before, atol=0.01)
@@ -202,15 +203,17 @@ def test_a_second_look_finds_nothing_more_to_move():
 def test_sums_of_frames_add_up():
     """Two frames alike hold twice the sums of one, and the same spectra twice."""
     one, two = translated((0.0, 0.0)), translated((0.0, 0.0), (0.0, 0.0))
-    single, double = (views_of(pairs).look(shifted()) for pairs in (one, two))
     inner = (slice(1, -1), slice(1, -1), [AA, GXX])  # a drift of 0.001 px passes the border
+    single, double = (views_of(pairs).look(shifted()) for pairs in (one, two))
+    npt.assert_allclose(double.sums[inner], 2 * single.sums[inner], rtol=0.02)
+    single, double = (views_of(pairs).compare(shifted()) for pairs in (one, two))
     npt.assert_allclose(double.sums[inner], 2 * single.sums[inner], rtol=0.02)
     assert double.spectra.blocks == 2 * single.spectra.blocks
 
 
 def test_sums_of_drifting_frames_are_those_of_frames_at_rest():
     """What a frame still asks for after its drift is taken out of the sums, to first order."""
-    seen = views_of(translated((0.3, 0.0), (-0.3, 0.0))).look(shifted())
+    seen = views_of(translated((0.3, 0.0), (-0.3, 0.0))).look(shifted(0.3))
     npt.assert_allclose(solve_shift(seen.sums), 0, atol=1e-9)
 
 
@@ -218,17 +221,71 @@ def test_a_frame_without_common_texture_takes_no_part():
     good = translated((0.5, 0.0), (-0.5, 0.0))
     stranger = (good[0][0], translated((0.0, 0.0), seed=8)[0][1], None, None)
     views = views_of([good[0], stranger, good[1]])
-    seen = views.look(shifted())
+    seen = views.look(shifted(0.5))
     assert np.isnan(views.drift[1]).all()
-    alone = views_of(good).look(shifted())
+    alone = views_of(good).look(shifted(0.5))
     npt.assert_allclose(seen.sums, alone.sums, rtol=1e-6, atol=1e-6)
 
 
-def test_a_run_without_any_common_texture_is_refused():
-    stranger = translated((0.0, 0.0), seed=8)[0][1]
-    pair = (translated((0.0, 0.0))[0][0], stranger, None, None)
-    with pytest.raises(RegistrationError, match="None of the 2 frames"):
-        views_of([pair, pair]).look(shifted())
+def counted(pairs):
+    """The pairs, and the list of the numbers that were read."""
+    read = []
+
+    class Counted(list):
+        def __getitem__(self, number):
+            read.append(number)
+            return super().__getitem__(number)
+
+    return Counted(pairs), read
+
+
+def test_each_frame_is_read_once():
+    pairs, read = counted(translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5)))
+    views = views_of(pairs)
+    seen = views.compare(shifted())
+    views.filter_through(make_filter(seen.spectra))
+    for _ in range(3):
+        seen = views.look(seen.surface)
+    assert read == [0, 1, 2]
+
+
+def test_frames_too_large_to_be_kept_are_read_in_every_pass(monkeypatch):
+    pairs, read = counted(translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5)))
+    whitening = make_filter(views_of(pairs).compare(shifted()).spectra)
+    kept = views_of(pairs)
+    monkeypatch.setattr("erlif.registration.views.MOST_KEPT", 0)
+    again = views_of(pairs)
+    for views in (kept, again):
+        views.compare(shifted())
+        views.filter_through(whitening)
+
+    before, after = ([views.look(shifted()).sums for _ in range(2)] for views in (kept, again))
+    npt.assert_allclose(after, before, rtol=1e-5, atol=1e-5)
+    read.clear()
+    again.look(shifted())
+    assert read == [1, 2]  # the frame of the start is kept in any case
+
+
+def test_no_more_frames_are_compared_than_the_spectra_need(monkeypatch):
+    pairs, read = counted(translated(*[(0.1 * k, 0.0) for k in range(6)]))
+    views = views_of(pairs)
+    one = views.compare(shifted()).spectra.blocks / 6
+    monkeypatch.setattr("erlif.registration.views.ENOUGH_BLOCKS", 2 * one)
+    read.clear()
+    assert views_of(pairs).compare(shifted()).spectra.blocks == 2 * one
+    assert read == [0, 1]
+
+
+def test_the_start_may_have_been_made_from_any_frame():
+    pairs = translated((0.0, 0.0), (0.5, 0.0), (0.0, 0.5))
+    frames = open_frames(pairs, SETTINGS)
+    views = Views(frames, next(iter(frames.pick([1]))), SETTINGS, number=1)
+    seen = views.look(shifted(0.5, 0.0))
+    npt.assert_allclose(
+        views.drift, [(-1 / 6, -1 / 6), (1 / 3, -1 / 6), (-1 / 6, 1 / 3)], atol=0.02
+    )
+    dx, dy = seen.surface.evaluate(np.zeros(1), np.zeros(1))
+    npt.assert_allclose((dx[0, 0], dy[0, 0]), (1 / 6, 1 / 6), atol=0.02)
 
 
 def test_cameras_of_different_size_are_filtered_on_their_own_grids():
@@ -236,7 +293,7 @@ def test_cameras_of_different_size_are_filtered_on_their_own_grids():
     wide = np.ascontiguousarray(truth.moving[:, :200])
     views = views_of([(truth.reference, wide, None, None)])
     surface = affine_surface((0.0, 224.0, 0.0, 192.0), np.zeros((2, 2)), np.zeros(2))
-    views.filter_through(make_filter(views.look(surface).spectra))
+    views.filter_through(make_filter(views.compare(surface).spectra))
     assert views.shape == (192, 224)
     assert views.shape_moving == (192, 200)
     weight = views.look(surface).sums[..., WEIGHT]
