@@ -5,7 +5,17 @@ Each pass fills plain arrays. The functions of the stages (`erlif.correction`, `
 tests hold the passes to them.
 """
 
+from erlif.passes.accumulation import PairSum
+from erlif.passes.film import FilmMaps, FilmTables, measure_film, measure_pulse
 from erlif.passes.light import PairLight
 from erlif.passes.pair import PairRatio
 
-__all__ = ["PairLight", "PairRatio"]
+__all__ = [
+    "FilmMaps",
+    "FilmTables",
+    "PairLight",
+    "PairRatio",
+    "PairSum",
+    "measure_film",
+    "measure_pulse",
+]

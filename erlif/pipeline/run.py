@@ -40,7 +40,6 @@ from erlif.pipeline.film import (
     describe_registration,
     describe_triggers,
     group_frames,
-    pixel_positions,
 )
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
@@ -192,14 +191,11 @@ def process_run(
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
     """How the frames of one trigger of a run become its maps."""
-    settings, shape = run.settings, run.pairs.shape
-    x, y = pixel_positions(settings, shape)
+    settings = run.settings
     return TriggerTask(
         chain,
         calibration,
-        x,
-        y,
-        choose_region(settings, shape),
+        choose_region(settings, run.pairs.shape),
         sliding_along_x=settings.optics.x_axis == "sliding",
         smoothing=settings.thickness.smoothing,
     )

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import AnyArray
 from erlif.core.flags import Flag
-from erlif.core.products import RatioImages, ThicknessMaps
+from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
 from erlif.files import MapStore, PartialFilm
+from erlif.passes import FilmTables, PairSum, measure_film, measure_pulse
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.results import FrameResult, TriggerResult
-from erlif.ratio import RatioSum, smooth_ratio
+from erlif.ratio import smooth_ratio
 from erlif.thickness import measure_pulse_energy, measure_thickness
-from erlif.trend import Region, summarise_film
+from erlif.trend import FilmCurve, Region, summarise_blocks
 
 
 @dataclass(frozen=True)
@@ -31,10 +33,6 @@ class TriggerTask:
         Counts to ratio, frame by frame.
     calibration : Calibration
         Ratio to film thickness.
-    x : Array
-        Positions of the columns. [mm]
-    y : Array
-        Positions of the rows. [mm]
     region : Region
         Region of interest of the statistics.
     sliding_along_x : bool
@@ -45,8 +43,6 @@ class TriggerTask:
 
     chain: FrameChain
     calibration: Calibration
-    x: Array
-    y: Array
     region: Region
     sliding_along_x: bool = True
     smoothing: int | None = None
@@ -65,48 +61,47 @@ class TriggerTask:
             The variables of `MAPS`, (y, x).
         result : TriggerResult
         """
-        total = RatioSum(self.chain.pairs.shape)
         kept: list[FrameResult] = []
-        for frame in frames:
-            ratios = self.chain.ratio(frame)
-            total.add(ratios)
-            if len(frames) > 1:
-                own = measure_thickness(ratios, self.calibration)
-                kept.append(self._describe_frame(frame, ratios, own))
-
-        ratio = total.mean()
-        if not frames:
-            ratio.flags[:] = Flag.OUTSIDE_OVERLAP
-        maps = measure_thickness(ratio, self.calibration)
+        attenuation = self.calibration.attenuation_camera1
         if len(frames) == 1:  # the film of the trigger is that of its only frame
-            kept.append(self._describe_frame(frames[0], ratios, maps))
+            ratio = self.chain.measure(frames[0])
+            film = measure_film(ratio, self.tables, self.region)
+            energy = measure_pulse_energy(
+                ratio.light_one, film.thickness, film.flags, attenuation=attenuation
+            )
+            kept.append(FrameResult(frames[0], ratio.drift, ratio.peaks, energy, ratio.digests))
+        else:
+            total = PairSum(self.chain.pairs.shape)
+            for frame in frames:
+                pair = self.chain.measure(frame)
+                total.add(pair)
+                energy = measure_pulse(pair, self.tables, attenuation=attenuation)
+                kept.append(FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests))
+            ratio = total.mean()
+            if not frames:
+                ratio.flags[:] = Flag.OUTSIDE_OVERLAP
+            film = measure_film(ratio, self.tables, self.region)
+        statistics = summarise_blocks(film.sums, self.curve, sliding_along_x=self.sliding_along_x)
 
-        statistics = summarise_film(
-            ratio,
-            maps,
-            self.calibration,
-            x=self.x,
-            y=self.y,
-            region=self.region,
-            sliding_along_x=self.sliding_along_x,
-        )
         # the statistics above need pixels with independent noise, so smoothing comes last
-        if self.smoothing is not None:
-            smooth = smooth_ratio(ratio, resolution=self.smoothing)
-            maps = measure_thickness(smooth, self.calibration)
-        images = {variable.name: maps[variable.name].values for variable in MAPS}
-        return images, TriggerResult(statistics, tuple(kept))
+        if self.smoothing is None:
+            maps = {variable.name: getattr(film, variable.name) for variable in MAPS}
+        else:
+            images = RatioImages(ratio.to_images().isel(frame=0))
+            smooth = smooth_ratio(images, resolution=self.smoothing)
+            measured = measure_thickness(smooth, self.calibration)
+            maps = {variable.name: measured[variable.name].values for variable in MAPS}
+        return maps, TriggerResult(statistics, tuple(kept))
 
-    def _describe_frame(self, frame: int, ratios: RatioImages, maps: ThicknessMaps) -> FrameResult:
-        """Drift, highest counts and pulse energy of one frame pair, given its film."""
-        shape = self.chain.pairs.shape
-        energy = measure_pulse_energy(
-            ratios.signal_camera1.values[0],
-            maps.thickness.values.reshape(shape),
-            maps.flags.values.reshape(shape),
-            attenuation=self.calibration.attenuation_camera1,
-        )
-        return FrameResult.of(frame, ratios, pulse_energy=energy)
+    @cached_property
+    def tables(self) -> FilmTables:
+        """The calibration in tables for the maps."""
+        return FilmTables.of(self.calibration)
+
+    @cached_property
+    def curve(self) -> FilmCurve:
+        """The calibration in tables for the statistics."""
+        return FilmCurve.of(self.calibration)
 
 
 class FinishedTrigger(NamedTuple):

@@ -2,6 +2,14 @@
 
 from erlif.thickness.maps import measure_thickness
 from erlif.thickness.measurable import CLEAR, MeasurableRange, find_range
-from erlif.thickness.pulse import measure_pulse_energy
+from erlif.thickness.pulse import compare_light, measure_pulse_energy, middle_of
 
-__all__ = ["CLEAR", "MeasurableRange", "find_range", "measure_pulse_energy", "measure_thickness"]
+__all__ = [
+    "CLEAR",
+    "MeasurableRange",
+    "compare_light",
+    "find_range",
+    "measure_pulse_energy",
+    "measure_thickness",
+    "middle_of",
+]

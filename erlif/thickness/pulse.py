@@ -43,13 +43,57 @@ def measure_pulse_energy(
     >>> round(measure_pulse_energy(light, film, flags, attenuation=0.02), 3)
     300.0
     """
-    height, width = signal.shape
-    middle = (
-        slice(height // 4, 3 * height // 4, 2),
-        slice(width // 4, 3 * width // 4, 2),
-    )
-    good = flags[middle] == 0
+    middle = middle_of(signal.shape)
+    return compare_light(signal[middle], thickness[middle], flags[middle], attenuation=attenuation)
+
+
+def middle_of(shape: tuple[int, ...]) -> tuple[slice, slice]:
+    """Rows and columns of every second pixel in the middle half of an image.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns of the image. [px]
+
+    Returns
+    -------
+    tuple of two slices
+
+    Examples
+    --------
+    >>> middle_of((480, 640))
+    (slice(120, 360, 2), slice(160, 480, 2))
+    """
+    height, width = shape
+    return slice(height // 4, 3 * height // 4, 2), slice(width // 4, 3 * width // 4, 2)
+
+
+def compare_light(
+    signal: Image, thickness: Image, flags: FlagImage, *, attenuation: float
+) -> float:
+    """Light over that of the film at unit energy, the median of the given pixels.
+
+    Parameters
+    ----------
+    signal, thickness, flags : array
+        As for `measure_pulse_energy`.
+    attenuation : float
+        Attenuation coefficient in the band of camera 1. [1/um]
+
+    Returns
+    -------
+    float
+        NaN with fewer than 64 valid pixels. [DN/um]
+
+    Examples
+    --------
+    >>> film = np.full((8, 8), 5.0, np.float32)
+    >>> light = 300.0 * np.asarray(band_signal(film, attenuation=0.02), np.float32)
+    >>> round(compare_light(light, film, np.zeros((8, 8), np.uint8), attenuation=0.02), 3)
+    300.0
+    """
+    good = flags == 0
     if good.sum() < _LEAST_PIXELS:
         return float("nan")
-    expected = band_signal(thickness[middle][good], attenuation=attenuation)
-    return float(np.median(signal[middle][good] / expected))
+    expected = band_signal(thickness[good], attenuation=attenuation)
+    return float(np.median(signal[good] / expected))

@@ -13,7 +13,7 @@ from erlif.core.flags import Flag
 from erlif.core.progress import silent
 from erlif.files import PartialFilm
 from erlif.pipeline.engines import Threads
-from erlif.pipeline.film import MAPS, choose_region, pixel_positions
+from erlif.pipeline.film import MAPS, choose_region
 from erlif.pipeline.run import trigger_task
 from erlif.pipeline.triggers import run_triggers
 
@@ -103,10 +103,7 @@ def task(run, prepared, calibration):
     return trigger_task(run, prepared.chain, calibration)
 
 
-def test_task_has_positions_and_region_of_the_settings(run, task):
-    x, y = pixel_positions(run.settings, (96, 128))
-    npt.assert_array_equal(task.x, x)
-    npt.assert_array_equal(task.y, y)
+def test_task_has_the_region_of_the_settings(run, task):
     assert task.region == choose_region(run.settings, (96, 128))
     assert task.sliding_along_x
     assert task.smoothing is None

@@ -1,0 +1,252 @@
+"""Ratios of the frames of one trigger, summed in one pass over each.
+
+The reference is `erlif.ratio.RatioSum`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Image
+from erlif.passes.buffers import empty_image
+from erlif.passes.pair import PairRatio
+from erlif.passes.rows import PAD, across_9, add, count, pile
+
+_ZERO, _NONE, _NAN = np.float32(0), np.uint8(0), np.float32(np.nan)
+_BELOW_IMAGE = np.uint8(1)
+_HALF = 4
+"""Rows between a pixel and the end of the square whose mean variance gives its weight. [px]"""
+
+
+class _Buffers(NamedTuple):
+    """Rows that stay in cache; `rows` explains the rings."""
+
+    state: AnyArray
+    noise: Image
+    noise_2: Image
+    noise_4: Image
+    count_9: Image
+    down: Image
+    pixels_9: Image
+    spread: Image
+
+
+class PairSum:
+    """Frame pairs of one trigger, summed with inverse-variance weights without keeping them.
+
+    Parameters
+    ----------
+    shape : tuple[int, int]
+        Rows and columns of the images. [px]
+
+    Examples
+    --------
+    A frame with a quarter of the variance has four times the weight:
+
+    >>> image = np.ones((16, 16), np.float32)
+    >>> flags = np.zeros(image.shape, np.uint8)
+    >>> total = PairSum(image.shape)
+    >>> none = 0 * image
+    >>> for value, variance in ((0.5, 4e-4), (1.0, 1e-4)):
+    ...     total.add(PairRatio(value * image, variance * image, none, none, flags, image))
+    >>> round(float(total.mean().log_ratio[8, 8]), 6)
+    0.9
+    """
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self.shape = shape
+        """Rows and columns. [px]"""
+        self.frames = 0
+        """Frames that were added."""
+        self._correlation = 0.0
+        # single precision adds 1e-7 of a variance a frame; the ratio itself is worth more digits
+        self._weight, self._var, self._fixed, self._shared = (empty_image(shape) for _ in range(4))
+        self._ratio = empty_image(shape, np.float64)
+        self._flags = empty_image(shape, np.uint8)
+
+    def add(self, pair: PairRatio) -> None:
+        """Add a frame pair.
+
+        Parameters
+        ----------
+        pair : PairRatio
+        """
+        width = self.shape[1]
+        padded = width + 2 * PAD
+        buffers = _Buffers(
+            np.ones((18, width), np.uint8),
+            *(np.zeros((size, padded), np.float32) for size in (17, 9, 9)),
+            *(np.zeros(padded, np.float32) for _ in range(2)),
+            *(np.zeros(width, np.float32) for _ in range(2)),
+        )
+        _add_frame(
+            pair.log_ratio,
+            pair.variance,
+            pair.variance_fixed,
+            pair.variance_shared,
+            pair.flags,
+            self.frames == 0,
+            buffers,
+            self._weight,
+            self._ratio,
+            self._var,
+            self._fixed,
+            self._shared,
+            self._flags,
+        )
+        self.frames += 1
+        self._correlation += pair.noise_correlation
+
+    def mean(self) -> PairRatio:
+        """Weighted mean of the frames that were added; its light is unknown.
+
+        Returns
+        -------
+        PairRatio
+            NaN with the flags of all frames where a pixel is valid in none.
+        """
+        log_ratio, variance, fixed, shared = (empty_image(self.shape) for _ in range(4))
+        flags = empty_image(self.shape, np.uint8)
+        if self.frames == 0:
+            for image in (log_ratio, variance, fixed, shared):
+                image.fill(np.nan)
+            flags.fill(0)
+        else:
+            _average(
+                self._weight,
+                self._ratio,
+                self._var,
+                self._fixed,
+                self._shared,
+                self._flags,
+                log_ratio,
+                variance,
+                fixed,
+                shared,
+                flags,
+            )
+        unknown = np.broadcast_to(_NAN, self.shape)
+        correlation = self._correlation / max(self.frames, 1)
+        return PairRatio(log_ratio, variance, fixed, shared, flags, unknown, correlation)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _enter(variance, fixed, flags, i, extra, state, s, ring, k):  # type: ignore[no-untyped-def]
+    """Row i of the flags, with extra bits, and of the variance that is new in this frame."""
+    for j in range(flags.shape[1]):
+        bits = flags[i, j] | extra
+        state[s, j] = bits
+        ring[k, j + PAD] = variance[i, j] - fixed[i, j] if bits == 0 else _ZERO
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _add_row(  # type: ignore[no-untyped-def]
+    log_ratio,
+    variance,
+    fixed,
+    shared,
+    flags,
+    i,
+    first,
+    b,
+    weight,
+    ratio,
+    var,
+    total_fixed,
+    total_shared,
+    total_flags,
+):
+    """Add row i to the sums, or begin them with it."""
+    for j in range(flags.shape[1]):
+        sound = flags[i, j] == 0
+        w = b.pixels_9[j] / b.spread[j] if sound else _ZERO
+        new = variance[i, j] - fixed[i, j]
+
+        # errors of one frame add in quadrature, those common to all frames linearly
+        weight[i, j] = (_ZERO if first else weight[i, j]) + w
+        ratio[i, j] = (0.0 if first else ratio[i, j]) + (w * log_ratio[i, j] if sound else _ZERO)
+        var[i, j] = (_ZERO if first else var[i, j]) + (w * w * new if sound else _ZERO)
+        repeated = w * fixed[i, j] if sound else _ZERO
+        total_fixed[i, j] = (_ZERO if first else total_fixed[i, j]) + repeated
+        common = w * shared[i, j] if sound else _ZERO
+        total_shared[i, j] = (_ZERO if first else total_shared[i, j]) + common
+        total_flags[i, j] = (_NONE if first else total_flags[i, j]) | flags[i, j]
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _add_frame(  # type: ignore[no-untyped-def]
+    log_ratio,
+    variance,
+    fixed,
+    shared,
+    flags,
+    first,
+    b,
+    weight,
+    ratio,
+    var,
+    total_fixed,
+    total_shared,
+    total_flags,
+):
+    """Add the first five images to the sums in the last six."""
+    bottom_row = log_ratio.shape[0] - 1
+    for u in range(log_ratio.shape[0] + _HALF):
+        s, k, m = u % 18, u % 17, u % 9
+        at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _BELOW_IMAGE
+        _enter(variance, fixed, flags, at, extra, b.state, s, b.noise, k)
+        add(b.noise, k, (u + 16) % 17, b.noise_2, m)
+        add(b.noise_2, m, (u + 7) % 9, b.noise_4, m)
+        if count(b.state, s, (u + 9) % 18, b.count_9):
+            across_9(b.count_9, b.pixels_9)
+        if u < _HALF:
+            continue
+        pile(b.noise_4, m, (u + 5) % 9, b.noise, (u + 9) % 17, b.down)
+        across_9(b.down, b.spread)
+        _add_row(
+            log_ratio,
+            variance,
+            fixed,
+            shared,
+            flags,
+            u - _HALF,
+            first,
+            b,
+            weight,
+            ratio,
+            var,
+            total_fixed,
+            total_shared,
+            total_flags,
+        )
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _average(  # type: ignore[no-untyped-def]
+    weight,
+    ratio,
+    var,
+    total_fixed,
+    total_shared,
+    total_flags,
+    log_ratio,
+    variance,
+    fixed,
+    shared,
+    flags,
+):
+    """Fill the last five images."""
+    for i in range(weight.shape[0]):
+        for j in range(weight.shape[1]):
+            w = weight[i, j]
+            some = w > _ZERO
+            # the variance of independent errors falls with the weights, of repeated ones it stays
+            repeated = total_fixed[i, j] / w
+            log_ratio[i, j] = np.float32(ratio[i, j] / w) if some else _NAN
+            variance[i, j] = var[i, j] / (w * w) + repeated if some else _NAN
+            fixed[i, j] = repeated if some else _NAN
+            shared[i, j] = total_shared[i, j] / w if some else _NAN
+            flags[i, j] = _NONE if some else total_flags[i, j]

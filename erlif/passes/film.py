@@ -1,0 +1,578 @@
+"""Ratio of a trigger to its maps and to the sums for its statistics, in one pass over rows.
+
+The reference is `erlif.thickness.measure_thickness`, and `erlif.trend.sum_blocks` for the sums.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+from erlif.core.flags import Flag
+from erlif.passes.buffers import empty_image
+from erlif.passes.pair import PairRatio
+from erlif.passes.rows import PAD, across_5, across_9, across_17, add, count, pile, take
+from erlif.thickness import CLEAR, compare_light, middle_of
+from erlif.trend import BLOCK, BlockSums, Region
+
+_BELOW, _ABOVE, _POOR = (
+    np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE, Flag.POOR_REGISTRATION)
+)
+_CLEAR, _HALF, _ZERO = np.float32(CLEAR), np.float32(0.5), np.float32(0)
+_NAN, _NONE = np.float32(np.nan), np.uint8(0)
+
+_STEPS = (61, 67)
+"""Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
+
+_SINGLE, _SEVERAL, _STATES = 17, 9, 18
+"""Rows of the rings of single rows, of sums of several and of flags.
+
+A row is used for the last time when 16 or 8 rows have entered after it; flags once more, when the
+row that leaves the square is compared with the one that enters.
+"""
+
+_SUMS = 9
+"""Sums of each block."""
+
+_FIRST, _SECOND, _THIRD = np.float32(1), np.float32(2**8), np.float32(2**16)
+"""Units of three numbers that are packed into one; eight of them stay below 2^24, exact."""
+
+
+_NOWHERE = Region(slice(0, 0), slice(0, 0))
+
+
+@dataclass(frozen=True)
+class FilmTables:
+    """What the pass reads from a calibration, in single precision.
+
+    Attributes
+    ----------
+    start : np.float32
+        Log ratio at the first entry of the tables. [1]
+    per_step : np.float32
+        One over the distance of the entries. [1]
+    last : np.float32
+        The largest number below that of the last entry.
+    thickness : Image
+        Film thickness, (entry,). [um]
+    rate : Image
+        Derivative of the thickness by the log ratio, (entry,). [um]
+    calibration_std : Image
+        Standard deviation of the thickness due to the calibration, (entry,). [um]
+    limits : Image
+        Log ratios of the calibrated range, of what the fixture covers, and the first and last one
+        that the tables hold, (6,). [1]
+    """
+
+    start: np.float32
+    per_step: np.float32
+    last: np.float32
+    thickness: Image
+    rate: Image
+    calibration_std: Image
+    limits: Image
+
+    @classmethod
+    def of(cls, calibration: Calibration) -> FilmTables:
+        """Tables of a calibration.
+
+        Parameters
+        ----------
+        calibration : Calibration
+
+        Returns
+        -------
+        FilmTables
+        """
+        table = calibration.inverse
+        limits = np.concatenate(
+            [
+                calibration.predict_log(calibration.thickness_range),
+                calibration.predict_log(calibration.covered_range),
+            ]
+        ).astype(np.float32)
+
+        # the first and last number in single precision that lie between the ends of the tables
+        end = table.start + table.step * (table.thickness.size - 1)
+        first, last = np.float32(table.start), np.float32(end)
+        if float(first) < table.start:
+            first = np.nextafter(first, np.float32(np.inf))
+        while (float(last) - table.start) / table.step > table.thickness.size - 1:
+            last = np.nextafter(last, np.float32(-np.inf))
+        return cls(
+            np.float32(table.start),
+            np.float32(1 / table.step),
+            np.nextafter(np.float32(table.thickness.size - 1), _ZERO),
+            table.thickness.astype(np.float32),
+            table.per_log_ratio.astype(np.float32),
+            table.calibration_std.astype(np.float32),
+            np.append(limits, [first, last]).astype(np.float32),
+        )
+
+
+class FilmMaps(NamedTuple):
+    """Maps of a trigger as plain arrays, (y, x), and the sums over its region.
+
+    Attributes
+    ----------
+    thickness : Image
+        NaN exactly where flags is not 0. [um]
+    thickness_std : Image
+        From the noise of the pixel. [um]
+    thickness_std_shared : Image
+        From calibration and registration. [um]
+    flags : FlagImage
+        Bits of `erlif.core.flags.Flag`.
+    sums : BlockSums
+        What the statistics of the region need.
+    """
+
+    thickness: Image
+    thickness_std: Image
+    thickness_std_shared: Image
+    flags: FlagImage
+    sums: BlockSums
+
+
+class _Buffers(NamedTuple):
+    """Rows that stay in cache; `rows` explains the rings."""
+
+    state: AnyArray
+    ratio: Image
+    ratio_2: Image
+    ratio_4: Image
+    ratio_8: Image
+    noise: Image
+    noise_2: Image
+    noise_4: Image
+    down: Image
+    count_17: Image
+    count_9: Image
+    count_5: Image
+    wide: Image
+    near: Image
+    middle: Image
+    spread: Image
+    pixels_17: Image
+    pixels_9: Image
+    pixels_5: Image
+    within: AnyArray
+    entry: AnyArray
+    part: Image
+    film: Image
+    rate: Image
+    own: Image
+    sums: Image
+    places: Image
+    columns: Image
+
+    @classmethod
+    def of(cls, width: int, left: int) -> _Buffers:
+        """Buffers of an image of some width, of which nothing has entered yet.
+
+        The blocks of the region begin at column left.
+        """
+
+        def ring(rows: int) -> Image:
+            return np.zeros((rows, width + 2 * PAD), np.float32)
+
+        def row() -> Image:
+            return np.zeros(width, np.float32)
+
+        return cls(
+            state=np.ones((_STATES, width), np.uint8),
+            ratio=ring(_SINGLE),
+            ratio_2=ring(_SEVERAL),
+            ratio_4=ring(_SEVERAL),
+            ratio_8=ring(_SEVERAL),
+            noise=ring(_SINGLE),
+            noise_2=ring(_SEVERAL),
+            noise_4=ring(_SEVERAL),
+            down=ring(1)[0],
+            count_17=ring(1)[0],
+            count_9=ring(1)[0],
+            count_5=ring(1)[0],
+            wide=row(),
+            near=row(),
+            middle=row(),
+            spread=row(),
+            pixels_17=row(),
+            pixels_9=row(),
+            pixels_5=row(),
+            within=np.zeros(width, np.uint8),
+            entry=np.zeros(width, np.uint32),
+            part=row(),
+            film=row(),
+            rate=row(),
+            own=row(),
+            sums=np.zeros((_SUMS, width), np.float32),
+            places=_pack(np.arange(BLOCK)),
+            columns=_pack((np.arange(width) - left) % BLOCK),
+        )
+
+
+def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMaps:
+    """Maps of film thickness, and the sums over the blocks of a region.
+
+    Parameters
+    ----------
+    pair : PairRatio
+        Ratio of a trigger.
+    tables : FilmTables
+    region : Region
+        Region of interest of the statistics.
+
+    Returns
+    -------
+    FilmMaps
+
+    Examples
+    --------
+    >>> from erlif.plots import example_calibration
+    >>> calibration = example_calibration()
+    >>> even = np.full((64, 64), calibration.predict_log(3.0), np.float32)
+    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
+    >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, even)
+    >>> whole = Region(slice(0, 64), slice(0, 64))
+    >>> maps = measure_film(pair, FilmTables.of(calibration), whole)
+    >>> round(float(maps.thickness[32, 32]), 3), int(maps.sums.lit[0, 0])
+    (3.0, 64)
+    """
+    shape = pair.log_ratio.shape
+    thickness, std, std_shared = (empty_image(shape) for _ in range(3))
+    flags = empty_image(shape, np.uint8)
+
+    sample = slice(None, None, _STEPS[0]), slice(None, None, _STEPS[1])
+    sound = pair.log_ratio[sample][pair.flags[sample] == 0]
+    offset = np.float32(np.median(sound)) if sound.size else _ZERO
+
+    top, bottom, _ = region.rows.indices(shape[0])
+    left, right, _ = region.columns.indices(shape[1])
+    blocks = np.zeros((_SUMS, -(-(bottom - top) // BLOCK), -(-(right - left) // BLOCK)))
+    _measure(
+        pair.log_ratio,
+        pair.variance,
+        pair.variance_shared,
+        pair.flags,
+        offset,
+        tables.start,
+        tables.per_step,
+        tables.last,
+        tables.thickness,
+        tables.rate,
+        tables.calibration_std,
+        tables.limits,
+        np.array([top, bottom, left, right]),
+        _Buffers.of(shape[1], left),
+        thickness,
+        std,
+        std_shared,
+        flags,
+        blocks,
+    )
+    size = bottom - top, right - left
+    sums = _name_sums(blocks, size, float(offset), pair.noise_correlation)
+    return FilmMaps(thickness, std, std_shared, flags, sums)
+
+
+def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) -> float:
+    """Relative energy of the pulse of one frame among several, `measure_pulse_energy` of its film.
+
+    The film is measured in the middle half of the image alone, with the surroundings that decide
+    about its flags.
+
+    Parameters
+    ----------
+    pair : PairRatio
+        Ratio of the frame.
+    tables : FilmTables
+    attenuation : float
+        Attenuation coefficient in the band of camera 1. [1/um]
+
+    Returns
+    -------
+    float
+        NaN with too few valid pixels. [DN/um]
+
+    Examples
+    --------
+    >>> from erlif.models.fluorescence import band_signal
+    >>> from erlif.plots import example_calibration
+    >>> calibration = example_calibration()
+    >>> even = np.full((64, 64), calibration.predict_log(3.0), np.float32)
+    >>> noise, flags = np.full_like(even, 1e-6), np.zeros(even.shape, np.uint8)
+    >>> light = np.full_like(even, 500 * band_signal(3.0, attenuation=0.4))
+    >>> pair = PairRatio(even, noise, 0 * noise, 0 * noise, flags, light)
+    >>> round(measure_pulse(pair, FilmTables.of(calibration), attenuation=0.4))
+    500
+    """
+    rows, columns = middle_of(pair.flags.shape)
+    within = slice(max(rows.start - PAD, 0), rows.stop + PAD)
+    along = slice(max(columns.start - PAD, 0), columns.stop + PAD)
+    around = within, along
+    crop = PairRatio(
+        log_ratio=np.ascontiguousarray(pair.log_ratio[around]),
+        variance=np.ascontiguousarray(pair.variance[around]),
+        variance_fixed=pair.variance_fixed[around],
+        variance_shared=np.ascontiguousarray(pair.variance_shared[around]),
+        flags=np.ascontiguousarray(pair.flags[around]),
+        light_one=pair.light_one[around],
+    )
+    maps = measure_film(crop, tables, _NOWHERE)
+
+    # the same pixels, counted from the corner of the crop
+    inner = (
+        slice(rows.start - within.start, rows.stop - within.start, rows.step),
+        slice(columns.start - along.start, columns.stop - along.start, columns.step),
+    )
+    return compare_light(
+        pair.light_one[rows, columns],
+        maps.thickness[inner],
+        maps.flags[inner],
+        attenuation=attenuation,
+    )
+
+
+def _name_sums(
+    blocks: Array, size: tuple[int, int], offset: float, noise_correlation: float
+) -> BlockSums:
+    """Sums by name, from the order in which `_accumulate` fills them; places within the region."""
+    lit_ratio, lit_var, rows, columns, ratio, squared, var, displaced, marks = blocks
+    lit, row, row_squared = _unpack(rows)
+    _, column, column_squared = _unpack(columns)
+    measurable, valid, beyond = _unpack(marks)
+    down, along = (BLOCK * index for index in np.indices(lit.shape, float))
+    return BlockSums(
+        size,
+        offset,
+        lit,
+        lit_ratio,
+        lit_var,
+        row + down * lit,
+        row_squared + 2 * down * row + down**2 * lit,
+        column + along * lit,
+        column_squared + 2 * along * column + along**2 * lit,
+        measurable,
+        ratio,
+        squared,
+        var,
+        displaced,
+        int(valid.sum()),
+        int(beyond.sum()),
+        noise_correlation,
+    )
+
+
+def _pack(place: AnyArray) -> Image:
+    """Number, place and square of the place of a pixel within its block, in one number."""
+    return (_FIRST + _SECOND * place + _THIRD * place**2).astype(np.float32)
+
+
+def _unpack(packed: Array) -> tuple[Array, Array, Array]:
+    """Sums of three packed numbers, of which the first two are below 256."""
+    whole = packed.astype(np.int64)
+    first, second, third = whole & 255, (whole >> 8) & 255, whole >> 16
+    return first.astype(float), second.astype(float), third.astype(float)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _mark(displaced, variance, flags, i, extra, state, s):  # type: ignore[no-untyped-def]
+    """Row i of the flags with poor registration, and with extra bits, into row s of state."""
+    for j in range(flags.shape[1]):
+        poor = (flags[i, j] == 0) & (displaced[i, j] > variance[i, j])
+        state[s, j] = (_POOR if poor else flags[i, j]) | extra
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _decide(log_ratio, i, offset, limits, state, s, b, flags):  # type: ignore[no-untyped-def]
+    """Flags of row i by its surroundings into b.within, and by its own ratio into the map.
+
+    b.near becomes the log ratio at which the slope is taken. The slope of a curve at a noisy ratio
+    is correlated with its error; half-way to the mean of the surroundings it is that of the chord.
+    """
+    first, last, thinnest, thickest = limits[0], limits[1], limits[2], limits[3]
+    lowest, highest = limits[4], limits[5]
+    for j in range(log_ratio.shape[1]):
+        around = offset + (b.wide[j] - b.middle[j]) / (b.pixels_17[j] - b.pixels_5[j])
+        margin = _CLEAR * np.sqrt(b.spread[j] / b.pixels_9[j])
+        beyond = _BELOW if (around < first) | (around - margin < thinnest) else _NONE
+        beyond = _ABOVE if (around > last) | (around + margin > thickest) else beyond
+        bits = beyond if state[s, j] == 0 else state[s, j]
+        b.within[j] = bits
+
+        own = log_ratio[i, j]
+        single = _BELOW if own < lowest else _NONE
+        single = _ABOVE if own > highest else single
+        flags[i, j] = single if bits == 0 else bits
+        b.near[j] = _HALF * (own + (offset + b.near[j] / b.pixels_9[j]))
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _locate(values, start, per_step, last, index, part):  # type: ignore[no-untyped-def]
+    """Entry of a table below each value, and the distance from it in entries."""
+    for j in range(values.size):
+        place = (values[j] - start) * per_step
+        place = place if place > _ZERO else _ZERO  # NaN becomes 0
+        place = place if place < last else last
+        below = np.uint32(place)
+        index[j] = below
+        part[j] = place - np.float32(below)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _look_up(table, index, part, out):  # type: ignore[no-untyped-def]
+    for j in range(out.size):
+        below = table[index[j]]
+        out[j] = below + part[j] * (table[index[j] + np.uint32(1)] - below)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _fill(  # type: ignore[no-untyped-def]
+    variance,
+    displaced,
+    flags,
+    i,
+    b,
+    thickness,
+    std,
+    std_shared,
+):
+    """Row i of the maps; NaN where it is flagged."""
+    for j in range(flags.shape[1]):
+        valid = flags[i, j] == 0
+        rate, own = b.rate[j], b.own[j]
+        shared = np.sqrt(own * own + rate * rate * displaced[i, j])
+        thickness[i, j] = b.film[j] if valid else _NAN
+        std[i, j] = rate * np.sqrt(variance[i, j]) if valid else _NAN
+        std_shared[i, j] = shared if valid else _NAN
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _accumulate(  # type: ignore[no-untyped-def]
+    log_ratio,
+    variance,
+    displaced,
+    lit,
+    i,
+    place,
+    offset,
+    flags,
+    b,
+):
+    """Add row i to the sums down the columns; `_name_sums` has their order.
+
+    Numbers of pixels are packed, a byte each, as a block has 64 pixels.
+    """
+    # few rows a loop: more would need more comparisons of addresses than the compiler accepts
+    for j in range(flags.shape[1]):
+        some = lit[i, j] == 0
+        b.sums[0, j] += log_ratio[i, j] - offset if some else _ZERO
+        b.sums[1, j] += variance[i, j] if some else _ZERO
+    for j in range(flags.shape[1]):
+        some = lit[i, j] == 0
+        b.sums[2, j] += place if some else _ZERO
+        b.sums[3, j] += b.columns[j] if some else _ZERO
+    for j in range(flags.shape[1]):
+        ratio = log_ratio[i, j] - offset
+        good = b.within[j] == 0
+        b.sums[4, j] += ratio if good else _ZERO
+        b.sums[5, j] += ratio * ratio if good else _ZERO
+    for j in range(flags.shape[1]):
+        good = b.within[j] == 0
+        b.sums[6, j] += variance[i, j] if good else _ZERO
+        b.sums[7, j] += displaced[i, j] if good else _ZERO
+    for j in range(flags.shape[1]):
+        outside = (flags[i, j] == _BELOW) | (flags[i, j] == _ABOVE)
+        mark = (_FIRST if b.within[j] == 0 else _ZERO) + (_SECOND if flags[i, j] == 0 else _ZERO)
+        b.sums[8, j] += mark + (_THIRD if outside else _ZERO)
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-def]
+    """Add up a row of blocks along the row, and begin the next."""
+    for q in range(sums.shape[0]):
+        for n in range(blocks.shape[2]):
+            total = 0.0
+            for j in range(left + BLOCK * n, min(left + BLOCK * (n + 1), right)):
+                total += sums[q, j]
+            blocks[q, row, n] = total
+        for j in range(sums.shape[1]):
+            sums[q, j] = _ZERO
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def _measure(  # type: ignore[no-untyped-def]
+    log_ratio,
+    variance,
+    displaced,
+    lit,
+    offset,
+    start,
+    per_step,
+    last,
+    films,
+    rates,
+    calibration_std,
+    limits,
+    region,
+    b,
+    thickness,
+    std,
+    std_shared,
+    flags,
+    blocks,
+):
+    """Fill the last five arguments; b are the buffers."""
+    top, bottom, left, right = region[0], region[1], region[2], region[3]
+    bottom_row = log_ratio.shape[0] - 1
+    for u in range(log_ratio.shape[0] + PAD):
+        # row u enters the sums, without any sound pixel below the image; u + 16 of a ring of 17
+        # rows is the row before, u + 1 the oldest one
+        s, k, m = u % 18, u % 17, u % 9
+        at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _POOR
+        _mark(displaced, variance, lit, at, extra, b.state, s)
+        take(log_ratio, at, offset, b.state, s, b.ratio, k)
+        take(variance, at, _ZERO, b.state, s, b.noise, k)
+        add(b.ratio, k, (u + 16) % 17, b.ratio_2, m)
+        add(b.noise, k, (u + 16) % 17, b.noise_2, m)
+        add(b.ratio_2, m, (u + 7) % 9, b.ratio_4, m)
+        add(b.noise_2, m, (u + 7) % 9, b.noise_4, m)
+        add(b.ratio_4, m, (u + 5) % 9, b.ratio_8, m)
+        if count(b.state, s, (u + 1) % 18, b.count_17):
+            across_17(b.count_17, b.pixels_17)
+        if count(b.state, (u + 14) % 18, (u + 5) % 18, b.count_9):
+            across_9(b.count_9, b.pixels_9)
+        if count(b.state, (u + 12) % 18, (u + 7) % 18, b.count_5):
+            across_5(b.count_5, b.pixels_5)
+
+        # row i is in the middle of the squares
+        i = u - PAD
+        if i < 0:
+            continue
+        pile(b.ratio_8, m, (u + 1) % 9, b.ratio, (u + 1) % 17, b.down)
+        across_17(b.down, b.wide)
+        pile(b.ratio_4, (u + 5) % 9, (u + 1) % 9, b.ratio, (u + 5) % 17, b.down)
+        across_9(b.down, b.near)
+        pile(b.ratio_2, (u + 3) % 9, (u + 1) % 9, b.ratio, (u + 7) % 17, b.down)
+        across_5(b.down, b.middle)
+        pile(b.noise_4, (u + 5) % 9, (u + 1) % 9, b.noise, (u + 5) % 17, b.down)
+        across_9(b.down, b.spread)
+
+        _decide(log_ratio, i, offset, limits, b.state, i % 18, b, flags)
+        _locate(log_ratio[i], start, per_step, last, b.entry, b.part)
+        _look_up(films, b.entry, b.part, b.film)
+        _locate(b.near, start, per_step, last, b.entry, b.part)
+        _look_up(rates, b.entry, b.part, b.rate)
+        _look_up(calibration_std, b.entry, b.part, b.own)
+        _fill(variance, displaced, flags, i, b, thickness, std, std_shared)
+
+        if top <= i < bottom:
+            place = b.places[(i - top) % BLOCK]
+            _accumulate(log_ratio, variance, displaced, lit, i, place, offset, flags, b)
+            if (i - top) % BLOCK == BLOCK - 1 or i == bottom - 1:
+                _close_blocks(b.sums, (i - top) // BLOCK, left, right, blocks)
