@@ -7,7 +7,7 @@ first. Every frame can then be processed by itself, in any order and from any th
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,11 +25,8 @@ from erlif.passes import PairLight, PairRatio
 from erlif.passes.light import CameraTables, measure_light, tabulate
 from erlif.passes.ratio import empty_ratio, measure_ratio
 from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
-from erlif.ratio import BlurDifference, BlurMoments, compute_ratio
+from erlif.ratio import BlurDifference, compute_ratio
 from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
-
-_FRAMES_FOR_BLUR = 4
-"""Frames whose sharpness is compared: megapixels enough for 1 % of the blur variance."""
 
 
 @dataclass(frozen=True)
@@ -225,31 +222,39 @@ class FrameChain:
 
     def warp(self, frame: int) -> AlignedFrames:
         """Light of one frame pair on the pixels of camera 1, as `align` gives it."""
+        (whole,) = self.warp_bands(frame, [slice(0, self.pairs.shape[0])])
+        return whole
+
+    def warp_bands(self, frame: int, bands: Sequence[slice]) -> list[AlignedFrames]:
+        """Some rows of the same, each band by itself."""
         light = self.correct.light(frame)
         warped = PairWarp.empty(self.pairs.shape, self.tables.orientation)
         drift = self._find_drift(light)
         warp = Warp(light, self.tables, drift, warped)
-        warp.fill(0, self.pairs.shape[0])
+        for band in bands:
+            warp.fill(band.start, band.stop)
 
-        flags = warped.flags | self.tables.flags
-        if np.isnan(drift[0]):
-            flags |= np.uint8(Flag.POOR_REGISTRATION)
-        both = PairLight(
-            np.stack([light.light[0], warped.light]),
-            np.stack([light.variance[0], warped.variance]),
-            np.stack([light.variance_fixed[0], warped.variance_fixed]),
-            np.stack([light.flags[0], flags]),
-            light.half,
-            light.half_weight,
-            light.blocks,
-            light.peaks,
-        )
-        return AlignedFrames(
-            as_frames(both).assign(
-                displacement_std=(("y", "x"), self.camera_map.displacement_std, {"units": "px"}),
-                interpolation=("frame", [warp.averaging], {"units": "1"}),
+        lost = np.uint8(Flag.POOR_REGISTRATION if np.isnan(drift[0]) else 0)
+        aligned = []
+        for band in bands:
+            flags = warped.flags[band] | self.tables.flags[band] | lost
+            both = replace(
+                light,
+                light=np.stack([light.light[0, band], warped.light[band]]),
+                variance=np.stack([light.variance[0, band], warped.variance[band]]),
+                variance_fixed=np.stack(
+                    [light.variance_fixed[0, band], warped.variance_fixed[band]]
+                ),
+                flags=np.stack([light.flags[0, band], flags]),
             )
-        )
+            std = self.camera_map.displacement_std[band]
+            aligned.append(
+                as_frames(both).assign(
+                    displacement_std=(("y", "x"), std, {"units": "px"}),
+                    interpolation=("frame", [warp.averaging], {"units": "1"}),
+                )
+            )
+        return [AlignedFrames(one) for one in aligned]
 
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
         x, y = self._estimate_drift(as_frames(light))
@@ -288,15 +293,6 @@ def registration_light(corrected: CorrectedFrames) -> RegistrationLight:
     weight_one = (lit[0] & ~is_steep(one)).astype(np.float32)
     weight_two = (lit[1] & ~is_steep(two)).astype(np.float32)
     return RegistrationLight(one, two, weight_one, weight_two)
-
-
-def compare_sharpness(chain: FrameChain) -> BlurDifference:
-    """Difference of sharpness between the cameras, from a few frames."""
-    moments = BlurMoments.empty()
-    with one_thread_per_frame():
-        for frame in chain.pairs.spread(_FRAMES_FOR_BLUR):
-            moments.add(chain.warp(frame))
-    return moments.solve()
 
 
 @contextmanager

@@ -10,7 +10,8 @@ import numpy as np
 from erlif.core.notes import Level, Note
 from erlif.core.products import CorrectedFrames
 from erlif.correction import CameraMeasurement, Cameras, DeclaredNoise, make_references
-from erlif.pipeline.chain import FrameChain, compare_sharpness, one_thread_per_frame
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.sample import FrameSample, compare_sharpness, sample_frames
 from erlif.ratio import NoiseEstimate, NoiseUnknowns, NoiseView, estimate_camera_noise
 from erlif.ratio.camera_noise import cell_size
 
@@ -35,10 +36,13 @@ class NoiseCompletion:
         Counts to ratio, frame by frame.
     notes : tuple[Note, ...]
         What was measured, estimated and assumed.
+    sample : tuple[FrameSample, ...]
+        Parts of a few frame pairs, corrected and aligned by the chain.
     """
 
     chain: FrameChain
     notes: tuple[Note, ...]
+    sample: tuple[FrameSample, ...] = ()
 
 
 def complete_noise(
@@ -47,6 +51,7 @@ def complete_noise(
     *,
     measured: Sequence[CameraMeasurement],
     declared: Sequence[DeclaredNoise],
+    sample: tuple[FrameSample, ...] = (),
 ) -> NoiseCompletion:
     """Estimate gain and noise from the frames, where settings, darks and flats leave them open.
 
@@ -64,6 +69,8 @@ def complete_noise(
         References of the chain, and the notes so far.
     measured, declared : sequence of two
         What darks and flats determined, and what the settings give.
+    sample : tuple of FrameSample
+        Parts of a few frame pairs, corrected and aligned by the chain.
 
     Returns
     -------
@@ -83,23 +90,24 @@ def complete_noise(
         ~references.has_flat.values,
     )
     if not unknown.any:
-        return NoiseCompletion(chain, cameras.notes)
+        return NoiseCompletion(chain, cameras.notes, sample)
 
     before = np.zeros((2, 2))
     for _ in range(_ROUNDS):
         found = _estimate(chain, unknown)
         if found is None:
-            return NoiseCompletion(chain, cameras.notes)
+            return NoiseCompletion(chain, cameras.notes, sample)
         estimate = found
 
         cameras = make_references(measured, declared=declared, estimated=estimate.cameras)
         chain = replace(chain, correct=replace(chain.correct, references=cameras.references))
-        chain = replace(chain, blur=compare_sharpness(chain))
+        sample = sample_frames(chain)
+        chain = replace(chain, blur=compare_sharpness(sample))
         now = np.nan_to_num([[noise.gain, noise.response_spread] for noise in estimate.cameras])
         if np.all(np.abs(now - before) <= _SETTLED * now):
             break
         before = now
-    return NoiseCompletion(chain, (*cameras.notes, *_describe(estimate, unknown)))
+    return NoiseCompletion(chain, (*cameras.notes, *_describe(estimate, unknown)), sample)
 
 
 def _estimate(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:

@@ -12,9 +12,10 @@ from erlif.core.timing import stage
 from erlif.correction import make_references
 from erlif.ingest import Fixture, Run
 from erlif.pipeline.cameras import declared_noise, measure_cameras
-from erlif.pipeline.chain import FrameChain, FrameCorrection, compare_sharpness
+from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.noise import NoiseCompletion, complete_noise
 from erlif.pipeline.register import register_cameras
+from erlif.pipeline.sample import compare_sharpness, sample_frames
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap
 
@@ -67,14 +68,17 @@ def prepare_chain(
 
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
     with stage("sharpness and noise", _logger):
-        chain = replace(chain, blur=compare_sharpness(chain))
+        sample = sample_frames(chain)
+        chain = replace(chain, blur=compare_sharpness(sample))
         _logger.info(
             "difference of blur variance %.4f px2 along x, %.4f px2 along y, %s",
             chain.blur.x,
             chain.blur.y,
             "removed from the ratio" if chain.blur.significant else "not significant",
         )
-        completed = complete_noise(chain, cameras, measured=measured, declared=declared)
+        completed = complete_noise(
+            chain, cameras, measured=measured, declared=declared, sample=sample
+        )
         for note in completed.notes[len(cameras.notes) :]:
             _logger.info("%s", note)
         return completed

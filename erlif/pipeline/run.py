@@ -165,7 +165,7 @@ def process_run(
         stored = stored_map(calibration.camera_map, settings.registration)
         prepared = prepare_chain(run, progress, stored=stored)
         chain = prepared.chain
-        refuse_swapped_cameras(chain, calibration)
+        refuse_swapped_cameras(chain, calibration, prepared.sample)
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
         with stage("film", _logger):

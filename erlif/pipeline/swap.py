@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +12,10 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import Image
 from erlif.core.errors import CalibrationError
 from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.sample import FrameSample
 from erlif.registration import compare_with_inverse
 
 _logger = logging.getLogger(__name__)
-
-_FRAMES = 3
-"""Frames whose ratios are compared."""
 
 _MARGIN = 0.1
 """Widening of the calibrated range on both sides, for noise. [share of the log ratio's range]"""
@@ -53,7 +52,9 @@ class RatioShares:
     impossible: float
 
 
-def refuse_swapped_cameras(chain: FrameChain, calibration: Calibration) -> None:
+def refuse_swapped_cameras(
+    chain: FrameChain, calibration: Calibration, sample: Sequence[FrameSample]
+) -> None:
     """Refuse a run whose cameras are exchanged against its calibration.
 
     Exchanged cameras show the inverse of the ratio. Where that could be a ratio as well (films of
@@ -64,6 +65,8 @@ def refuse_swapped_cameras(chain: FrameChain, calibration: Calibration) -> None:
     ----------
     chain : FrameChain
     calibration : Calibration
+    sample : sequence of FrameSample
+        Parts of the frames whose ratios are compared.
 
     Raises
     ------
@@ -71,7 +74,7 @@ def refuse_swapped_cameras(chain: FrameChain, calibration: Calibration) -> None:
         If the cameras are exchanged.
     """
     _check_map(chain, calibration)
-    _check_ratio(chain, calibration)
+    _check_ratio(chain, calibration, sample)
 
 
 def _check_map(chain: FrameChain, calibration: Calibration) -> None:
@@ -93,15 +96,21 @@ def _check_map(chain: FrameChain, calibration: Calibration) -> None:
         )
 
 
-def _check_ratio(chain: FrameChain, calibration: Calibration) -> None:
+def _check_ratio(
+    chain: FrameChain, calibration: Calibration, sample: Sequence[FrameSample]
+) -> None:
     low, high = calibration.predict_log(calibration.thickness_range)
     shares = []
-    for frame in chain.pairs.spread(_FRAMES):
-        ratios = chain.ratio(frame)
-        good = ratios.flags.values == 0
-        ratio, std = ratios.log_ratio.values[good], np.sqrt(ratios.log_ratio_var.values[good])
-        if ratio.size:
-            shares.append(_share_ratios(ratio, std, calibration))
+    for one in sample:
+        found: list[Image] = []
+        noise: list[Image] = []
+        for band in one.bands:
+            ratios = chain.compute_ratio(band)
+            good = ratios.flags.values == 0
+            found.append(ratios.log_ratio.values[good])
+            noise.append(np.sqrt(ratios.log_ratio_var.values[good]))
+        if any(ratio.size for ratio in found):
+            shares.append(_share_ratios(np.concatenate(found), np.concatenate(noise), calibration))
     if not shares:
         return
 

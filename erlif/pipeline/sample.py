@@ -1,0 +1,94 @@
+"""A sample of a recording: bands of a few frame pairs, aligned, for what needs no more.
+
+The difference of sharpness and the order of the cameras follow from a million pixels. The pairs
+are read and aligned once for both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from erlif.core.products import AlignedFrames
+from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.ratio import BlurDifference, BlurMoments
+
+_FRAMES = 4
+"""Frame pairs of the sample."""
+
+_WHOLE = 500_000
+"""Pixels up to which frames are taken whole. [px]"""
+
+_BANDS, _ROWS = 4, 64
+"""Bands of a large frame, evenly spread, and their rows. A quarter of 1280 x 1024 pixels: the
+difference of sharpness of the virtual rig, 0.042 px2, then has a standard deviation of 0.001 px2
+in place of 0.0005, and the ghost that this leaves is 3 % of the one removed."""
+
+
+@dataclass(frozen=True)
+class FrameSample:
+    """Part of one frame pair.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame pair, counted from 0.
+    bands : tuple[AlignedFrames, ...]
+        Rows of both cameras on the pixels of camera 1.
+    """
+
+    frame: int
+    bands: tuple[AlignedFrames, ...]
+
+
+def sample_frames(chain: FrameChain) -> tuple[FrameSample, ...]:
+    """Read and align parts of a few frame pairs, evenly spread over the recording.
+
+    Parameters
+    ----------
+    chain : FrameChain
+
+    Returns
+    -------
+    tuple of FrameSample
+    """
+    bands = choose_bands(chain.pairs.shape)
+    with one_thread_per_frame():
+        return tuple(
+            FrameSample(frame, tuple(chain.warp_bands(frame, bands)))
+            for frame in chain.pairs.spread(_FRAMES)
+        )
+
+
+def choose_bands(shape: tuple[int, int]) -> list[slice]:
+    """Rows of the sample.
+
+    Parameters
+    ----------
+    shape : (rows, columns)
+        [px]
+
+    Returns
+    -------
+    list of slice
+
+    Examples
+    --------
+    >>> choose_bands((480, 640))
+    [slice(0, 480, None)]
+    >>> [(band.start, band.stop) for band in choose_bands((1024, 1280))]
+    [(96, 160), (352, 416), (608, 672), (864, 928)]
+    """
+    rows, columns = shape
+    if rows * columns <= _WHOLE or rows < _BANDS * _ROWS:
+        return [slice(0, rows)]
+    starts = [(2 * n + 1) * rows // (2 * _BANDS) - _ROWS // 2 for n in range(_BANDS)]
+    return [slice(start, start + _ROWS) for start in starts]
+
+
+def compare_sharpness(sample: tuple[FrameSample, ...]) -> BlurDifference:
+    """Difference of sharpness between the cameras."""
+    moments = BlurMoments.empty()
+    for one in sample:
+        for band in one.bands:
+            moments.add(band)
+    return moments.solve()
