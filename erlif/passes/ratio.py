@@ -1,7 +1,7 @@
 """Light of one frame pair to the logarithm of its ratio, with variances and flags.
 
 The reference is `erlif.ratio.compute_ratio`. Warp and ratio take turns over bands of rows, so that
-what one writes is still in the cache when the other reads it.
+few rows of the noise of camera 2 are kept at a time.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from erlif.passes.warp import MapTables, PairWarp, Warp
 from erlif.ratio import BlurDifference, find_bubbles
 from erlif.registration.interpolation import FAST
 
-_BAND = 32
-"""Rows of a band: those of all images together fill half of a cache of 1 MB at 1280 columns."""
+BAND = 64
+"""Rows of a band: the noise of camera 2 is kept for one band and the row before it."""
 
 _NAN, _ZERO, _HALF, _ONE, _TWO = (np.float32(value) for value in (np.nan, 0, 0.5, 1, 2))
 _DIM, _NO_FILM, _POOR = (
@@ -90,7 +90,7 @@ def measure_ratio(
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
     warped : PairWarp
-        Receives camera 2.
+        Receives camera 2, its variances and flags in at least `BAND` + 1 rows.
     out : PairRatio
         Its images are filled.
 
@@ -103,12 +103,16 @@ def measure_ratio(
     warp = Warp(light, tables, drift, warped)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0
-    done = 0
+    done = last = 0
 
-    # a row of the ratio needs the row of camera 2 below it
-    for start in range(0, height, _BAND):
-        stop = min(start + _BAND, height)
-        warp.fill(start, stop)
+    # a row of the ratio needs the row of camera 2 below it, so that of each band one is left over
+    for start in range(0, height, BAND):
+        stop = min(start + BAND, height)
+        for kept in (warped.variance, warped.variance_fixed, warped.flags):
+            kept[0] = kept[max(start - 1, 0) - last]
+        first = max(start - 1, 0)
+        warp.fill(start, stop, first=first)
+        last = first
         ready = stop if stop == height else stop - 1
         sums = _ratio_rows(
             light.light[0],
@@ -128,6 +132,7 @@ def measure_ratio(
             out.variance_fixed,
             out.variance_shared,
             out.flags,
+            first,
             done,
             ready,
         )
@@ -202,6 +207,7 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
     fixed,
     shared,
     flags,
+    first,
     start,
     stop,
 ):
@@ -220,7 +226,7 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
             _log_product(one, two, row, values, bits, exponents, products[row % 3])
 
     for row in range(start, stop):
-        y = _at(row)
+        y, kept = _at(row), _at(row - first)
         for t in range(width):
             x = _at(t)
             a, b = one[y, x], two[y, x]
@@ -234,10 +240,10 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
             light = (a > _ZERO) & (b > _ZERO)
             per_a, per_b = _ONE / (a * a), _ONE / (b * b)
             of_a = (var_one[y, x] + fixed_one[y, x]) * per_a
-            of_b = (var_two[y, x] + fixed_two[y, x]) * per_b
+            of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
             relative[x] = of_b
             variance[y, x] = of_a + of_b if light else _NAN
-            repeats = fixed_one[y, x] * per_a + fixed_two[y, x] * per_b
+            repeats = fixed_one[y, x] * per_a + fixed_two[kept, x] * per_b
             fixed[y, x] = repeats if light else _NAN
             values[x] = values[x] + _HALF * (of_b - of_a) if light else _NAN
         for t in range(width):
@@ -246,7 +252,7 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
 
         for t in range(width):
             x = _at(t)
-            flag = flags_one[y, x] | flags_two[y, x] | map_flags[y, x]
+            flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
             lightless = (flag == _NONE) & (values[x] != values[x])
             flags[y, x] = _DIM if lightless else flag
         sum_all, sum_two = _ZERO, _ZERO

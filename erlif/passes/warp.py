@@ -73,11 +73,11 @@ class PairWarp:
     light : Image
         NaN outside camera 2. [DN]
     variance : Image
-        New in every frame. [DN2]
+        New in every frame; some rows or all. [DN2]
     variance_fixed : Image
-        Of dark and flat. [DN2]
+        Of dark and flat; as many rows. [DN2]
     flags : FlagImage
-        Of the pixels from which a point is interpolated.
+        Of the pixels from which a point is interpolated; as many rows.
     coefficients : Image
         Of the spline through camera 2, with a margin of 2.
     spread : FlagImage
@@ -92,7 +92,9 @@ class PairWarp:
     spread: FlagImage
 
     @classmethod
-    def empty(cls, shape: tuple[int, int], orientation: str) -> PairWarp:
+    def empty(
+        cls, shape: tuple[int, int], orientation: str, *, rows: int | None = None
+    ) -> PairWarp:
         """Arrays for frames of a shape (y, x).
 
         Parameters
@@ -101,18 +103,20 @@ class PairWarp:
             Rows and columns of both cameras, as they are read.
         orientation : str
             How camera 2 is turned.
+        rows : int, optional
+            Rows of the variances and flags; default: all.
 
         Returns
         -------
         PairWarp
         """
         height, width = orient(np.empty(shape, np.uint8), orientation).shape
-        light, variance, fixed = (np.empty(shape, np.float32) for _ in range(3))
+        part = (shape[0] if rows is None else rows, shape[1])
         return cls(
-            light,
-            variance,
-            fixed,
-            np.empty(shape, np.uint8),
+            np.empty(shape, np.float32),
+            np.empty(part, np.float32),
+            np.empty(part, np.float32),
+            np.empty(part, np.uint8),
             np.empty((height + 4, width + 4), np.float32),
             np.empty((height, width), np.uint8),
         )
@@ -144,8 +148,8 @@ class Warp:
         spread_flags(turned(light.flags[1]), out.spread)
         self.total, self.count = 0.0, 0
 
-    def fill(self, start: int, stop: int) -> None:
-        """Fill the rows from `start` to `stop`."""
+    def fill(self, start: int, stop: int, *, first: int = 0) -> None:
+        """Fill the rows from `start` to `stop`; row `first` of the noise is stored as row 0."""
         out, tables = self.out, self.tables
         total, count = sample_rows(
             out.coefficients,
@@ -160,6 +164,7 @@ class Warp:
             out.variance,
             out.variance_fixed,
             out.flags,
+            first,
             start,
             stop,
         )

@@ -23,7 +23,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Ref
 from erlif.ingest import FramePairs, read_frames
 from erlif.passes import PairLight, PairRatio
 from erlif.passes.light import CameraTables, measure_light, tabulate
-from erlif.passes.ratio import empty_ratio, measure_ratio
+from erlif.passes.ratio import BAND, empty_ratio, measure_ratio
 from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
 from erlif.ratio import BlurDifference, compute_ratio
 from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
@@ -96,7 +96,8 @@ class _Buffers:
 
     @classmethod
     def empty(cls, shape: tuple[int, int], orientation: str) -> _Buffers:
-        return cls(PairLight.empty(shape), PairWarp.empty(shape, orientation), empty_ratio(shape))
+        warped = PairWarp.empty(shape, orientation, rows=BAND + 1)
+        return cls(PairLight.empty(shape), warped, empty_ratio(shape))
 
 
 class _Kept(threading.local):

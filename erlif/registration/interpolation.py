@@ -222,7 +222,7 @@ def sample_spline(
     """
     field = displacement_x, displacement_y, np.float32(drift_x), np.float32(drift_y)
     noise = NOTHING, NOTHING, NO_FLAGS
-    sample_rows(coefficients, *field, bad, *noise, out, *noise, start, stop)
+    sample_rows(coefficients, *field, bad, *noise, out, *noise, 0, start, stop)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -240,6 +240,7 @@ def sample_rows(  # type: ignore[no-untyped-def]
     out_variance,
     out_fixed,
     out_flags,
+    first,
     start,
     stop,
 ):
@@ -262,6 +263,8 @@ def sample_rows(  # type: ignore[no-untyped-def]
         Receive the variances; NaN outside the image.
     out_flags : array, (y, x), uint8
         Receives the flags; OUTSIDE_OVERLAP outside the image.
+    first : int
+        The row that is stored as row 0 of `out_variance`, `out_fixed` and `out_flags`.
 
     Returns
     -------
@@ -289,7 +292,7 @@ def sample_rows(  # type: ignore[no-untyped-def]
     eights = changes.view(np.uint64)
 
     for row in range(start, stop):
-        y = _at(row)
+        y, kept = _at(row), _at(row - first)
         last_column = np.int32(w - 1)
         rows_left = np.int32(h - 1 - row)
         for t in range(width):
@@ -346,25 +349,30 @@ def sample_rows(  # type: ignore[no-untyped-def]
             # the part of the run that camera 2 sees
             shift = int(columns[begin])
             j = row + int(rows[begin])
+            last = min(width, w - 1 - shift)
             low = min(max(begin, -shift), end)
-            high = max(min(end, w - 1 - shift), low)
+            high = max(min(end, last), low)
             if j < 0 or j > h - 2:
                 low = high = end
-            for first, beyond in ((begin, low), (high, end)):
-                for t in range(first, beyond):
+            for lost, until in ((begin, low), (high, end)):
+                for t in range(lost, until):
                     out[y, _at(t)] = _NAN
                 if noisy:
-                    for t in range(first, beyond):
+                    for t in range(lost, until):
                         x = _at(t)
-                        out_variance[y, x] = _NAN
-                        out_fixed[y, x] = _NAN
-                        out_flags[y, x] = _OUTSIDE
+                        out_variance[kept, x] = _NAN
+                        out_fixed[kept, x] = _NAN
+                        out_flags[kept, x] = _OUTSIDE
                         factors[x] = _ZERO
+
+            # whole registers: what they fill beyond the run, the next run fills again
+            full = min(low + (high - low + 15) // 16 * 16, last) if high > low else low
+            flagged = min(low + (high - low + 63) // 64 * 64, last) if high > low else low
 
             # the four B-splines that reach the point, along x and along y; pixel i has its
             # coefficient at i + 2, so the first of the four taps is at i + 1
             j0, j1, j2, j3, j4 = _at(j), _at(j + 1), _at(j + 2), _at(j + 3), _at(j + 4)
-            for t in range(low, high):
+            for t in range(low, full):
                 x = _at(t)
                 i1, i2 = _at(shift + t + 1), _at(shift + t + 2)
                 i3, i4 = _at(shift + t + 3), _at(shift + t + 4)
@@ -397,18 +405,18 @@ def sample_rows(  # type: ignore[no-untyped-def]
                     hit |= (bad[j1, i0] & left) | bad[j1, i1]
                     out[y, x] = _NAN if hit else out[y, x]
             if noisy:
-                for t in range(low, high):
+                for t in range(low, full):
                     x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
                     u = us[x]
                     v = vs[x]
                     upper = variance[j0, i0] + u * (variance[j0, i1] - variance[j0, i0])
                     lower = variance[j1, i0] + u * (variance[j1, i1] - variance[j1, i0])
-                    out_variance[y, x] = (upper + v * (lower - upper)) * factors[x]
+                    out_variance[kept, x] = (upper + v * (lower - upper)) * factors[x]
                     upper = fixed[j0, i0] + u * (fixed[j0, i1] - fixed[j0, i0])
                     lower = fixed[j1, i0] + u * (fixed[j1, i1] - fixed[j1, i0])
-                    out_fixed[y, x] = (upper + v * (lower - upper)) * factors[x]
-                for t in range(low, high):
-                    out_flags[y, _at(t)] = flags[j0, _at(shift + t)]
+                    out_fixed[kept, x] = (upper + v * (lower - upper)) * factors[x]
+                for t in range(low, flagged):
+                    out_flags[kept, _at(t)] = flags[j0, _at(shift + t)]
                 count += high - low
             begin = end
 
