@@ -479,6 +479,17 @@ them. Single-page files are taken in natural order (frame_2 before frame_10); a 
 holds its frames in order.
 """
 
+STORAGE_TEXT = """\
+One chunk of `thickness`, its deviations or `flags` is the map of one trigger, float32 or uint8,
+shuffled and deflated. The thickness of a pixel is rounded by at most a tenth of its standard
+deviation; `thickness_std` keeps 5 bits of mantissa (1.6 % at most), `thickness_std_shared` 4 bits
+(3 %). Text is UTF-8 of a fixed length; a variable of text has a further dimension for its
+characters, which xarray removes. Settings in the file stand as the user wrote them.
+
+In `film.zarr` (format 3) the chunks are blosc (lz4, bitshuffle), each a file such as
+`thickness/c.12.0.0`. While a film is made, a directory `film.nc.partial` or `film.zarr.partial`
+beside it holds what is finished; the next start resumes from it, and a complete film has none."""
+
 SHARED_TABLES_TEXT = """\
 The tables \\[camera1\\], \\[camera2\\], \\[optics\\], \\[registration\\] and \\[thickness\\] are
 those of run.toml."""
@@ -525,6 +536,8 @@ def render() -> str:
         "## film.nc",
         "",
         "netCDF-4 (or zarr, by the suffix), written by `erlif process`.",
+        "",
+        STORAGE_TEXT,
         "",
     ]
     lines += variables_table(FILM)

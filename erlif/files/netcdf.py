@@ -102,7 +102,7 @@ def fix_text(dataset: xr.Dataset) -> xr.Dataset:
     fixed = dataset.copy()
     fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
     for name, variable in dataset.variables.items():
-        one = variable.copy()
+        one = variable.copy(deep=False)
         if variable.dtype.kind in "UO":
             text = np.char.encode(variable.values.astype(str), "utf-8")
             one = xr.Variable(variable.dims, text, {**variable.attrs, "_Encoding": "utf-8"})

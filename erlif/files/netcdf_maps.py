@@ -128,7 +128,9 @@ class NetcdfMaps:
                     self.put(record.trigger, chunks, record.numbers)
 
         # Until this step the earlier file counts, from here on the new one.
+        self._journal.close()  # Windows renames no open file
         fresh.replace(self._directory / "journal")
+        self._journal = (self._directory / "journal").open("ab", buffering=0)
         for name in _NAMES:
             if name != self.path.name:
                 remove(self._directory / name)

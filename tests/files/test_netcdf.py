@@ -1,9 +1,11 @@
-"""netCDF files opened for reading."""
+"""netCDF files opened for reading, and text that Octave reads."""
 
+import h5py
+import numpy as np
 import pytest
 import xarray as xr
 
-from erlif.files import has_group, open_netcdf
+from erlif.files import fix_text, has_group, open_netcdf
 
 
 @pytest.fixture
@@ -32,3 +34,63 @@ def test_a_damaged_file_fails_without_a_word_on_the_terminal(path, size, capfd):
     with pytest.raises(OSError):  # noqa: PT011  each damage has a message of its own
         open_netcdf(path)
     assert capfd.readouterr().err == ""
+
+
+def texts_of_any_length(path):
+    """Places in a file with text of variable length, NC_STRING in netCDF."""
+    found = []
+
+    def look(name, item):
+        for key in item.attrs:
+            kind = item.attrs.get_id(key).dtype
+            if h5py.check_string_dtype(kind) and h5py.check_string_dtype(kind).length is None:
+                found.append(f"{name}@{key}")
+        if isinstance(item, h5py.Dataset) and item.dtype.kind == "O":
+            found.append(name)
+
+    with h5py.File(path) as file:
+        look("/", file)
+        file.visititems(look)
+    return found
+
+
+@pytest.mark.parametrize("name", ["film.nc", "calibration.nc"])
+def test_all_text_has_a_fixed_length(small_rig, film, name):
+    assert texts_of_any_length(film if name == "film.nc" else small_rig.fixture / name) == []
+
+
+def test_xarray_by_itself_writes_text_of_any_length(path):
+    """The test above would see it."""
+    xr.Dataset({"a": ("x", ["b"], {"units": "1"})}).to_netcdf(path, engine="h5netcdf")
+    assert {"a", "a@units"} <= set(texts_of_any_length(path))
+
+
+def test_coordinates_of_the_film_have_no_fill_value(film):
+    with h5py.File(film) as file:
+        assert [name for name in ("trigger", "y", "x") if "_FillValue" in file[name].attrs] == []
+        assert np.isnan(file["film_mean"].attrs["_FillValue"])
+
+
+TEXTS = ["", "1", "um", "µm", "ratio camera2/camera1 – 6.0 °C", "two\nlines"]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_text_comes_back(tmp_path, text):
+    dataset = xr.Dataset(
+        {"file": ("frame", np.array([text, "longer than the rest of them, all put together"]))},
+        coords={"parameter": ("parameter", ["K", "p"])},
+        attrs={"notes": text},
+    )
+    fix_text(dataset).to_netcdf(tmp_path / "text.nc", engine="h5netcdf")
+    with open_netcdf(tmp_path / "text.nc") as found:
+        assert found.attrs["notes"] == text
+        assert found.file.values.tolist() == dataset.file.values.tolist()
+        assert found.parameter.values.tolist() == ["K", "p"]
+
+
+def test_original_is_left_as_it_was():
+    dataset = xr.Dataset({"a": ("x", ["b"], {"units": "1"})}, {"x": [1.0]}, {"title": "one"})
+    copy = dataset.copy(deep=True)
+    fix_text(dataset)
+    xr.testing.assert_identical(dataset, copy)
+    assert dataset.x.encoding == {}
