@@ -1,6 +1,9 @@
 """Imports without the garbage collector."""
 
 import gc
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -27,3 +30,29 @@ def test_a_collector_that_was_off_stays_off():
         assert not gc.isenabled()
     finally:
         gc.enable()
+
+
+def test_xarray_loads_no_array_library_for_a_command():
+    """They stay importable for those who use them, as the scheduler of dask does."""
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from erlif.commands.loading import large_imports\n"
+        "with large_imports():\n"
+        "    from erlif.ingest import open_run, read_frames\n"
+        "run = open_run(Path('data_samples/straight_bushing'))\n"
+        "frames = read_frames(run.pairs, [0]).isel(y=slice(4)).compute()\n"
+        "loaded = [name for name in ('dask', 'pint') if name in sys.modules]\n"
+        "assert not loaded, loaded\n"
+        "import pint\n"
+    )
+    root = Path(__file__).parents[2]
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=root)
+
+
+def test_a_library_that_is_in_use_stays_in_use():
+    import pint
+
+    with large_imports():
+        assert sys.modules["pint"] is pint
+    assert sys.modules["pint"] is pint
