@@ -151,7 +151,8 @@ def _add_row(  # type: ignore[no-untyped-def]
     flags,
     i,
     first,
-    b,
+    pixels,
+    spread,
     weight,
     ratio,
     var,
@@ -162,7 +163,7 @@ def _add_row(  # type: ignore[no-untyped-def]
     """Add row i to the sums, or begin them with it."""
     for j in range(flags.shape[1]):
         sound = flags[i, j] == 0
-        w = b.pixels_9[j] / b.spread[j] if sound else _ZERO
+        w = pixels[j] / spread[j] if sound else _ZERO
         new = variance[i, j] - fixed[i, j]
 
         # errors of one frame add in quadrature, those common to all frames linearly
@@ -214,7 +215,8 @@ def _add_frame(  # type: ignore[no-untyped-def]
             flags,
             u - _HALF,
             first,
-            b,
+            b.pixels_9,
+            b.spread,
             weight,
             ratio,
             var,

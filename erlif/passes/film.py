@@ -389,27 +389,43 @@ def _mark(displaced, variance, flags, i, extra, state, s):  # type: ignore[no-un
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _decide(log_ratio, i, offset, limits, state, s, b, flags):  # type: ignore[no-untyped-def]
-    """Flags of row i by its surroundings into b.within, and by its own ratio into the map.
+def _decide(  # type: ignore[no-untyped-def]
+    log_ratio,
+    i,
+    offset,
+    limits,
+    state,
+    s,
+    wide,
+    near,
+    middle,
+    spread,
+    pixels_17,
+    pixels_9,
+    pixels_5,
+    within,
+    flags,
+):
+    """Flags of row i by its surroundings into within, and by its own ratio into the map.
 
-    b.near becomes the log ratio at which the slope is taken. The slope of a curve at a noisy ratio
+    near becomes the log ratio at which the slope is taken. The slope of a curve at a noisy ratio
     is correlated with its error; half-way to the mean of the surroundings it is that of the chord.
     """
     first, last, thinnest, thickest = limits[0], limits[1], limits[2], limits[3]
     lowest, highest = limits[4], limits[5]
     for j in range(log_ratio.shape[1]):
-        around = offset + (b.wide[j] - b.middle[j]) / (b.pixels_17[j] - b.pixels_5[j])
-        margin = _CLEAR * np.sqrt(b.spread[j] / b.pixels_9[j])
+        around = offset + (wide[j] - middle[j]) / (pixels_17[j] - pixels_5[j])
+        margin = _CLEAR * np.sqrt(spread[j] / pixels_9[j])
         beyond = _BELOW if (around < first) | (around - margin < thinnest) else _NONE
         beyond = _ABOVE if (around > last) | (around + margin > thickest) else beyond
         bits = beyond if state[s, j] == 0 else state[s, j]
-        b.within[j] = bits
+        within[j] = bits
 
         own = log_ratio[i, j]
         single = _BELOW if own < lowest else _NONE
         single = _ABOVE if own > highest else single
         flags[i, j] = single if bits == 0 else bits
-        b.near[j] = _HALF * (own + (offset + b.near[j] / b.pixels_9[j]))
+        near[j] = _HALF * (own + (offset + near[j] / pixels_9[j]))
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -433,36 +449,20 @@ def _look_up(table, index, part, out):  # type: ignore[no-untyped-def]
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _fill(  # type: ignore[no-untyped-def]
-    variance,
-    displaced,
-    flags,
-    i,
-    b,
-    thickness,
-    std,
-    std_shared,
+    variance, displaced, flags, i, film, rate, own, thickness, std, std_shared
 ):
     """Row i of the maps; NaN where it is flagged."""
     for j in range(flags.shape[1]):
         valid = flags[i, j] == 0
-        rate, own = b.rate[j], b.own[j]
-        shared = np.sqrt(own * own + rate * rate * displaced[i, j])
-        thickness[i, j] = b.film[j] if valid else _NAN
-        std[i, j] = rate * np.sqrt(variance[i, j]) if valid else _NAN
+        shared = np.sqrt(own[j] * own[j] + rate[j] * rate[j] * displaced[i, j])
+        thickness[i, j] = film[j] if valid else _NAN
+        std[i, j] = rate[j] * np.sqrt(variance[i, j]) if valid else _NAN
         std_shared[i, j] = shared if valid else _NAN
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _accumulate(  # type: ignore[no-untyped-def]
-    log_ratio,
-    variance,
-    displaced,
-    lit,
-    i,
-    place,
-    offset,
-    flags,
-    b,
+    log_ratio, variance, displaced, lit, i, place, offset, within, flags, columns, sums
 ):
     """Add row i to the sums down the columns; `_name_sums` has their order.
 
@@ -471,25 +471,25 @@ def _accumulate(  # type: ignore[no-untyped-def]
     # few rows a loop: more would need more comparisons of addresses than the compiler accepts
     for j in range(flags.shape[1]):
         some = lit[i, j] == 0
-        b.sums[0, j] += log_ratio[i, j] - offset if some else _ZERO
-        b.sums[1, j] += variance[i, j] if some else _ZERO
+        sums[0, j] += log_ratio[i, j] - offset if some else _ZERO
+        sums[1, j] += variance[i, j] if some else _ZERO
     for j in range(flags.shape[1]):
         some = lit[i, j] == 0
-        b.sums[2, j] += place if some else _ZERO
-        b.sums[3, j] += b.columns[j] if some else _ZERO
+        sums[2, j] += place if some else _ZERO
+        sums[3, j] += columns[j] if some else _ZERO
     for j in range(flags.shape[1]):
         ratio = log_ratio[i, j] - offset
-        good = b.within[j] == 0
-        b.sums[4, j] += ratio if good else _ZERO
-        b.sums[5, j] += ratio * ratio if good else _ZERO
+        good = within[j] == 0
+        sums[4, j] += ratio if good else _ZERO
+        sums[5, j] += ratio * ratio if good else _ZERO
     for j in range(flags.shape[1]):
-        good = b.within[j] == 0
-        b.sums[6, j] += variance[i, j] if good else _ZERO
-        b.sums[7, j] += displaced[i, j] if good else _ZERO
+        good = within[j] == 0
+        sums[6, j] += variance[i, j] if good else _ZERO
+        sums[7, j] += displaced[i, j] if good else _ZERO
     for j in range(flags.shape[1]):
         outside = (flags[i, j] == _BELOW) | (flags[i, j] == _ABOVE)
-        mark = (_FIRST if b.within[j] == 0 else _ZERO) + (_SECOND if flags[i, j] == 0 else _ZERO)
-        b.sums[8, j] += mark + (_THIRD if outside else _ZERO)
+        mark = (_FIRST if within[j] == 0 else _ZERO) + (_SECOND if flags[i, j] == 0 else _ZERO)
+        sums[8, j] += mark + (_THIRD if outside else _ZERO)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -563,16 +563,55 @@ def _measure(  # type: ignore[no-untyped-def]
         pile(b.noise_4, (u + 5) % 9, (u + 1) % 9, b.noise, (u + 5) % 17, b.down)
         across_9(b.down, b.spread)
 
-        _decide(log_ratio, i, offset, limits, b.state, i % 18, b, flags)
+        _decide(
+            log_ratio,
+            i,
+            offset,
+            limits,
+            b.state,
+            i % 18,
+            b.wide,
+            b.near,
+            b.middle,
+            b.spread,
+            b.pixels_17,
+            b.pixels_9,
+            b.pixels_5,
+            b.within,
+            flags,
+        )
         _locate(log_ratio[i], start, per_step, last, b.entry, b.part)
         _look_up(films, b.entry, b.part, b.film)
         _locate(b.near, start, per_step, last, b.entry, b.part)
         _look_up(rates, b.entry, b.part, b.rate)
         _look_up(calibration_std, b.entry, b.part, b.own)
-        _fill(variance, displaced, flags, i, b, thickness, std, std_shared)
+        _fill(
+            variance,
+            displaced,
+            flags,
+            i,
+            b.film,
+            b.rate,
+            b.own,
+            thickness,
+            std,
+            std_shared,
+        )
 
         if top <= i < bottom:
             place = b.places[(i - top) % BLOCK]
-            _accumulate(log_ratio, variance, displaced, lit, i, place, offset, flags, b)
+            _accumulate(
+                log_ratio,
+                variance,
+                displaced,
+                lit,
+                i,
+                place,
+                offset,
+                b.within,
+                flags,
+                b.columns,
+                b.sums,
+            )
             if (i - top) % BLOCK == BLOCK - 1 or i == bottom - 1:
                 _close_blocks(b.sums, (i - top) // BLOCK, left, right, blocks)
