@@ -127,21 +127,21 @@ def align_frames(
 def spread_flags(flags: AnyArray, out: AnyArray) -> None:
     """All flags of the 4 x 4 pixels whose second row and second column is this pixel."""
     height, width = flags.shape
-    four = np.empty((4, width), flags.dtype)
-    along = np.empty(width + 3, flags.dtype)
+    along = np.empty(width + 3, np.uint8)
+    four = np.empty((4, width), np.uint8)
     for i in range(-1, height + 2):
-        # along x, the outermost pixels repeated; each row stays until three more are known
-        row = flags[min(max(i, 0), height - 1)]
-        along[1 : width + 1] = row
-        along[0], along[width + 1], along[width + 2] = row[0], row[-1], row[-1]
-        kept = four[(i + 1) % 4]
+        # along x, the outermost pixels repeated; each row is kept until three more are known
+        y, kept = min(max(i, 0), height - 1), (i + 1) % 4
+        along[0] = flags[y, 0]
+        along[width + 1] = along[width + 2] = flags[y, width - 1]
         for j in range(width):
-            kept[j] = along[j] | along[j + 1] | along[j + 2] | along[j + 3]
+            along[j + 1] = flags[y, j]
+        for j in range(width):
+            four[kept, j] = along[j] | along[j + 1] | along[j + 2] | along[j + 3]
 
         if i >= 2:
-            a, b, c, d = four[0], four[1], four[2], four[3]
             for j in range(width):
-                out[i - 2, j] = a[j] | b[j] | c[j] | d[j]
+                out[i - 2, j] = four[0, j] | four[1, j] | four[2, j] | four[3, j]
 
 
 @numba.njit(nogil=True, cache=True)
