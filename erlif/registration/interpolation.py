@@ -354,16 +354,17 @@ def sample_rows(  # type: ignore[no-untyped-def]
             high = max(min(end, last), low)
             if j < 0 or j > h - 2:
                 low = high = end
-            for lost, until in ((begin, low), (high, end)):
-                for t in range(lost, until):
-                    out[y, _at(t)] = _NAN
-                if noisy:
+            if low > begin or high < end:
+                for lost, until in ((begin, low), (high, end)):
                     for t in range(lost, until):
-                        x = _at(t)
-                        out_variance[kept, x] = _NAN
-                        out_fixed[kept, x] = _NAN
-                        out_flags[kept, x] = _OUTSIDE
-                        factors[x] = _ZERO
+                        out[y, _at(t)] = _NAN
+                    if noisy:
+                        for t in range(lost, until):
+                            x = _at(t)
+                            out_variance[kept, x] = _NAN
+                            out_fixed[kept, x] = _NAN
+                            out_flags[kept, x] = _OUTSIDE
+                            factors[x] = _ZERO
 
             # whole registers: what they fill beyond the run, the next run fills again
             full = min(low + (high - low + 15) // 16 * 16, last) if high > low else low
