@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, WORKERS
+from erlif.commands.options import OVERWRITE, PATH, SCHEDULER, SKIP_BAD_FRAMES, WORKERS
 from erlif.commands.progress import echo_above, show_progress
 from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     help="Keep films made from the same inputs and settings by this version.",
 )
 @WORKERS
+@SCHEDULER
 @SKIP_BAD_FRAMES
 @OVERWRITE
 def batch(
@@ -36,6 +37,7 @@ def batch(
     calibration: Path | None,
     resume: bool,
     workers: int | None,
+    scheduler: str | None,
     skip_bad_frames: bool,
     overwrite: bool,
 ) -> None:
@@ -49,6 +51,7 @@ def batch(
     Example:
       erlif batch series_may/run_*
       erlif batch runs.csv --resume
+      erlif batch runs.csv --scheduler tcp://cluster:8786
     """
     with large_imports():
         from erlif.pipeline.batch import RunState
@@ -63,6 +66,7 @@ def batch(
                 overwrite=overwrite,
                 skip_bad_frames=skip_bad_frames,
                 workers=workers,
+                scheduler=scheduler,
                 report=lambda outcome: echo_above(_describe(outcome)),
                 progress=progress,
             )

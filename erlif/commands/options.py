@@ -17,6 +17,13 @@ WORKERS = click.option(
     "--workers", type=click.IntRange(min=1), help="Threads; default: one per processor."
 )
 
+SCHEDULER = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Workers of dask in place of threads: local:N starts N on this machine; or the address of "
+    "a scheduler, such as tcp://HOST:8786, or its scheduler file.",
+)
+
 SKIP_BAD_FRAMES = click.option(
     "--skip-bad-frames",
     is_flag=True,

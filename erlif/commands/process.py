@@ -7,7 +7,14 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, WORKERS, expect_suffix
+from erlif.commands.options import (
+    OVERWRITE,
+    PATH,
+    SCHEDULER,
+    SKIP_BAD_FRAMES,
+    WORKERS,
+    expect_suffix,
+)
 from erlif.commands.progress import show_progress
 
 
@@ -18,6 +25,7 @@ from erlif.commands.progress import show_progress
     "-o", "--output", type=PATH, help="Default: RUN_DIR/film.nc; a name in .zarr writes zarr."
 )
 @WORKERS
+@SCHEDULER
 @SKIP_BAD_FRAMES
 @OVERWRITE
 def process(
@@ -25,6 +33,7 @@ def process(
     calibration: Path | None,
     output: Path | None,
     workers: int | None,
+    scheduler: str | None,
     skip_bad_frames: bool,
     overwrite: bool,
 ) -> None:
@@ -36,6 +45,7 @@ def process(
     \b
     Example:
       erlif process data_samples/straight_bushing
+      erlif process long_run -o long_run/film.zarr --scheduler local:4
     """
     with large_imports():
         from erlif import pipeline
@@ -53,6 +63,7 @@ def process(
             overwrite=overwrite,
             skip_bad_frames=skip_bad_frames,
             workers=workers,
+            scheduler=scheduler,
             progress=progress,
         )
 

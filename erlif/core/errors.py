@@ -35,6 +35,10 @@ class OutputError(ErlifError):
     """An output that exists already or could not be written."""
 
 
+class ClusterError(ErlifError):
+    """A scheduler or workers that cannot be used."""
+
+
 class ModelError(ErlifError, ValueError):
     """An argument outside the range in which a model of the joint is defined."""
 

@@ -74,6 +74,7 @@ def batch(
     overwrite: bool = False,
     skip_bad_frames: bool = False,
     workers: int | None = None,
+    scheduler: str | None = None,
     report: Callable[[RunOutcome], None] | None = None,
     progress: Progress = silent,
 ) -> list[RunOutcome]:
@@ -89,7 +90,7 @@ def batch(
     resume : bool
         Keep a film that was made from the same inputs and settings by the same version, and do not
         compute it again.
-    overwrite, skip_bad_frames, workers
+    overwrite, skip_bad_frames, workers, scheduler
         As for `erlif.process`.
     report : callable, optional
         Receives the outcome of each run when it is known.
@@ -117,7 +118,7 @@ def batch(
     """
     entries = list_runs(runs)
     outcomes = []
-    with open_engine(workers=workers) as engine:
+    with open_engine(workers=workers, scheduler=scheduler) as engine:
         for entry in entries:
             outcome = _process_entry(
                 entry,

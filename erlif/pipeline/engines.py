@@ -6,11 +6,13 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from erlif.core.errors import ClusterError
 from erlif.pipeline.chain import one_thread_per_frame
+from erlif.pipeline.cluster import Cluster
 
 _Result = TypeVar("_Result")
 
@@ -95,17 +97,34 @@ class Threads:
 
 
 @contextmanager
-def open_engine(*, workers: int | None = None) -> Iterator[Engine]:
+def open_engine(*, workers: int | None = None, scheduler: str | None = None) -> Iterator[Engine]:
     """Make the engine that the user asks for, for one run or for many.
 
     Parameters
     ----------
     workers : int, optional
         Threads; default: one per processor.
+    scheduler : str, optional
+        Scheduler of dask whose workers compute, as for `erlif.pipeline.cluster.Cluster`; default:
+        threads of this process.
 
     Returns
     -------
     context manager
         Gives the engine.
+
+    Raises
+    ------
+    ClusterError
+        If both are given, or the scheduler cannot be used.
     """
-    yield Threads(workers)
+    if scheduler is None:
+        yield Threads(workers)
+        return
+    if workers is not None:
+        raise ClusterError(
+            "Expected workers for threads of this process, or scheduler for workers of dask; got "
+            f"both. With local:{workers} the scheduler starts as many workers."
+        )
+    with closing(Cluster(scheduler)) as cluster:
+        yield cluster

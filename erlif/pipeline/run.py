@@ -62,6 +62,7 @@ def process(
     overwrite: bool = False,
     skip_bad_frames: bool = False,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Turn a run directory into film-thickness maps.
@@ -82,6 +83,9 @@ def process(
         Leave out unreadable frame pairs; the film lists them.
     workers : int, optional
         Threads; default: one per processor. The result does not depend on it.
+    scheduler : str, optional
+        Workers of dask in place of threads: ``local:N`` starts N of them on this machine, the
+        address or the file of a scheduler uses those that it has. The result is the same.
     progress : callable, optional
         Receives the name of the work, the number of parts that are done, and of all parts.
 
@@ -101,7 +105,7 @@ def process(
     >>> film.thickness.dims  # doctest: +SKIP
     ('trigger', 'y', 'x')
     """
-    with open_engine(workers=workers) as engine:
+    with open_engine(workers=workers, scheduler=scheduler) as engine:
         options: dict[str, Any] = {
             "calibration": calibration,
             "skip_bad_frames": skip_bad_frames,
