@@ -89,6 +89,10 @@ class NetcdfMaps:
             self.close()
             raise
 
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy in another process encodes maps; it holds no file."""
+        return {"variables": self.variables, "any_order": False}
+
     def _create(self) -> None:
         """Begin the file: coordinates first, then the maps without chunks."""
         import h5netcdf

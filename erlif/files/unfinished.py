@@ -117,10 +117,8 @@ class PartialFilm:
         try:
             self._open(key)
             if output.suffix == ".zarr":
-                rows, columns = grid.sizes["y"], grid.sizes["x"]
-                store = ZarrMaps(
-                    self.directory, tuple(variables), (grid.sizes["trigger"], rows, columns)
-                )
+                shape = (grid.sizes["trigger"], grid.sizes["y"], grid.sizes["x"])
+                store = ZarrMaps(self.directory, tuple(variables), shape, key)
                 store.create()
                 self.maps = store
             else:

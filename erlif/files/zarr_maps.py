@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import uuid
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -37,6 +38,9 @@ class ZarrMaps:
         The maps.
     shape : tuple[int, int, int]
         Number of triggers, rows and columns.
+    key : str
+        Identity of the work, as the file ``key`` of the directory holds it; empty: not compared. A
+        process that returns late must not write into work that has taken the place of its own.
 
     Examples
     --------
@@ -54,6 +58,7 @@ class ZarrMaps:
     directory: Path
     variables: tuple[MapVariable, ...]
     shape: tuple[int, int, int]
+    key: str = ""
 
     @property
     def path(self) -> Path:
@@ -137,6 +142,8 @@ class ZarrMaps:
         """
         sizes = {name: [len(chunk)] for name, chunk in chunks.items()}
         try:
+            if self.key and (self.directory / "key").read_text(encoding="utf-8") != self.key:
+                raise FileNotFoundError(errno.ENOENT, "the work has ended")
             for name, path in self._chunks(trigger).items():
                 self._write(path, chunks[name])
             self._write(self._record(trigger), write_record(trigger, numbers, sizes))

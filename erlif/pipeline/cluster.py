@@ -96,6 +96,11 @@ class Cluster:
         if not _LOCAL.fullmatch(scheduler):
             self._connect()
 
+    @property
+    def elsewhere(self) -> bool:
+        """The items are computed by other processes, perhaps on other machines."""
+        return True
+
     def close(self) -> None:
         """Leave the scheduler; workers that were started here end."""
         self._open.close()

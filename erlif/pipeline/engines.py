@@ -24,6 +24,11 @@ while results are collected, one in reserve. More would only take memory."""
 class Engine(Protocol):
     """Computes the items of a piece of work, several at a time."""
 
+    @property
+    def elsewhere(self) -> bool:
+        """Whether other processes compute the items, perhaps on other machines."""
+        ...
+
     def compute(
         self,
         work: Callable[[int], _Result],
@@ -67,6 +72,11 @@ class Threads:
     """
 
     workers: int | None = None
+
+    @property
+    def elsewhere(self) -> bool:
+        """The items are computed in this process."""
+        return False
 
     def compute(
         self,

@@ -136,6 +136,10 @@ def process_run(
 
     Returns False where the film is kept that the same work has made before.
     """
+    # workers elsewhere have another working directory
+    if engine.elsewhere:
+        run_dir, output = run_dir.absolute(), output.absolute()
+
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite)
@@ -174,7 +178,14 @@ def process_run(
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
         with stage("film", _logger):
             task = trigger_task(run, chain, calibration)
-            results = run_triggers(task, frames_of, unfinished, engine=engine, progress=progress)
+            results = run_triggers(
+                task,
+                frames_of,
+                unfinished,
+                engine=engine,
+                progress=progress,
+                places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
+            )
 
         # the whole: statistics, theory, exponent, and the record of how it was made
         frames = [one for result in results for one in result.frames]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import NamedTuple
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray
+from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
@@ -110,7 +114,7 @@ class FinishedTrigger(NamedTuple):
     Attributes
     ----------
     chunks : dict[str, bytes]
-        Maps as the file holds them.
+        Maps as the file holds them; empty where the store has them already.
     numbers : dict[str, AnyArray]
         Everything else, as `TriggerResult.to_arrays` gives it.
     """
@@ -124,7 +128,7 @@ class TriggerWork:
     """Computes a trigger and compresses what it leaves.
 
     A store that takes triggers in any order receives them here, in the thread or process that
-    computed them; with such a store this can be sent to other processes.
+    computed them. With either store this can be sent to other processes.
 
     Attributes
     ----------
@@ -134,13 +138,16 @@ class TriggerWork:
         Frame pairs of each trigger.
     maps : MapStore
         Where the triggers are kept.
+    places : tuple[Path, ...]
+        Files that every process reads.
     """
 
     task: Callable[[Sequence[int]], tuple[Mapping[str, AnyArray], TriggerResult]]
     frames_of: Sequence[Sequence[int]]
     maps: MapStore
+    places: tuple[Path, ...] = ()
 
-    def __call__(self, trigger: int) -> FinishedTrigger | None:
+    def __call__(self, trigger: int) -> FinishedTrigger:
         """Compute a trigger.
 
         Parameters
@@ -150,15 +157,31 @@ class TriggerWork:
 
         Returns
         -------
-        FinishedTrigger or None
-            None where the store has it already.
+        FinishedTrigger
         """
         maps, result = self.task(self.frames_of[trigger])
         made = FinishedTrigger(self.maps.encode(maps), result.to_arrays())
         if not self.maps.any_order:
             return made
         self.maps.put(trigger, made.chunks, made.numbers)
-        return None
+        return made._replace(chunks={})
+
+    def check(self) -> None:
+        """Refuse a process that does not see the files; called once in each.
+
+        Raises
+        ------
+        ClusterError
+            If a file is missing.
+        """
+        output = (self.maps.path,) if self.maps.any_order else ()
+        for path in (*self.places, *output):
+            if not os.access(path, os.R_OK):
+                raise ClusterError(
+                    f"Expected {path} on every machine with workers; {platform.node()} cannot read "
+                    "it. Run directory and output stand on a disk that all machines share, under "
+                    "the same path."
+                )
 
 
 def run_triggers(
@@ -168,6 +191,7 @@ def run_triggers(
     *,
     engine: Engine,
     progress: Progress,
+    places: Sequence[Path] = (),
 ) -> list[TriggerResult]:
     """Compute the triggers that are not finished yet, and return the results of all.
 
@@ -182,6 +206,8 @@ def run_triggers(
     engine : Engine
         Computes the triggers.
     progress : callable
+    places : sequence of Path, optional
+        Files that every process of the engine reads.
 
     Returns
     -------
@@ -194,10 +220,18 @@ def run_triggers(
     finished = len(frames_of) - len(todo)
     place = {trigger: finished + n for n, trigger in enumerate(todo, 1)}
 
-    def collect(trigger: int, made: FinishedTrigger | None) -> None:
-        if made is not None:
+    numbers: dict[int, dict[str, AnyArray]] = {}
+
+    def collect(trigger: int, made: FinishedTrigger) -> None:
+        if made.chunks:
             unfinished.put(trigger, made.chunks, made.numbers)
+        numbers[trigger] = made.numbers
         progress("film", place[trigger], len(frames_of))
 
-    engine.compute(TriggerWork(task, frames_of, unfinished.maps), todo, collect)
-    return [TriggerResult.from_arrays(unfinished.numbers(trigger)) for trigger in triggers]
+    engine.compute(TriggerWork(task, frames_of, unfinished.maps, tuple(places)), todo, collect)
+
+    # a shared disk may show a file later than the process that wrote it reports it
+    return [
+        TriggerResult.from_arrays(numbers.get(trigger) or unfinished.numbers(trigger))
+        for trigger in triggers
+    ]

@@ -256,3 +256,97 @@ def test_dask_is_not_imported_without_a_scheduler():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+# runs
+
+
+@pytest.fixture(scope="module")
+def store(small_rig, tmp_path_factory):
+    """film.zarr of the rig as a single thread makes it."""
+    path = tmp_path_factory.mktemp("store") / "film.zarr"
+    erlif.process(small_rig.run, output=path, workers=1).close()
+    return path
+
+
+def contents(path):
+    """Bytes of a file, or of each file of a directory."""
+    if path.is_file():
+        return path.read_bytes()
+    return {
+        str(entry.relative_to(path)): entry.read_bytes()
+        for entry in path.rglob("*")
+        if entry.is_file()
+    }
+
+
+@pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
+def test_a_film_of_two_workers_is_that_of_one_thread(
+    small_rig, film, store, tmp_path, monkeypatch, name
+):
+    """Relative paths are those of this process, the workers have another directory."""
+    monkeypatch.chdir(small_rig.directory)
+    output = os.path.relpath(tmp_path / name)
+    erlif.process("run", output=output, scheduler="local:2").close()
+    assert contents(tmp_path / name) == contents(film if name == "film.nc" else store)
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
+
+
+def test_a_film_that_threads_began_is_finished_by_workers(
+    small_rig, store, tmp_path, two_workers
+):
+    def stop(what, done, total):
+        if (what, done) == ("film", 2):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        erlif.process(small_rig.run, output=tmp_path / "film.zarr", workers=1, progress=stop)
+    address = two_workers._client.scheduler.address
+    erlif.process(small_rig.run, output=tmp_path / "film.zarr", scheduler=address).close()
+    assert contents(tmp_path / "film.zarr") == contents(store)
+
+
+def test_a_damaged_frame_has_the_message_of_one_thread(lab, two_workers, monkeypatch):
+    """The frame is whole while the run is opened, and cut off when a worker reads it."""
+    frame = lab.frames(1)[4]
+
+    def damage(what, done, total):
+        if what == "film":
+            frame.write_bytes(frame.read_bytes()[:200])
+
+    address = two_workers._client.scheduler.address
+    with pytest.raises(FrameError, match=frame.name):
+        erlif.process(lab.run, output=lab.film, scheduler=address, progress=damage_before(damage))
+
+
+def test_a_worker_that_does_not_see_the_run_is_refused(two_workers, tmp_path):
+    """What another machine reports, without a shared disk."""
+    store = types.SimpleNamespace(any_order=False)
+    work = TriggerWork(print, [[0]], store, (tmp_path / "frame_0000.tif",))
+    with pytest.raises(ClusterError, match=r"frame_0000\.tif on every machine.*shared? disk|share"):
+        collect(two_workers, work, [0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
+def test_a_worker_killed_at_any_moment_leaves_the_film_unchanged(
+    small_rig, film, store, tmp_path, own_workers, name
+):
+    """Ten runs; in each, one of the two workers is killed at a random moment."""
+    moments = np.random.default_rng(4)
+    expected = contents(film if name == "film.nc" else store)
+    for _ in range(10):
+        nannies = [worker for worker in own_workers.workers.values() if worker.pid]
+        victim = nannies[moments.integers(len(nannies))].pid
+        killer = threading.Timer(moments.uniform(0.1, 3.0), kill, (victim,))
+        killer.start()
+        address = own_workers.scheduler_address
+        erlif.process(small_rig.run, output=tmp_path / name, scheduler=address, overwrite=True)
+        killer.join()
+        assert contents(tmp_path / name) == expected
+        assert {entry.name for entry in tmp_path.iterdir()} <= {name, "dask-scratch-space"}
+
+
+def kill(process):
+    with contextlib.suppress(ProcessLookupError):  # ended before its time
+        os.kill(process, signal.SIGKILL)
