@@ -42,6 +42,9 @@ _LOCAL = re.compile(r"local:([1-9]\d*)")
 _ADDRESS = re.compile(r"((tcp|tls|ws|wss|ucx|ucxx)://)?(\[[0-9a-fA-F:.]+\]|[^\s/:\[\]]+):\d{1,5}/?")
 """Address of a scheduler; without a protocol dask takes tcp."""
 
+_OPTIONS = {"set_as_default": False}
+"""Of the client: as the default of dask it would also serve the locks with which xarray writes."""
+
 _PATIENCE = 10
 """Time in which a scheduler must answer. [s]"""
 
@@ -86,6 +89,7 @@ class Cluster:
         """The scheduler as the user named it."""
         self._open = ExitStack()
         self._client: Any = None
+        self._own: Any = None
         _check_form(scheduler)
         if importlib.util.find_spec("distributed") is None:
             raise ClusterError(
@@ -104,7 +108,7 @@ class Cluster:
     def close(self) -> None:
         """Leave the scheduler; workers that were started here end."""
         self._open.close()
-        self._client = None
+        self._client = self._own = None
 
     def compute(
         self,
@@ -156,6 +160,7 @@ class Cluster:
                 if time.monotonic() - looked > _LOOK:
                     ahead = _AHEAD * max(1, sum(self._client.nthreads().values()))
                     looked = time.monotonic()
+                    self._replace_lost()
                 if len(jobs) < ahead:
                     submit_more()
                 if not jobs:
@@ -195,9 +200,11 @@ class Cluster:
         warned = False
         while True:
             try:
-                wait(job, timeout=_LOOK)
+                with self._client.as_current():
+                    wait(job, timeout=_LOOK)
                 return
             except TimeoutError:
+                self._replace_lost()
                 if warned or self._client.nthreads():
                     continue
             warned = True
@@ -207,6 +214,11 @@ class Cluster:
                 self._start_a_worker(),
             )
 
+    def _replace_lost(self) -> None:
+        """Start workers of our own again that ended before they were ready; dask does the rest."""
+        if self._own is not None:
+            self._own.scale(len(self._own.worker_spec))
+
     def _connect(self) -> None:
         """Connect to the scheduler, or start one with workers on this machine."""
         from distributed import Client, LocalCluster
@@ -214,7 +226,7 @@ class Cluster:
         local = _LOCAL.fullmatch(self.scheduler)
         if local:
             folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="erlif-workers-"))
-            cluster = self._open.enter_context(
+            self._own = self._open.enter_context(
                 LocalCluster(
                     n_workers=int(local[1]),
                     threads_per_worker=1,
@@ -225,14 +237,14 @@ class Cluster:
                     silence_logs=logging.CRITICAL,
                 )
             )
-            self._client = self._open.enter_context(Client(cluster))
+            self._client = self._open.enter_context(Client(self._own, **_OPTIONS))
             return
 
         address = self.scheduler
         if address.endswith(".json"):
             address = _read_address(Path(address))
         try:
-            self._client = self._open.enter_context(Client(address, timeout=_PATIENCE))
+            self._client = self._open.enter_context(Client(address, timeout=_PATIENCE, **_OPTIONS))
         except (OSError, ValueError) as error:
             raise ClusterError(
                 f"Expected a scheduler of dask at {address}; there is no connection within "

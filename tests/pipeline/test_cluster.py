@@ -4,27 +4,43 @@ import contextlib
 import importlib.util
 import logging
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 from scenes.workers import Checked, Deadly, Faulty, Squares
 
+import erlif
 from erlif.core.errors import ClusterError, FrameError
+from erlif.files import ZarrMaps
 from erlif.pipeline import cluster as module
 from erlif.pipeline.cluster import Cluster
 from erlif.pipeline.engines import Threads, open_engine
+from erlif.pipeline.triggers import TriggerWork
+from erlif.rig import RigSettings, simulate
 
 distributed = pytest.importorskip("distributed")
+
+SMALL = RigSettings(width=96, height=64, fixture_frames=3, dark_pages=4, flat_pages=3, bubbles=0)
+"""Fifty triggers of 96 x 64 pixels."""
 
 
 @pytest.fixture(scope="module")
 def two_workers():
     with contextlib.closing(Cluster("local:2")) as engine:
         yield engine
+
+
+@pytest.fixture
+def address(two_workers):
+    """Address of a scheduler with two workers."""
+    collect(two_workers, Squares(), [1])
+    return two_workers._client.scheduler.address
 
 
 @pytest.fixture
@@ -292,61 +308,75 @@ def test_a_film_of_two_workers_is_that_of_one_thread(
     assert [entry.name for entry in tmp_path.iterdir()] == [name]
 
 
-def test_a_film_that_threads_began_is_finished_by_workers(
-    small_rig, store, tmp_path, two_workers
-):
+def test_a_film_that_threads_began_is_finished_by_workers(small_rig, store, tmp_path, address):
     def stop(what, done, total):
         if (what, done) == ("film", 2):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         erlif.process(small_rig.run, output=tmp_path / "film.zarr", workers=1, progress=stop)
-    address = two_workers._client.scheduler.address
     erlif.process(small_rig.run, output=tmp_path / "film.zarr", scheduler=address).close()
     assert contents(tmp_path / "film.zarr") == contents(store)
 
 
-def test_a_damaged_frame_has_the_message_of_one_thread(lab, two_workers, monkeypatch):
-    """The frame is whole while the run is opened, and cut off when a worker reads it."""
-    frame = lab.frames(1)[4]
-
-    def damage(what, done, total):
-        if what == "film":
-            frame.write_bytes(frame.read_bytes()[:200])
-
-    address = two_workers._client.scheduler.address
-    with pytest.raises(FrameError, match=frame.name):
-        erlif.process(lab.run, output=lab.film, scheduler=address, progress=damage_before(damage))
-
-
 def test_a_worker_that_does_not_see_the_run_is_refused(two_workers, tmp_path):
     """What another machine reports, without a shared disk."""
-    store = types.SimpleNamespace(any_order=False)
-    work = TriggerWork(print, [[0]], store, (tmp_path / "frame_0000.tif",))
-    with pytest.raises(ClusterError, match=r"frame_0000\.tif on every machine.*shared? disk|share"):
+    work = TriggerWork(
+        print,
+        [[0]],
+        ZarrMaps(tmp_path, (), (1, 2, 3)),
+        (tmp_path / "frame_0000.tif",),
+    )
+    with pytest.raises(ClusterError, match=r"frame_0000\.tif on every machine.* share"):
         collect(two_workers, work, [0])
 
 
+@pytest.fixture(scope="module")
+def long_run(tmp_path_factory):
+    """A run of 50 triggers with its calibration, and its films as a single thread makes them."""
+    folder = tmp_path_factory.mktemp("long")
+    simulate(folder, seed=14, rig=SMALL)
+    erlif.save_calibration(erlif.calibrate(folder / "fixture"), folder / "fixture/calibration.nc")
+    for name in ("film.nc", "film.zarr"):
+        erlif.process(folder / "run", output=folder / name, workers=1).close()
+    return folder
+
+
+class Killer:
+    """Kills one of the workers at a random moment while a film is made, as its progress."""
+
+    def __init__(self, workers, moments):
+        self.workers, self.moments = workers, moments
+        self.trigger = int(moments.integers(1, 45))
+        self.timer = None
+
+    def __call__(self, what, done, total):
+        if what == "film" and done >= self.trigger and self.timer is None:
+            self.timer = threading.Timer(self.moments.uniform(0, 0.1), self.kill)
+            self.timer.start()
+
+    def kill(self):
+        """A worker that is not connected yet would be one of dask's own start."""
+        connected = self.workers.scheduler_info["workers"]
+        ready = [
+            nanny for nanny in self.workers.workers.values() if nanny.worker_address in connected
+        ]
+        os.kill(self.moments.choice(ready).pid, signal.SIGKILL)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
-def test_a_worker_killed_at_any_moment_leaves_the_film_unchanged(
-    small_rig, film, store, tmp_path, own_workers, name
-):
-    """Ten runs; in each, one of the two workers is killed at a random moment."""
+def test_a_worker_killed_at_any_moment_leaves_the_film_unchanged(long_run, tmp_path, own_workers):
+    """Ten runs; in each, one of the two workers is killed while it computes."""
     moments = np.random.default_rng(4)
-    expected = contents(film if name == "film.nc" else store)
-    for _ in range(10):
-        nannies = [worker for worker in own_workers.workers.values() if worker.pid]
-        victim = nannies[moments.integers(len(nannies))].pid
-        killer = threading.Timer(moments.uniform(0.1, 3.0), kill, (victim,))
-        killer.start()
-        address = own_workers.scheduler_address
-        erlif.process(small_rig.run, output=tmp_path / name, scheduler=address, overwrite=True)
-        killer.join()
-        assert contents(tmp_path / name) == expected
-        assert {entry.name for entry in tmp_path.iterdir()} <= {name, "dask-scratch-space"}
-
-
-def kill(process):
-    with contextlib.suppress(ProcessLookupError):  # ended before its time
-        os.kill(process, signal.SIGKILL)
+    for name in 5 * ["film.nc", "film.zarr"]:
+        killer = Killer(own_workers, moments)
+        erlif.process(
+            long_run / "run",
+            output=tmp_path / "film" / name,
+            scheduler=own_workers.scheduler_address,
+            progress=killer,
+        ).close()
+        killer.timer.join()
+        assert contents(tmp_path / "film" / name) == contents(long_run / name)
+        assert [entry.name for entry in (tmp_path / "film").iterdir()] == [name]
+        shutil.rmtree(tmp_path / "film")
