@@ -46,7 +46,7 @@ _OPTIONS = {"set_as_default": False}
 """Of the client: as the default of dask it would also serve the locks with which xarray writes."""
 
 _PATIENCE = 10
-"""Time in which a scheduler must answer. [s]"""
+"""Time in which a scheduler must be reached. [s]"""
 
 _WAIT_FOR_WORKERS = 60
 """Time in which the first worker must come. [s]"""
@@ -74,7 +74,8 @@ class Cluster:
     Raises
     ------
     ClusterError
-        If the form is unknown, dask.distributed is not installed, or the scheduler does not answer.
+        If the form is unknown, dask.distributed is not installed, or the scheduler cannot be
+        reached.
 
     Examples
     --------

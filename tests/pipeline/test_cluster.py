@@ -207,7 +207,7 @@ def test_a_scheduler_file_that_does_not_exist_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", "127.0.0.1:1", "[::1]:1"])
-def test_a_scheduler_that_does_not_answer_is_refused(scheduler, monkeypatch):
+def test_a_scheduler_out_of_reach_is_refused(scheduler, monkeypatch):
     monkeypatch.setattr(module, "_PATIENCE", 1)
     with pytest.raises(ClusterError, match="dask scheduler"):
         Cluster(scheduler)
