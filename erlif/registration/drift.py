@@ -45,6 +45,8 @@ from erlif.registration.surface import cell_weights
 
 STEP: Final = 16
 """Side of the cells whose sums determine the drift. [px]"""
+ROUGH_STEP: Final = 8
+"""The same on binned textures, so that small frames have cells enough. [binned px]"""
 FARTHEST: Final = 8
 """Largest drift in the search, in pixels binned by 2 or, for large frames, by 4."""
 LARGE: Final = 400
@@ -303,7 +305,7 @@ def rough_drift(
     sums = np.zeros((1, 1, SUMS))
     for _ in range(COARSE_PASSES):
         b = laid_over(spline, dx, dy, (float(shift[0]), float(shift[1])), threads)
-        sums = cell_sums(small.a, small.weight, b, STEP, threads=threads)
+        sums = cell_sums(small.a, small.weight, b, ROUGH_STEP, threads=threads)
         shift = shift + np.array(solve_shift(without_noise(sums)))
 
     products = sums[..., AB][sums[..., WEIGHT] > 0]

@@ -22,11 +22,12 @@ from erlif.registration.drift import (
     beyond_chance,
     binned_field,
     follow_drift,
+    rough_drift,
     shift_std,
     whole_pixels,
 )
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY, SUMS
-from erlif.registration.pairs import Pair
+from erlif.registration.pairs import Pair, textures
 
 SHAPE = (160, 192)
 
@@ -302,3 +303,24 @@ def test_standard_deviation_is_not_known_without_gradients_in_two_directions():
     assert np.isnan(shift_std(sums)).all()
     sums[..., GXX] = 1.0
     assert np.isnan(shift_std(sums)).all()
+
+
+# prepared textures ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(96, 128), SHAPE, (416, 448)])
+def test_textures_alone_give_the_drift_to_a_tenth_of_a_pixel(shape):
+    """Small frames, and one that is binned by 4."""
+    frames, drift, dx, dy = drifting_frames(shape, 3, contrast=0.15)
+    still = dx.astype(np.float32), dy.astype(np.float32)
+    for (reference, moving, *_), expected in zip(frames, drift, strict=True):
+        found = rough_drift(*still, textures(Pair(reference, moving), 1, 1))
+        npt.assert_allclose(found, expected, atol=0.1)
+
+
+def test_textures_without_anything_in_common_have_no_drift():
+    """Camera 2 shows another scene."""
+    one, other = (Scene(SHAPE, seed).photograph(smooth_map(SHAPE)) for seed in (1, 2))
+    still = one.dx.astype(np.float32), one.dy.astype(np.float32)
+    found = rough_drift(*still, textures(Pair(one.reference, other.moving), 1, 1))
+    assert np.isnan(found).all()
