@@ -52,9 +52,10 @@ class FrameCorrection:
         """The references of both cameras as every frame needs them."""
         return tabulate(self.references, least_signal=self.least_signal)
 
-    def light(self, frame: int) -> PairLight:
-        """Light of one frame pair as plain arrays."""
-        return measure_light(read_frames(self.pairs, [frame]).counts.values[:, 0], self.tables)
+    def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
+        """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
+        counts = read_frames(self.pairs, [frame]).counts.values[:, 0]
+        return measure_light(counts, self.tables, out=out)
 
     def __call__(self, frame: int) -> CorrectedFrames:
         """One corrected frame pair.

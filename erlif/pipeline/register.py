@@ -6,10 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from erlif.core.arrays import Image
+import numpy as np
+
+from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import CalibrationError, RegistrationError
+from erlif.core.flags import Flag
+from erlif.core.neighbourhood import BLOCK
 from erlif.core.progress import Progress
-from erlif.pipeline.chain import FrameCorrection, registration_light
+from erlif.passes import PairLight
+from erlif.pipeline.chain import FrameCorrection
 from erlif.registration import (
     CameraMap,
     RegistrationSettings,
@@ -17,6 +22,7 @@ from erlif.registration import (
     divide_by_light,
     register_frames,
 )
+from erlif.registration.steepness import steep_blocks
 from erlif.settings import RegistrationOptions
 
 _LARGE = 500_000
@@ -98,16 +104,43 @@ class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
 
     def __init__(self, correct: FrameCorrection, frames: list[int], progress: Progress) -> None:
         self.correct, self.frames, self.progress = correct, frames, progress
+        self._light = PairLight.empty(correct.pairs.shape)
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def __getitem__(self, index: Any) -> Any:
-        light = registration_light(self.correct(self.frames[index]))
+        # one set of arrays serves all frames: their light is divided out into new ones
+        self._light = self.correct.light(self.frames[index], out=self._light)
         self.progress("registration", index + 1, len(self))
-        one, weight_one = divide_by_light(light.one, light.weight_one)
-        two, weight_two = divide_by_light(light.two, light.weight_two)
-        return one, two, weight_one, weight_two
+        one, two = (
+            divide_by_light(light, usable_pixels(flags, blocks))
+            for light, flags, blocks in zip(
+                self._light.light, self._light.flags, self._light.blocks, strict=True
+            )
+        )
+        return one[0], two[0], one[1], two[1]
+
+
+def usable_pixels(flags: FlagImage, blocks: Image) -> Image:
+    """Pixels of one camera on which a registration can rely.
+
+    Parameters
+    ----------
+    flags : array, (y, x)
+        Bits of `erlif.core.flags.Flag`.
+    blocks : array, (row, column)
+        Mean light of blocks of 8 px. [DN]
+
+    Returns
+    -------
+    array, (y, x), float32
+        0 for saturated and bad pixels and where the light is too steep, otherwise 1.
+    """
+    steep = np.repeat(np.repeat(steep_blocks(blocks), BLOCK, axis=0), BLOCK, axis=1)
+    usable = (flags & np.uint8(Flag.SATURATED | Flag.BAD_PIXEL)) == 0
+    usable &= ~steep[: flags.shape[0], : flags.shape[1]]
+    return np.asarray(usable, np.float32)
 
 
 def _check_stored(stored: CameraMap, lit: LitPairs) -> CameraMap:
