@@ -75,11 +75,13 @@ def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image
         ok = np.abs(out) < FINITE
         return np.where(ok, out, np.float32(0)), ok.astype(np.float32)
 
-    # pixels that are not finite must not enter the sums
+    # pixels that are not finite must not enter the sums; in them they would show as such
     weight = weight[: h * factor, : w * factor].astype(np.float32, copy=False)
-    good = (weight > 0) & (np.abs(image) < FINITE)
-    weight = np.where(good, weight, np.float32(0))
-    total = cv2.resize(np.where(good, image, 0) * weight, size, interpolation=cv2.INTER_AREA)
+    total = cv2.resize(image * weight, size, interpolation=cv2.INTER_AREA)
+    if not (np.abs(total) < FINITE).all():
+        good = (weight > 0) & (np.abs(image) < FINITE)
+        weight = np.where(good, weight, np.float32(0))
+        total = cv2.resize(np.where(good, image, 0) * weight, size, interpolation=cv2.INTER_AREA)
     sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
     ok = sound > MOST
     return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)

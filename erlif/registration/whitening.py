@@ -8,6 +8,7 @@ textures by its square root gives the Gauss-Newton sums that weight.
 from dataclasses import dataclass
 from typing import Final
 
+import cv2
 import numpy as np
 from scipy import fft
 
@@ -16,7 +17,7 @@ from erlif.core.arrays import AnyArray, Array, Image
 SIDE: Final = 64
 """Side of the blocks whose spectra are averaged. [px]"""
 
-MOST_BLOCKS: Final = 400
+MOST_BLOCKS: Final = 250
 """Blocks of one frame that are averaged; evenly spaced if there are more."""
 
 FEWEST_BLOCKS: Final = 4
@@ -289,7 +290,7 @@ def whiten(
         fft.irfft2(spectrum, size, overwrite_x=True, workers=threads)[:h, :w]
     )
 
-    scale = float(np.sqrt(np.mean(filtered**2)))
+    scale = cv2.norm(filtered) / np.sqrt(filtered.size)  # the rms, summed in double precision
     if scale > 0:
         filtered *= np.float32(1 / scale)
 

@@ -81,7 +81,7 @@ def test_a_wave_shows_at_its_frequency(cycles_y, cycles_x):
         ((128, 128), 64, 3 * 3),
         ((127, 200), 32, 6 * 11),
         ((64, 64), 32, 3 * 3),
-        ((768, 768), 64, 265),  # every second of 23 x 23, for no more than 400 are needed
+        ((640, 640), 64, 181),  # every second of 19 x 19, for no more than 250 are needed
     ],
 )
 def test_blocks_overlap_by_half_and_are_thinned_out_if_many(shape, side, blocks):
