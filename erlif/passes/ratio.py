@@ -142,7 +142,8 @@ def measure_ratio(
     if np.isnan(drift[0]):
         out.flags[:] |= _POOR
     dark = find_bubbles(light.light[0], warped.light, share=no_film_below)
-    out.flags[dark] |= _NO_FILM
+    if dark.any():
+        out.flags[:] |= dark.view(np.uint8) * _NO_FILM
 
     # interpolation lowers the variance of single pixels of camera 2, not that of their mean
     share = of_two / total if total > 0 else 0.0
