@@ -52,6 +52,10 @@ UNRESOLVED: Final = 2.0
 """A displacement is left for windows if its excess is this many times what makes finer surfaces a
 trial. [1]"""
 
+WORTH: Final = 0.5
+"""Squared displacement over the variance of the windows' own noise from which on windows are worth
+it; a tile sees only the part of a displacement that all of it shares. [1]"""
+
 TILES: Final = (2, 4, 8)
 """Sides of the tiles whose disagreement is compared with that of single cells. [cells]"""
 
@@ -235,7 +239,7 @@ def is_unresolved(cells: Cells, window: float) -> bool:
     """
     pitch = float(cells.x[1] - cells.x[0])
     return any(
-        found.value > max(UNRESOLVED * found.limit, (found.side * pitch / window) ** 2)
+        found.value > max(UNRESOLVED * found.limit, WORTH * (found.side * pitch / window) ** 2)
         for found in excesses(cells)
     )
 
