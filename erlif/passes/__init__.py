@@ -6,11 +6,13 @@ tests hold the passes to them.
 """
 
 from erlif.passes.accumulation import PairSum
+from erlif.passes.drift import DriftSearch
 from erlif.passes.film import FilmMaps, FilmTables, measure_film, measure_pulse
 from erlif.passes.light import PairLight
 from erlif.passes.pair import PairRatio
 
 __all__ = [
+    "DriftSearch",
     "FilmMaps",
     "FilmTables",
     "PairLight",

@@ -19,9 +19,11 @@ from erlif.registration.matching import (
     AB,
     BX,
     BY,
+    EDGE,
     GXX,
     GXY,
     GYY,
+    SCORES,
     SUMS,
     WEIGHT,
     cell_sums,
@@ -52,8 +54,16 @@ FARTHEST: Final = 8
 LARGE: Final = 400
 """Frames with both sides above this are binned by 2 in the last steps too: they have texture enough
 for a translation. [px]"""
+COARSE_STEPS: Final = 2
+"""Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.02."""
 COARSE_PASSES: Final = 3
-"""Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.05."""
+"""The same for `rough_drift`, whose steps are not corrected."""
+PART: Final = 4
+"""Of so many rows of cells one shows how the scores follow a step: this belongs to the texture."""
+STEP_RATIO: Final = (0.5, 2.0)
+"""Limits of the slope of the scores over that of the equations; 1.3 is usual. [1]"""
+LEAST_STEP: Final = 1e-4
+"""A step below this leaves too little of itself to measure that slope. [px]"""
 FEWEST_CELLS: Final = 16
 """Cells with light in both cameras below which the chance of a correlation cannot be judged."""
 CHANCE: Final = 6.0
@@ -251,37 +261,112 @@ def follow_drift(
 ) -> Drift:
     """Measure the drift of a checked pair against a dense displacement (NaN where not known). [px]
 
-    The cross-correlation of binned images finds it to the binned pixel, Gauss-Newton steps on them
-    to a fraction of a pixel, and one or two steps at full resolution, or at half of it for large
-    frames, do the rest. NaN if the textures do not correlate beyond chance.
+    The texture is that of the frame for small frames, and binned by 2 for large ones.
+    NaN if the textures do not correlate beyond chance.
     """
-    shift = np.zeros(2)
-    sums = np.zeros((1, 1, SUMS))
     last = 2 if min(pair.reference.shape) >= LARGE else 1
+    coarse, fine = (
+        Matching(
+            textures(pair, binning, threads),
+            binned_field(displacement_x, binning),
+            binned_field(displacement_y, binning),
+        )
+        for binning in (2 * last, last)
+    )
+    return match_textures(coarse, fine, last, threads=threads)
 
-    # coarse images first: whole pixels by correlation, then Gauss-Newton steps; the images of the
-    # last step need one step, or two where they are still binned
-    for binning, passes in ((2 * last, COARSE_PASSES), (last, last)):
-        views = textures(pair, binning, threads)
-        spline = views.spline(threads)
-        dx, dy = binned_field(displacement_x, binning), binned_field(displacement_y, binning)
-        if binning > last:
-            shift = binning * whole_pixels(views.a, laid_over(spline, dx, dy, (0.0, 0.0), threads))
-        for _ in range(passes):
-            here = (float(shift[0]) / binning, float(shift[1]) / binning)
-            b = laid_over(spline, dx, dy, here, threads)
-            sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
-            shift = shift + binning * np.array(solve_shift(without_noise(sums)))
 
+@dataclass(frozen=True)
+class Matching:
+    """The textures of a frame pair, and the displacement between them.
+
+    Attributes
+    ----------
+    views : Textures
+        Of both cameras, in the orientation of camera 1.
+    dx : Image
+        Displacement along x, (y, x); NaN where not known. [px]
+    dy : Image
+        Displacement along y, as dx. [px]
+    """
+
+    views: Textures
+    dx: Image
+    dy: Image
+
+
+def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: int = 1) -> Drift:
+    """Measure the drift on textures that are prepared.
+
+    The cross-correlation of the coarse textures finds it to the coarse pixel, Gauss-Newton steps on
+    them to a fraction of a pixel, and a step on the fine ones does the rest. NaN if the textures do
+    not correlate beyond chance.
+
+    The five-point derivative falls short of the slope of a fine texture, so a step is too long. A
+    second look at a part of the cells shows how far, and the step is corrected.
+
+    Parameters
+    ----------
+    coarse, fine : Matching
+        Textures and displacement, in binned pixels; the pixels of ``coarse`` are twice as large.
+    binning : int
+        Pixels of the frame along a side of a pixel of ``fine``.
+    threads : int
+        Threads to use.
+
+    Returns
+    -------
+    Drift
+        In pixels of the frame.
+    """
+    views = coarse.views
+    spline = views.spline(threads)
+    b = laid_over(spline, coarse.dx, coarse.dy, (0.0, 0.0), threads)
+    shift = whole_pixels(views.a, b)
+    step = np.zeros(2)
+    for count in range(COARSE_STEPS):
+        b = laid_over(spline, coarse.dx, coarse.dy, (shift[0], shift[1]), threads)
+        before, step = step, _step(cell_sums(views.a, views.weight, b, STEP, threads=threads))
+        shift += step / _step_ratio(before, before - step) if count else step
+
+    views, shift = fine.views, 2 * shift
+    spline = views.spline(threads)
+    b = laid_over(spline, fine.dx, fine.dy, (shift[0], shift[1]), threads)
+    sums = cell_sums(views.a, views.weight, b, STEP, threads=threads)
     quality = correlation(sums)
     products = sums[..., AB][sums[..., WEIGHT] > 0]
     if products.size < FEWEST_CELLS or not beyond_chance(products):
         return Drift(*NO_DRIFT, quality)
 
-    # the scores are those before the last step; to first order it takes them to its end
+    # a part of the cells again, after the step; their equations stay those before it
     sums = without_noise(sums)
-    std_dx, std_dy = shift_std(move_sums(sums, *solve_shift(sums)))
-    return Drift(float(shift[0]), float(shift[1]), last * std_dx, last * std_dy, quality)
+    step = np.array(solve_shift(sums))
+    part = range(min(PART // 2, len(sums) - 1), max(len(sums) - 1, 1), PART)
+    bands = [(max(r * STEP - EDGE, 0), min((r + 1) * STEP + EDGE, len(views.a))) for r in part]
+    x, y = shift + step
+    b = laid_over(spline, fine.dx, fine.dy, (x, y), threads, only=bands)
+    after = sums.copy()
+    after[..., SCORES] = cell_sums(views.a, views.weight, b, STEP, only=part)[..., SCORES]
+    moved = np.subtract(solve_shift(sums[part]), solve_shift(after[part]))
+    ratio = _step_ratio(step, moved)
+
+    # what the step has not moved is left; the scores before it are taken to its end, to first order
+    shift = binning * (shift + step + (step - moved) / ratio)
+    std_dx, std_dy = np.multiply(binning / ratio, shift_std(move_sums(sums, *step)))
+    return Drift(float(shift[0]), float(shift[1]), float(std_dx), float(std_dy), quality)
+
+
+def _step(sums: Array) -> Array:
+    """Translation (dx, dy) that the sums ask for. [px]"""
+    return np.array(solve_shift(without_noise(sums)))
+
+
+def _step_ratio(step: Array, moved: Array) -> float:
+    """Slope of the scores over that of the equations, from what a step has moved."""
+    square = float(step @ step)
+    if square < LEAST_STEP**2:
+        return 1.0
+    return float(np.clip(float(step @ moved) / square, *STEP_RATIO))
 
 
 def rough_drift(
@@ -341,11 +426,12 @@ def whole_pixels(a: Image, b: Image) -> Array:
         fft.next_fast_len(a.shape[1] + FARTHEST, real=True),
     )
     product = fft.rfft2(np.nan_to_num(b), size) * np.conj(fft.rfft2(a, size))
-    value = fft.irfft2(product, size)
 
-    # negative lags stand at the end of the transform, where negative indices find them
+    # negative lags stand at the end of the transform, where negative indices find them; after the
+    # transform back along y, only the rows of the search are needed
     near = np.r_[-FARTHEST : FARTHEST + 1]
-    j, i = np.unravel_index(int(np.argmax(value[np.ix_(near, near)])), (near.size, near.size))
+    value = fft.irfft(fft.ifft(product, axis=0)[near], size[1])[:, near]
+    j, i = np.unravel_index(int(np.argmax(value)), value.shape)
     return np.array([near[i], near[j]], float)
 
 

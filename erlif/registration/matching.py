@@ -7,6 +7,7 @@ frames (Lucas and Kanade, 1981; with the gradient of the mean image, in which th
 cameras cancels in the first-order bias).
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -239,6 +240,7 @@ def cell_sums(
     step: int,
     *,
     scale: Array | None = None,
+    only: Sequence[int] | None = None,
     threads: int = 1,
 ) -> Array:
     """Sums of the Gauss-Newton equations over square cells.
@@ -255,6 +257,8 @@ def cell_sums(
     scale : array, (row, column), optional
         Expected rms of a - b in each cell. If given, a pixel whose difference is many times that
         (dust on one camera) loses its weight: w = 1/(1 + (e / 4 rms)^2). [1]
+    only : sequence of int, optional
+        Rows of cells that are summed; the others stay 0, and so do the pixels left over.
     threads : int
         Threads to use.
 
@@ -286,6 +290,11 @@ def cell_sums(
             [limit, np.repeat(limit[:, -1:], w - limit.shape[1], axis=1)], axis=1
         )
         limit = np.ascontiguousarray(np.concatenate([limit, limit[-1:]], axis=0))
+
+    if only is not None:
+        for r in only:
+            _cell_sums(a, weight, b, step, limit, sums, r, r + 1)
+        return sums[:rows]
 
     in_bands(lambda s, t: _cell_sums(a, weight, b, step, limit, sums, s, t), rows + 1, threads)
     sums[rows - 1] += sums[rows]

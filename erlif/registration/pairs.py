@@ -187,6 +187,8 @@ def laid_over(
     dy: Image,
     drift: tuple[float, float],
     threads: int,
+    *,
+    only: Sequence[tuple[int, int]] | None = None,
 ) -> Image:
     """Read the texture of camera 2 at the pixels of camera 1.
 
@@ -200,6 +202,8 @@ def laid_over(
         Translation (x, y) that is added to the displacement. [px]
     threads : int
         Threads to use.
+    only : sequence of (int, int), optional
+        Bands of rows, first and behind the last, that are read; the others are not set.
 
     Returns
     -------
@@ -209,6 +213,11 @@ def laid_over(
     out = np.empty(dx.shape, np.float32)
     coefficients, bad = spline
     x, y = float(drift[0]), float(drift[1])
+    if only is not None:
+        for s, t in only:
+            sample_spline(coefficients, dx, dy, x, y, bad, out, s, t)
+        return out
+
     in_bands(
         lambda s, t: sample_spline(coefficients, dx, dy, x, y, bad, out, s, t), dx.shape[0], threads
     )

@@ -212,6 +212,19 @@ def test_map_of_a_turned_camera_is_refused(run):
     assert check_map(turned, frames[:4], tolerance=1.0).shape == (4, 2)
 
 
+def test_drift_does_not_depend_on_where_the_search_begins():
+    """Maps that are wrong by up to 1.7 px leave the same displacement in all."""
+    shape = (416, 448)
+    truth = Scene(shape, 12).photograph(smooth_map(shape))
+    total = []
+    for offset in (0.0, 0.6, 1.1, 1.7):
+        short = (truth.dx - offset).astype(np.float32)
+        camera_map = replace(known_map(truth), displacement_x=short)
+        found = estimate_drift(camera_map, truth.reference, truth.moving)
+        total.append((found.dx - offset, found.dy))
+    npt.assert_allclose(total, [total[0]] * 4, atol=2e-4)
+
+
 # parts --------------------------------------------------------------------------------------------
 
 
