@@ -128,11 +128,14 @@ def encode_netcdf(
     (True, True)
     """
     chunks = {}
+    shuffled: AnyArray | None = None  # one for all maps: fresh memory costs as much as rounding
     for variable in variables:
         values = np.ascontiguousarray(maps[variable.name], variable.dtype)
         if variable.dtype == "float32":
             scale, factor = _precision(maps, variable)
-            planes = np.empty((4, values.size), np.uint8)
+            if shuffled is None or shuffled.size != 4 * values.size:
+                shuffled = np.empty((4, values.size), np.uint8)
+            planes = shuffled
             _round_and_shuffle(_flat(values), _flat(scale), np.float32(factor), planes)
         else:
             planes = values
