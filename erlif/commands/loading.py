@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-_ARRAY_LIBRARIES = ("cupy", "dask", "pint", "sparse")
+_ARRAY_LIBRARIES = frozenset({"cupy", "dask", "pint", "sparse"})
 """Libraries whose arrays xarray knows. It loads each that is installed as soon as it makes its
 first array; dask and pint take 0.3 s, and the commands use none of their arrays."""
 
@@ -21,12 +21,14 @@ def large_imports() -> Iterator[None]:
     """
     was_enabled = gc.isenabled()
     gc.disable()
-    hidden = [name for name in _ARRAY_LIBRARIES if name not in sys.modules]
+    # an xarray that a program has loaded before may have looked for them already
+    hidden = [] if "xarray" in sys.modules else list(_ARRAY_LIBRARIES - sys.modules.keys())
     # None stands for a module that cannot be imported
     sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
     try:
         yield
-        _show_arrays_to_xarray()
+        if hidden:
+            _show_arrays_to_xarray()
     finally:
         for name in hidden:
             sys.modules.pop(name, None)

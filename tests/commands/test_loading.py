@@ -56,3 +56,14 @@ def test_a_library_that_is_in_use_stays_in_use():
     with large_imports():
         assert sys.modules["pint"] is pint
     assert sys.modules["pint"] is pint
+
+
+def test_a_program_that_has_loaded_xarray_before_can_run_a_command():
+    """xarray then knows already which libraries are installed, and imports parts of them."""
+    code = (
+        "import xarray as xr\n"
+        "from erlif.commands.loading import large_imports\n"
+        "with large_imports():\n"
+        "    xr.Dataset(coords={'x': [1.0]}).compute()\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
