@@ -21,7 +21,7 @@ from erlif.core.errors import RegistrationError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.ingest import FramePairs, read_frames
-from erlif.passes import PairLight, PairRatio
+from erlif.passes import DriftSearch, PairLight, PairRatio
 from erlif.passes.light import CameraTables, measure_light, tabulate
 from erlif.passes.ratio import BAND, empty_ratio, measure_ratio
 from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
@@ -155,6 +155,11 @@ class FrameChain:
         """The camera map as every frame needs it."""
         return tabulate_map(self.camera_map)
 
+    @cached_property
+    def search(self) -> DriftSearch:
+        """The search for the drift of each frame against the map."""
+        return DriftSearch.of(self.camera_map)
+
     def align(self, corrected: CorrectedFrames, *, drift: Array | None = None) -> AlignedFrames:
         """Camera 2 of one corrected frame pair on the pixel grid of camera 1.
 
@@ -259,8 +264,8 @@ class FrameChain:
         return [AlignedFrames(one) for one in aligned]
 
     def _find_drift(self, light: PairLight) -> tuple[float, float]:
-        x, y = self._estimate_drift(as_frames(light))
-        return float(x), float(y)
+        drift = self.search.find(light)
+        return drift.dx, drift.dy
 
 
 @dataclass(frozen=True)
