@@ -104,20 +104,20 @@ class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
 
     def __init__(self, correct: FrameCorrection, frames: list[int], progress: Progress) -> None:
         self.correct, self.frames, self.progress = correct, frames, progress
-        self._light = PairLight.empty(correct.pairs.shape)
+        self._light: PairLight | None = None
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def __getitem__(self, index: Any) -> Any:
-        # one set of arrays serves all frames: their light is divided out into new ones
-        self._light = self.correct.light(self.frames[index], out=self._light)
+        # one set of arrays serves all frames, whose light is divided out into new ones; the frame
+        # that is read last usually ends the reading
+        pair = self.correct.light(self.frames[index], out=self._light)
+        self._light = pair if index < len(self) - 1 else None
         self.progress("registration", index + 1, len(self))
         one, two = (
             divide_by_light(light, usable_pixels(flags, blocks))
-            for light, flags, blocks in zip(
-                self._light.light, self._light.flags, self._light.blocks, strict=True
-            )
+            for light, flags, blocks in zip(pair.light, pair.flags, pair.blocks, strict=True)
         )
         return one[0], two[0], one[1], two[1]
 

@@ -142,10 +142,11 @@ def register_frames(
     """
     settings = RegistrationSettings() if settings is None else settings
     frames = open_frames(pairs, settings)
-    begun = start_with_any(frames)
-    views = Views(frames, begun.pair, settings, number=begun.number)
+    number, first, surface = start_with_any(frames)
+    views = Views(frames, first, settings, number=number)
+    del first  # its textures are kept, so the frame itself need not be
 
-    fit = fit_surface(views, begun.surface)
+    fit = fit_surface(views, surface)
     solution = choose_solution(views, fit)
     camera_map = finish_map(solution, views, fit.cells, fit.quality)
     if len(frames.chosen) == frames.count:

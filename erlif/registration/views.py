@@ -248,14 +248,16 @@ class Views:
         useless = {n for n in np.nonzero(np.isnan(self.drift[:, 0]))[0] if n not in self._unknown}
         others = sorted(set(range(len(self.frames.chosen))) - known - useless)
         pairs = self.frames.pick([self.frames.chosen[number] for number in others])
-        for number, pair in zip(others, pairs, strict=False):
-            plain = textures(pair, 1, self.settings.threads)
+        for number in others:
+            # no name holds one frame while the next is read
+            plain = textures(next(pairs), 1, self.settings.threads)
             if number in self._unknown:
                 self._unknown.remove(number)
                 self.drift[number] = rough_drift(dx, dy, plain, threads=self.settings.threads)
                 if np.isnan(self.drift[number]).any():
                     continue
             yield number, plain
+            del plain
 
     def _each(self, dx: Image, dy: Image) -> Iterator[tuple[int, View]]:
         """Number and textures of the frames that have a drift, ready to be summed."""
@@ -264,6 +266,7 @@ class Views:
 
         for number, plain in self._each_plain(dx, dy):
             view = self._prepared(plain)
+            del plain
             if self._keep:
                 self._views[number] = view
                 self._plain.pop(number, None)
