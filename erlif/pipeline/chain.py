@@ -19,6 +19,7 @@ import xarray as xr
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
 from erlif.ingest import FramePairs, read_frames
 from erlif.passes import DriftSearch, PairLight, PairRatio
@@ -30,7 +31,7 @@ from erlif.registration import CameraMap, align_frames, estimate_drift, is_steep
 
 
 @dataclass(frozen=True)
-class FrameCorrection:
+class FrameCorrection(PickledByFields):
     """Counts to light, frame by frame.
 
     Attributes
@@ -118,7 +119,7 @@ _kept = _Kept()
 
 
 @dataclass(frozen=True)
-class FrameChain:
+class FrameChain(PickledByFields):
     """Counts to ratio, frame by frame.
 
     Each frame finds its own drift, so that frames depend on nothing but the map.

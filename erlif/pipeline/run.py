@@ -7,6 +7,7 @@ import json
 import logging
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -209,7 +210,7 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
     settings = run.settings
     return TriggerTask(
         chain,
-        calibration,
+        replace(calibration, camera_map=None),  # the chain has the map of the run
         choose_region(settings, run.pairs.shape),
         sliding_along_x=settings.optics.x_axis == "sliding",
         smoothing=settings.thickness.smoothing,

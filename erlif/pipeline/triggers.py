@@ -14,6 +14,7 @@ from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ClusterError
 from erlif.core.flags import Flag
+from erlif.core.pickling import PickledByFields
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
 from erlif.files import MapStore, PartialFilm
@@ -28,7 +29,7 @@ from erlif.trend import FilmCurve, Region, summarise_blocks
 
 
 @dataclass(frozen=True)
-class TriggerTask:
+class TriggerTask(PickledByFields):
     """How the frames of one trigger become its maps, independent of every other trigger.
 
     Attributes
