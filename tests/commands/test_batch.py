@@ -90,3 +90,16 @@ def test_no_argument_is_wrong_usage():
     result = run_batch()
     assert result.exit_code == 2
     assert "Usage:" in result.stderr
+
+
+def test_a_scheduler_that_cannot_be_used_ends_the_batch_before_its_first_run(series, refused):
+    message = refused("batch", series / "monday", "--scheduler", "somewhere")
+    assert "local:N" in message
+
+
+def test_runs_are_computed_by_workers_of_dask(series, film, command):
+    pytest.importorskip("distributed")
+    shutil.copytree(series / "monday", series / "sunday")
+    command("batch", series / "monday", series / "sunday", "--scheduler", "local:1")
+    for name in ("monday", "sunday"):
+        assert (series / name / "film.nc").read_bytes() == film.read_bytes()

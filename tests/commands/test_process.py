@@ -151,3 +151,31 @@ def test_a_wrong_number_of_triggers_is_refused(cycles, refused):
     toml = run / "run.toml"
     toml.write_text(re.sub(r"triggers_per_cycle = .*", "triggers_per_cycle = 5", toml.read_text()))
     assert "with 5 triggers per cycle" in refused("process", run, "--calibration", calibration)
+
+
+# workers of dask
+
+
+def test_a_film_of_workers_is_that_of_threads(lab, film, command):
+    pytest.importorskip("distributed")
+    result = command("process", lab.run, "--scheduler", "local:1")
+    assert "film: 6 done" in result.stderr
+    assert lab.film.read_bytes() == film.read_bytes()
+    assert not list(lab.run.glob("*.partial"))
+
+
+def test_an_unknown_scheduler_is_refused_with_the_known_forms(lab, refused):
+    message = refused("process", lab.run, "--scheduler", "somewhere")
+    assert "local:N" in message
+    assert "tcp://HOST:8786" in message
+    assert "'somewhere'" in message
+
+
+def test_threads_and_workers_of_dask_together_are_refused(lab, refused):
+    message = refused("process", lab.run, "--scheduler", "local:2", "--workers", 3)
+    assert "local:3" in message
+
+
+def test_a_missing_library_is_refused_with_the_way_to_install_it(lab, refused, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert 'pip install "erlif[cluster]"' in refused("process", lab.run, "--scheduler", "local:2")
