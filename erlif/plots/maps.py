@@ -450,6 +450,12 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
         first += count
         for ax, trigger in zip(grid.ravel().tolist(), members.tolist(), strict=False):
             image = _draw_small_map(ax, film, trigger, limits)
+
+        # hidden axes are left out of the layout, the longest part of drawing a sheet
+        for ax in grid.ravel():
+            ax.set(xticks=[], yticks=[])
+            ax.xaxis.set_visible(False)
+            ax.yaxis.set_visible(ax in grid[:, 0])
         for ax in grid[:, 0]:
             ax.set_ylabel(name, labelpad=2)
         for ax in grid.ravel()[members.size :]:
@@ -457,12 +463,12 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
 
     figure.colorbar(
         image,
-        ax=panels,
+        ax=panels[:, -1].tolist(),  # beside all panels, the layout would measure it once for each
         label="film thickness [µm]; grey: flagged",
         extend="both",
         aspect=40,
         shrink=0.9,
-        pad=0.01,
+        pad=0.01 * columns,  # of the width of a column
     )
     figure.supxlabel(
         "encoder angle above each map; each map "
@@ -502,6 +508,5 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
         extent=pixel_edges(film),
     )
     ax.set_title(f"{float(one.encoder_angle):.2f}°", fontsize=6, pad=1.5)
-    ax.set(xticks=[], yticks=[])
     bare_image(ax)
     return image
