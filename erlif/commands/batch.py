@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SCHEDULER, SKIP_BAD_FRAMES, WORKERS
 from erlif.commands.progress import echo_above, show_progress
@@ -58,7 +59,7 @@ def batch(
         from erlif.pipeline.batch import batch as process_runs
 
     try:
-        with show_progress() as progress:
+        with announced_compiling(), show_progress() as progress:
             outcomes = process_runs(
                 runs,
                 calibration=calibration,

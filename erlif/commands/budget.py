@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import PATH
 from erlif.commands.progress import show_progress
 
@@ -35,7 +36,7 @@ def budget(
     from erlif.pipeline.budget import budget as make_budget
     from erlif.report import render_budget
 
-    with show_progress() as progress:
+    with announced_compiling(), show_progress() as progress:
         found = make_budget(
             run_dir,
             trigger=trigger,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
@@ -60,7 +61,7 @@ def calibrate(
     earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = _open_replaced(output)
 
-    with show_progress() as progress:
+    with announced_compiling(), show_progress() as progress:
         calibration = pipeline.calibrate(
             fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress
         )

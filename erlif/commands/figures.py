@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import OVERWRITE, PATH
 from erlif.core.errors import OutputError
 
@@ -28,5 +29,7 @@ def figures(film: Path, output: Path | None, overwrite: bool) -> None:
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
-    for path in write_figures(film, output, overwrite=overwrite):
+    with announced_compiling():
+        paths = write_figures(film, output, overwrite=overwrite)
+    for path in paths:
         click.echo(str(path))

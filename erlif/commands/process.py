@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import (
     OVERWRITE,
@@ -55,7 +56,7 @@ def process(
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
-    with show_progress() as progress:
+    with announced_compiling(), show_progress() as progress:
         film = pipeline.process(
             run_dir,
             calibration=calibration,

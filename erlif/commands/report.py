@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import OVERWRITE, PATH, expect_suffix
 
 
@@ -24,4 +25,6 @@ def report(film: Path, output: Path | None, overwrite: bool) -> None:
 
     output = output or film.parent / "report.html"
     expect_suffix(output, ".html")
-    click.echo(str(write_report(film, output, overwrite=overwrite)))
+    with announced_compiling():
+        page = write_report(film, output, overwrite=overwrite)
+    click.echo(str(page))
