@@ -5,15 +5,12 @@ The reference is `erlif.ratio.RatioSum`.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numba
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Image
 from erlif.passes.buffers import empty_image
 from erlif.passes.pair import PairRatio
-from erlif.passes.rows import PAD, across_9, add, count, pile
+from erlif.passes.rows import PAD, Place, Ring, across, add_rows, count, table_of
 
 _ZERO, _NONE, _NAN = np.float32(0), np.uint8(0), np.float32(np.nan)
 _BELOW_IMAGE = np.uint8(1)
@@ -21,17 +18,25 @@ _HALF = 4
 """Rows between a pixel and the end of the square whose mean variance gives its weight. [px]"""
 
 
-class _Buffers(NamedTuple):
-    """Rows that stay in cache; `rows` explains the rings."""
+_STATES, _SINGLE, _SEVERAL = 18, 17, 9
+_NOISE, _NOISE_2, _NOISE_4 = Ring(0, _SINGLE), Ring(17, _SEVERAL), Ring(26, _SEVERAL)
+_PARTS = [Ring(35), Ring(36), Ring(37)]
+_PAIR, _DOWN = Ring(38), Ring(39)
+_COUNT_9, _PIXELS_9, _SPREAD, _ROWS = 40, 41, 42, 43
+"""Rows of the buffer; `erlif.passes.rows` explains the rings."""
 
-    state: AnyArray
-    noise: Image
-    noise_2: Image
-    noise_4: Image
-    count_9: Image
-    down: Image
-    pixels_9: Image
-    spread: Image
+_SUM_ROWS = [
+    (_NOISE_2, Place(_NOISE), Place(_NOISE, 16)),
+    (_NOISE_4, Place(_NOISE_2), Place(_NOISE_2, 7)),
+]
+_SUM_PIXELS = across(Ring(_COUNT_9), 9, _PARTS, Ring(_PIXELS_9))
+_SUM_SQUARES = [
+    (_PAIR, Place(_NOISE_4), Place(_NOISE_4, 5)),
+    (_DOWN, Place(_PAIR), Place(_NOISE, 9)),
+    *across(_DOWN, 9, _PARTS, Ring(_SPREAD)),
+]
+_TABLE = table_of(_SUM_ROWS + _SUM_PIXELS + _SUM_SQUARES)
+_ENDS = np.cumsum([0, len(_SUM_ROWS), len(_SUM_PIXELS), len(_SUM_SQUARES)])
 
 
 class PairSum:
@@ -75,13 +80,8 @@ class PairSum:
         pair : PairRatio
         """
         width = self.shape[1]
-        padded = width + 2 * PAD
-        buffers = _Buffers(
-            np.ones((18, width), np.uint8),
-            *(np.zeros((size, padded), np.float32) for size in (17, 9, 9)),
-            *(np.zeros(padded, np.float32) for _ in range(2)),
-            *(np.zeros(width, np.float32) for _ in range(2)),
-        )
+        state = np.ones((_STATES, width), np.uint8)
+        rows = np.zeros((_ROWS, width + 2 * PAD), np.float32)
         _add_frame(
             pair.log_ratio,
             pair.variance,
@@ -89,7 +89,8 @@ class PairSum:
             pair.variance_shared,
             pair.flags,
             self.frames == 0,
-            buffers,
+            state,
+            rows,
             self._weight,
             self._ratio,
             self._var,
@@ -134,12 +135,12 @@ class PairSum:
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _enter(variance, fixed, flags, i, extra, state, s, ring, k):  # type: ignore[no-untyped-def]
+def _enter(variance, fixed, flags, i, extra, state, s, rows, k):  # type: ignore[no-untyped-def]
     """Row i of the flags, with extra bits, and of the variance that is new in this frame."""
     for j in range(flags.shape[1]):
         bits = flags[i, j] | extra
         state[s, j] = bits
-        ring[k, j + PAD] = variance[i, j] - fixed[i, j] if bits == 0 else _ZERO
+        rows[k, j + PAD] = variance[i, j] - fixed[i, j] if bits == 0 else _ZERO
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -151,8 +152,7 @@ def _add_row(  # type: ignore[no-untyped-def]
     flags,
     i,
     first,
-    pixels,
-    spread,
+    rows,
     weight,
     ratio,
     var,
@@ -163,7 +163,7 @@ def _add_row(  # type: ignore[no-untyped-def]
     """Add row i to the sums, or begin them with it."""
     for j in range(flags.shape[1]):
         sound = flags[i, j] == 0
-        w = pixels[j] / spread[j] if sound else _ZERO
+        w = rows[_PIXELS_9, j] / rows[_SPREAD, j] if sound else _ZERO
         new = variance[i, j] - fixed[i, j]
 
         # errors of one frame add in quadrature, those common to all frames linearly
@@ -185,7 +185,8 @@ def _add_frame(  # type: ignore[no-untyped-def]
     shared,
     flags,
     first,
-    b,
+    state,
+    rows,
     weight,
     ratio,
     var,
@@ -196,17 +197,15 @@ def _add_frame(  # type: ignore[no-untyped-def]
     """Add the first five images to the sums in the last six."""
     bottom_row = log_ratio.shape[0] - 1
     for u in range(log_ratio.shape[0] + _HALF):
-        s, k, m = u % 18, u % 17, u % 9
+        s, k = u % _STATES, u % _SINGLE
         at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _BELOW_IMAGE
-        _enter(variance, fixed, flags, at, extra, b.state, s, b.noise, k)
-        add(b.noise, k, (u + 16) % 17, b.noise_2, m)
-        add(b.noise_2, m, (u + 7) % 9, b.noise_4, m)
-        if count(b.state, s, (u + 9) % 18, b.count_9):
-            across_9(b.count_9, b.pixels_9)
+        _enter(variance, fixed, flags, at, extra, state, s, rows, k)
+        for part in range(2 if u < _HALF else 3):
+            changed = part != 1 or count(state, s, (u + 9) % _STATES, rows, _COUNT_9)
+            if changed:
+                add_rows(rows, _TABLE, _ENDS[part], _ENDS[part + 1], u)
         if u < _HALF:
             continue
-        pile(b.noise_4, m, (u + 5) % 9, b.noise, (u + 9) % 17, b.down)
-        across_9(b.down, b.spread)
         _add_row(
             log_ratio,
             variance,
@@ -215,8 +214,7 @@ def _add_frame(  # type: ignore[no-untyped-def]
             flags,
             u - _HALF,
             first,
-            b.pixels_9,
-            b.spread,
+            rows,
             weight,
             ratio,
             var,

@@ -18,7 +18,7 @@ from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
 from erlif.passes.buffers import empty_image
 from erlif.passes.pair import PairRatio
-from erlif.passes.rows import PAD, across_5, across_9, across_17, add, count, pile, take
+from erlif.passes.rows import PAD, Place, Ring, Step, across, add_rows, count, table_of
 from erlif.thickness import CLEAR, compare_light, middle_of
 from erlif.trend import BLOCK, BlockSums, Region
 
@@ -27,6 +27,7 @@ _BELOW, _ABOVE, _POOR = (
 )
 _CLEAR, _HALF, _ZERO = np.float32(CLEAR), np.float32(0.5), np.float32(0)
 _NAN, _NONE = np.float32(np.nan), np.uint8(0)
+_at = np.uint64  # an index that cannot count from the end
 
 _STEPS = (61, 67)
 """Rows and columns between the pixels whose median is the offset of the sums: some hundreds."""
@@ -37,6 +38,56 @@ _SINGLE, _SEVERAL, _STATES = 17, 9, 18
 A row is used for the last time when 16 or 8 rows have entered after it; flags once more, when the
 row that leaves the square is compared with the one that enters.
 """
+
+_RATIO, _NOISE = Ring(0, _SINGLE), Ring(17, _SINGLE)
+_RATIO_2, _RATIO_4, _RATIO_8 = Ring(34, _SEVERAL), Ring(43, _SEVERAL), Ring(52, _SEVERAL)
+_NOISE_2, _NOISE_4 = Ring(61, _SEVERAL), Ring(70, _SEVERAL)
+_COUNTS = [Ring(79), Ring(80), Ring(81)]
+_PARTS = [Ring(82), Ring(83), Ring(84), Ring(85)]
+_PAIR, _DOWN = Ring(86), Ring(87)
+_WIDE, _NEAR, _MIDDLE, _SPREAD, _PIXELS_17, _PIXELS_9, _PIXELS_5 = range(88, 95)
+_OWN, _PART, _FILM, _ROWS = 95, 96, 97, 100
+"""Rows of the buffer; those of the film are followed by its rate and the calibration's share."""
+
+
+def _square(
+    several: Ring, newer: int, older: int, single: Ring, at: int, side: int, out: int
+) -> list[Step]:
+    """Steps that add up a square: two sums of rows and one row, then along the row."""
+    return [
+        (_PAIR, Place(several, newer), Place(several, older)),
+        (_DOWN, Place(_PAIR), Place(single, at)),
+        *across(_DOWN, side, _PARTS, Ring(out)),
+    ]
+
+
+_TABLE_PARTS = [
+    # sums of rows; 16 ahead in a ring of 17 rows is the row before, 1 the oldest one
+    [
+        (_RATIO_2, Place(_RATIO), Place(_RATIO, 16)),
+        (_NOISE_2, Place(_NOISE), Place(_NOISE, 16)),
+        (_RATIO_4, Place(_RATIO_2), Place(_RATIO_2, 7)),
+        (_NOISE_4, Place(_NOISE_2), Place(_NOISE_2, 7)),
+        (_RATIO_8, Place(_RATIO_4), Place(_RATIO_4, 5)),
+    ],
+    across(_COUNTS[0], 17, _PARTS, Ring(_PIXELS_17)),
+    across(_COUNTS[1], 9, _PARTS, Ring(_PIXELS_9)),
+    across(_COUNTS[2], 5, _PARTS, Ring(_PIXELS_5)),
+    [
+        *_square(_RATIO_8, 0, 1, _RATIO, 1, 17, _WIDE),
+        *_square(_RATIO_4, 5, 1, _RATIO, 5, 9, _NEAR),
+        *_square(_RATIO_2, 3, 1, _RATIO, 7, 5, _MIDDLE),
+        *_square(_NOISE_4, 5, 1, _NOISE, 5, 9, _SPREAD),
+    ],
+]
+_TABLE = table_of([step for part in _TABLE_PARTS for step in part])
+"""Every sum of two rows: sums of rows, pixels of the three squares, then the sums over squares."""
+_ENDS = np.cumsum([0, *map(len, _TABLE_PARTS)])
+_ENTERING, _LEAVING = np.array([0, 0, 14, 12]), np.array([0, 1, 5, 7])
+"""Rows of flags, ahead of the one that is filled, that enter and leave the three squares."""
+_FIRST_COUNT = _COUNTS[0].first - 1
+_SQUARES = len(_TABLE_PARTS) - 1
+"""The last part of the table, which begins once a square is complete."""
 
 _SUMS = 9
 """Sums of each block."""
@@ -145,30 +196,8 @@ class _Buffers(NamedTuple):
     """Rows that stay in cache; `rows` explains the rings."""
 
     state: AnyArray
-    ratio: Image
-    ratio_2: Image
-    ratio_4: Image
-    ratio_8: Image
-    noise: Image
-    noise_2: Image
-    noise_4: Image
-    down: Image
-    count_17: Image
-    count_9: Image
-    count_5: Image
-    wide: Image
-    near: Image
-    middle: Image
-    spread: Image
-    pixels_17: Image
-    pixels_9: Image
-    pixels_5: Image
-    within: AnyArray
+    rows: Image
     entry: AnyArray
-    part: Image
-    film: Image
-    rate: Image
-    own: Image
     sums: Image
     places: Image
     columns: Image
@@ -179,39 +208,11 @@ class _Buffers(NamedTuple):
 
         The blocks of the region begin at column left.
         """
-
-        def ring(rows: int) -> Image:
-            return np.zeros((rows, width + 2 * PAD), np.float32)
-
-        def row() -> Image:
-            return np.zeros(width, np.float32)
-
         return cls(
-            state=np.ones((_STATES, width), np.uint8),
-            ratio=ring(_SINGLE),
-            ratio_2=ring(_SEVERAL),
-            ratio_4=ring(_SEVERAL),
-            ratio_8=ring(_SEVERAL),
-            noise=ring(_SINGLE),
-            noise_2=ring(_SEVERAL),
-            noise_4=ring(_SEVERAL),
-            down=ring(1)[0],
-            count_17=ring(1)[0],
-            count_9=ring(1)[0],
-            count_5=ring(1)[0],
-            wide=row(),
-            near=row(),
-            middle=row(),
-            spread=row(),
-            pixels_17=row(),
-            pixels_9=row(),
-            pixels_5=row(),
-            within=np.zeros(width, np.uint8),
+            # one row more for the flags of the surroundings
+            state=np.ones((_STATES + 1, width), np.uint8),
+            rows=np.zeros((_ROWS, width + 2 * PAD), np.float32),
             entry=np.zeros(width, np.uint32),
-            part=row(),
-            film=row(),
-            rate=row(),
-            own=row(),
             sums=np.zeros((_SUMS, width), np.float32),
             places=_pack(np.arange(BLOCK)),
             columns=_pack((np.arange(width) - left) % BLOCK),
@@ -265,9 +266,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
         tables.start,
         tables.per_step,
         tables.last,
-        tables.thickness,
-        tables.rate,
-        tables.calibration_std,
+        np.stack([tables.thickness, tables.rate, tables.calibration_std]),
         tables.limits,
         np.array([top, bottom, left, right]),
         _Buffers.of(shape[1], left),
@@ -383,88 +382,92 @@ def _unpack(packed: Array) -> tuple[Array, Array, Array]:
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _mark(displaced, variance, flags, i, extra, state, s):  # type: ignore[no-untyped-def]
-    """Row i of the flags with poor registration, and with extra bits, into row s of state."""
-    for j in range(flags.shape[1]):
-        poor = (flags[i, j] == 0) & (displaced[i, j] > variance[i, j])
-        state[s, j] = (_POOR if poor else flags[i, j]) | extra
+def _enter(  # type: ignore[no-untyped-def]
+    log_ratio, variance, displaced, flags, i, extra, offset, state, s, rows, k
+):
+    """Row i enters: its flags with poor registration and extra bits, its sound pixels."""
+    ratio, noise = _at(k), _at(_SINGLE + k)
+    y, z = _at(i), _at(s)
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        poor = (flags[y, x] == 0) & (displaced[y, x] > variance[y, x])
+        bits = (_POOR if poor else flags[y, x]) | extra
+        state[z, x] = bits
+        rows[ratio, _at(t + PAD)] = log_ratio[y, x] - offset if bits == 0 else _ZERO
+        rows[noise, _at(t + PAD)] = variance[y, x] if bits == 0 else _ZERO
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _decide(  # type: ignore[no-untyped-def]
-    log_ratio,
-    i,
-    offset,
-    limits,
-    state,
-    s,
-    wide,
-    near,
-    middle,
-    spread,
-    pixels_17,
-    pixels_9,
-    pixels_5,
-    within,
-    flags,
-):
-    """Flags of row i by its surroundings into within, and by its own ratio into the map.
+def _decide(log_ratio, i, offset, limits, state, s, rows, flags):  # type: ignore[no-untyped-def]
+    """Flags of row i by its surroundings into the last row of state, by its own ratio into flags.
 
-    near becomes the log ratio at which the slope is taken. The slope of a curve at a noisy ratio
-    is correlated with its error; half-way to the mean of the surroundings it is that of the chord.
+    The row near becomes the log ratio at which the slope is taken. The slope of a curve at a noisy
+    ratio is correlated with its error; half-way to the mean of the surroundings it is that of the
+    chord.
     """
     first, last, thinnest, thickest = limits[0], limits[1], limits[2], limits[3]
     lowest, highest = limits[4], limits[5]
-    for j in range(log_ratio.shape[1]):
-        around = offset + (wide[j] - middle[j]) / (pixels_17[j] - pixels_5[j])
-        margin = _CLEAR * np.sqrt(spread[j] / pixels_9[j])
+    y, z = _at(i), _at(s)
+    for t in range(log_ratio.shape[1]):
+        x = _at(t)
+        middle, pixels = rows[_MIDDLE, x], rows[_PIXELS_5, x]
+        around = offset + (rows[_WIDE, x] - middle) / (rows[_PIXELS_17, x] - pixels)
+        margin = _CLEAR * np.sqrt(rows[_SPREAD, x] / rows[_PIXELS_9, x])
         beyond = _BELOW if (around < first) | (around - margin < thinnest) else _NONE
         beyond = _ABOVE if (around > last) | (around + margin > thickest) else beyond
-        bits = beyond if state[s, j] == 0 else state[s, j]
-        within[j] = bits
+        bits = beyond if state[z, x] == 0 else state[z, x]
+        state[_STATES, x] = bits
 
-        own = log_ratio[i, j]
+        own = log_ratio[y, x]
         single = _BELOW if own < lowest else _NONE
         single = _ABOVE if own > highest else single
-        flags[i, j] = single if bits == 0 else bits
-        near[j] = _HALF * (own + (offset + near[j] / pixels_9[j]))
+        flags[y, x] = single if bits == 0 else bits
+        rows[_OWN, x] = own
+        rows[_NEAR, x] = _HALF * (own + (offset + rows[_NEAR, x] / rows[_PIXELS_9, x]))
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _locate(values, start, per_step, last, index, part):  # type: ignore[no-untyped-def]
-    """Entry of a table below each value, and the distance from it in entries."""
-    for j in range(values.size):
-        place = (values[j] - start) * per_step
-        place = place if place > _ZERO else _ZERO  # NaN becomes 0
-        place = place if place < last else last
-        below = np.uint32(place)
-        index[j] = below
-        part[j] = place - np.float32(below)
+def _look_up(tables, start, per_step, last, entry, rows):  # type: ignore[no-untyped-def]
+    """Film of the row own, and its rate and the calibration's share of the row near."""
+    for q in range(tables.shape[0]):
+        # entry of the table below each value, and the distance from it in entries
+        values = _at(_OWN if q == 0 else _NEAR)
+        for t in range(entry.size if q < 2 else 0):
+            x = _at(t)
+            place = (rows[values, x] - start) * per_step
+            place = place if place > _ZERO else _ZERO  # NaN becomes 0
+            place = place if place < last else last
+            below = np.uint32(place)
+            entry[x] = below
+            rows[_PART, x] = place - np.float32(below)
 
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _look_up(table, index, part, out):  # type: ignore[no-untyped-def]
-    for j in range(out.size):
-        below = table[index[j]]
-        out[j] = below + part[j] * (table[index[j] + np.uint32(1)] - below)
+        table, out = _at(q), _at(_FILM + q)
+        for t in range(entry.size):
+            x = _at(t)
+            n = _at(entry[x])
+            below = tables[table, n]
+            rows[out, x] = below + rows[_PART, x] * (tables[table, n + _at(1)] - below)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _fill(  # type: ignore[no-untyped-def]
-    variance, displaced, flags, i, film, rate, own, thickness, std, std_shared
+    variance, displaced, flags, i, rows, thickness, std, std_shared
 ):
     """Row i of the maps; NaN where it is flagged."""
-    for j in range(flags.shape[1]):
-        valid = flags[i, j] == 0
-        shared = np.sqrt(own[j] * own[j] + rate[j] * rate[j] * displaced[i, j])
-        thickness[i, j] = film[j] if valid else _NAN
-        std[i, j] = rate[j] * np.sqrt(variance[i, j]) if valid else _NAN
-        std_shared[i, j] = shared if valid else _NAN
+    y = _at(i)
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        valid = flags[y, x] == 0
+        rate, own = rows[_FILM + 1, x], rows[_FILM + 2, x]
+        shared = np.sqrt(own * own + rate * rate * displaced[y, x])
+        thickness[y, x] = rows[_FILM, x] if valid else _NAN
+        std[y, x] = rate * np.sqrt(variance[y, x]) if valid else _NAN
+        std_shared[y, x] = shared if valid else _NAN
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def _accumulate(  # type: ignore[no-untyped-def]
-    log_ratio, variance, displaced, lit, i, place, offset, within, flags, columns, sums
+    log_ratio, variance, displaced, lit, i, place, offset, state, flags, columns, sums
 ):
     """Add row i to the sums down the columns; `_name_sums` has their order.
 
@@ -481,16 +484,18 @@ def _accumulate(  # type: ignore[no-untyped-def]
         sums[3, j] += columns[j] if some else _ZERO
     for j in range(flags.shape[1]):
         ratio = log_ratio[i, j] - offset
-        good = within[j] == 0
+        good = state[_STATES, j] == 0
         sums[4, j] += ratio if good else _ZERO
         sums[5, j] += ratio * ratio if good else _ZERO
     for j in range(flags.shape[1]):
-        good = within[j] == 0
+        good = state[_STATES, j] == 0
         sums[6, j] += variance[i, j] if good else _ZERO
         sums[7, j] += displaced[i, j] if good else _ZERO
     for j in range(flags.shape[1]):
         outside = (flags[i, j] == _BELOW) | (flags[i, j] == _ABOVE)
-        mark = (_FIRST if within[j] == 0 else _ZERO) + (_SECOND if flags[i, j] == 0 else _ZERO)
+        mark = (_FIRST if state[_STATES, j] == 0 else _ZERO) + (
+            _SECOND if flags[i, j] == 0 else _ZERO
+        )
         sums[8, j] += mark + (_THIRD if outside else _ZERO)
 
 
@@ -500,11 +505,10 @@ def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-de
     for q in range(sums.shape[0]):
         for n in range(blocks.shape[2]):
             total = 0.0
-            for j in range(left + BLOCK * n, min(left + BLOCK * (n + 1), right)):
-                total += sums[q, j]
+            for t in range(left + BLOCK * n, min(left + BLOCK * (n + 1), right)):
+                total += sums[q, _at(t)]
+                sums[q, _at(t)] = _ZERO
             blocks[q, row, n] = total
-        for j in range(sums.shape[1]):
-            sums[q, j] = _ZERO
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -517,9 +521,7 @@ def _measure(  # type: ignore[no-untyped-def]
     start,
     per_step,
     last,
-    films,
-    rates,
-    calibration_std,
+    tables,
     limits,
     region,
     b,
@@ -532,73 +534,27 @@ def _measure(  # type: ignore[no-untyped-def]
     """Fill the last five arguments; b are the buffers."""
     top, bottom, left, right = region[0], region[1], region[2], region[3]
     bottom_row = log_ratio.shape[0] - 1
+    state, rows = b.state, b.rows
     for u in range(log_ratio.shape[0] + PAD):
-        # row u enters the sums, without any sound pixel below the image; u + 16 of a ring of 17
-        # rows is the row before, u + 1 the oldest one
-        s, k, m = u % 18, u % 17, u % 9
+        # row u enters the sums, without any sound pixel below the image
         at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _POOR
-        _mark(displaced, variance, lit, at, extra, b.state, s)
-        take(log_ratio, at, offset, b.state, s, b.ratio, k)
-        take(variance, at, _ZERO, b.state, s, b.noise, k)
-        add(b.ratio, k, (u + 16) % 17, b.ratio_2, m)
-        add(b.noise, k, (u + 16) % 17, b.noise_2, m)
-        add(b.ratio_2, m, (u + 7) % 9, b.ratio_4, m)
-        add(b.noise_2, m, (u + 7) % 9, b.noise_4, m)
-        add(b.ratio_4, m, (u + 5) % 9, b.ratio_8, m)
-        if count(b.state, s, (u + 1) % 18, b.count_17):
-            across_17(b.count_17, b.pixels_17)
-        if count(b.state, (u + 14) % 18, (u + 5) % 18, b.count_9):
-            across_9(b.count_9, b.pixels_9)
-        if count(b.state, (u + 12) % 18, (u + 7) % 18, b.count_5):
-            across_5(b.count_5, b.pixels_5)
+        s, k = u % _STATES, u % _SINGLE
+        _enter(log_ratio, variance, displaced, lit, at, extra, offset, state, s, rows, k)
+        for part in range(_SQUARES if u < PAD else _SQUARES + 1):
+            changed = True
+            if 0 < part < _SQUARES:
+                new, old = (u + _ENTERING[part]) % _STATES, (u + _LEAVING[part]) % _STATES
+                changed = count(state, new, old, rows, _FIRST_COUNT + part)
+            if changed:
+                add_rows(rows, _TABLE, _ENDS[part], _ENDS[part + 1], u)
 
         # row i is in the middle of the squares
         i = u - PAD
         if i < 0:
             continue
-        pile(b.ratio_8, m, (u + 1) % 9, b.ratio, (u + 1) % 17, b.down)
-        across_17(b.down, b.wide)
-        pile(b.ratio_4, (u + 5) % 9, (u + 1) % 9, b.ratio, (u + 5) % 17, b.down)
-        across_9(b.down, b.near)
-        pile(b.ratio_2, (u + 3) % 9, (u + 1) % 9, b.ratio, (u + 7) % 17, b.down)
-        across_5(b.down, b.middle)
-        pile(b.noise_4, (u + 5) % 9, (u + 1) % 9, b.noise, (u + 5) % 17, b.down)
-        across_9(b.down, b.spread)
-
-        _decide(
-            log_ratio,
-            i,
-            offset,
-            limits,
-            b.state,
-            i % 18,
-            b.wide,
-            b.near,
-            b.middle,
-            b.spread,
-            b.pixels_17,
-            b.pixels_9,
-            b.pixels_5,
-            b.within,
-            flags,
-        )
-        _locate(log_ratio[i], start, per_step, last, b.entry, b.part)
-        _look_up(films, b.entry, b.part, b.film)
-        _locate(b.near, start, per_step, last, b.entry, b.part)
-        _look_up(rates, b.entry, b.part, b.rate)
-        _look_up(calibration_std, b.entry, b.part, b.own)
-        _fill(
-            variance,
-            displaced,
-            flags,
-            i,
-            b.film,
-            b.rate,
-            b.own,
-            thickness,
-            std,
-            std_shared,
-        )
+        _decide(log_ratio, i, offset, limits, state, i % _STATES, rows, flags)
+        _look_up(tables, start, per_step, last, b.entry, rows)
+        _fill(variance, displaced, flags, i, rows, thickness, std, std_shared)
 
         if top <= i < bottom:
             place = b.places[(i - top) % BLOCK]
@@ -610,7 +566,7 @@ def _measure(  # type: ignore[no-untyped-def]
                 i,
                 place,
                 offset,
-                b.within,
+                state,
                 flags,
                 b.columns,
                 b.sums,
