@@ -88,77 +88,61 @@ _LANES: Final = 32
 """Rows of factors are filled up to a multiple of this, so that no loop has a remainder."""
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _gradient(
-    before_2: AnyArray,
-    before: AnyArray,
-    row: AnyArray,
-    after: AnyArray,
-    after_2: AnyArray,
-    gx: AnyArray,
-    gy: AnyArray,
-) -> None:
-    """Half the five-point derivative along x and y of a row between its neighbours."""
+# an unsigned index cannot count from the end; each step stands in `_cell_sums` once, without a call
+_at = np.uint64
+
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _gradient(image: AnyArray, row: int, half: AnyArray, k: int) -> None:
+    """Half the five-point derivative along x and y of a row into rows k and k + 1."""
     c1 = np.float32(1.0 / 24.0)
     c8 = np.float32(8.0 / 24.0)
-    for i in range(row.size - 2 * EDGE):
-        k = i + EDGE
-        gx[i] = c8 * (row[i + 3] - row[i + 1]) - c1 * (row[i + 4] - row[i])
-        gy[i] = c8 * (after[k] - before[k]) - c1 * (after_2[k] - before_2[k])
+    y0, y1, y2, y3, y4 = _at(row - 2), _at(row - 1), _at(row), _at(row + 1), _at(row + 2)
+    along_x, along_y = _at(k), _at(k + 1)
+    for i in range(image.shape[1] - 2 * EDGE):
+        x, m, n = _at(i), _at(i + 1), _at(i + 2)
+        p, q = _at(i + 3), _at(i + 4)
+        half[along_x, x] = c8 * (image[y2, p] - image[y2, m]) - c1 * (image[y2, q] - image[y2, x])
+        half[along_y, x] = c8 * (image[y3, n] - image[y1, n]) - c1 * (image[y4, n] - image[y0, n])
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
 def _join(
-    a: AnyArray,
-    b: AnyArray,
-    weight: AnyArray,
-    ax: AnyArray,
-    ay: AnyArray,
-    bx: AnyArray,
-    by: AnyArray,
-    gx: AnyArray,
-    gy: AnyArray,
-    e: AnyArray,
-    own_a: AnyArray,
-    own_b: AnyArray,
-    cross: AnyArray,
-    own_weight: AnyArray,
+    a: AnyArray, b: AnyArray, weight: AnyArray, row: int, half: AnyArray, factors: AnyArray
 ) -> None:
-    """Factors of a row; the last seven arguments are filled."""
+    """Factors of a row from the gradients of both images."""
     zero = np.float32(0)
-    for i in range(a.size - 2 * EDGE):
-        x = ax[i] + bx[i]
-        y = ay[i] + by[i]
-        d = a[i + EDGE] - b[i + EDGE]
+    y = _at(row)
+    for i in range(a.shape[1] - 2 * EDGE):
+        k, n = _at(i), _at(i + EDGE)
+        ax, ay, bx, by = half[0, k], half[1, k], half[2, k], half[3, k]
+        gx = ax + bx
+        gy = ay + by
+        d = a[y, n] - b[y, n]
 
         # one NaN of the warped image among the neighbours takes the pixel out
-        ok = abs(x) + abs(y) + abs(d) < np.float32(KNOWN)
-        gx[i] = x if ok else zero
-        gy[i] = y if ok else zero
-        e[i] = d if ok else zero
-        own_a[i] = a[i + EDGE] if ok else zero
-        own_b[i] = b[i + EDGE] if ok else zero
+        ok = abs(gx) + abs(gy) + abs(d) < np.float32(KNOWN)
+        factors[_GX, k] = gx if ok else zero
+        factors[_GY, k] = gy if ok else zero
+        factors[_E, k] = d if ok else zero
+        factors[_A, k] = a[y, n] if ok else zero
+        factors[_B, k] = b[y, n] if ok else zero
         # each is half a gradient
-        cross[i] = np.float32(4) * (ax[i] * bx[i] + ay[i] * by[i]) if ok else zero
-        own_weight[i] = weight[i + EDGE] if ok else zero
+        factors[_CROSS, k] = np.float32(4) * (ax * bx + ay * by) if ok else zero
+        factors[_W, k] = weight[y, n] if ok else zero
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _bound(e: AnyArray, limit: AnyArray, weight: AnyArray, slope: AnyArray) -> None:
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
+def _bound(factors: AnyArray, limit: AnyArray, row: int) -> None:
     """Lower the weight of large differences; the slope is that of weight times difference."""
     one = np.float32(1)
-    for i in range(limit.size - 2 * EDGE):
-        t = e[i] * e[i] * limit[i + EDGE]
+    for i in range(limit.shape[1] - 2 * EDGE):
+        k = _at(i)
+        t = factors[_E, k] * factors[_E, k] * limit[_at(row), _at(i + EDGE)]
         share = one / (one + t)
         # the score is w e share, so its slope is w (1 - t) share^2
-        slope[i] = weight[i] * max(one - t, np.float32(0)) * share * share
-        weight[i] = weight[i] * share
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _add_products(line: AnyArray, a: AnyArray, b: AnyArray, c: AnyArray) -> None:
-    for i in range(line.size):
-        line[i] += a[i] * b[i] * c[i]
+        factors[_SLOPE, k] = factors[_W, k] * max(one - t, np.float32(0)) * share * share
+        factors[_W, k] = factors[_W, k] * share
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -187,40 +171,17 @@ def _cell_sums(
         line[:] = np.float32(0)
         for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
             for k in range(2):
-                image = b if k == 1 else a
-                _gradient(
-                    image[y - 2],
-                    image[y - 1],
-                    image[y],
-                    image[y + 1],
-                    image[y + 2],
-                    half[2 * k],
-                    half[2 * k + 1],
-                )
-            _join(
-                a[y],
-                b[y],
-                weight[y],
-                half[0],
-                half[1],
-                half[2],
-                half[3],
-                factors[_GX],
-                factors[_GY],
-                factors[_E],
-                factors[_A],
-                factors[_B],
-                factors[_CROSS],
-                factors[_W],
-            )
+                _gradient(b if k == 1 else a, y, half, 2 * k)
+            _join(a, b, weight, y, half, factors)
             if bounded:
-                _bound(factors[_E], limit[r], factors[_W], factors[_SLOPE])
+                _bound(factors, limit, r)
             for k in range(SUMS):
                 first = _PRODUCTS[k, 0]
-                first = first if bounded or first != _SLOPE else _W
-                _add_products(
-                    line[k], factors[first], factors[_PRODUCTS[k, 1]], factors[_PRODUCTS[k, 2]]
-                )
+                f1 = _at(first if bounded or first != _SLOPE else _W)
+                f2, f3 = _at(_PRODUCTS[k, 1]), _at(_PRODUCTS[k, 2])
+                for t in range(width):
+                    i = _at(t)
+                    line[k, i] += factors[f1, i] * factors[f2, i] * factors[f3, i]
 
         # then across each cell; the last one takes the columns that are left over
         for c in range(cols):

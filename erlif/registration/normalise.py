@@ -87,7 +87,7 @@ def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image
     return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
 def _add_moments(
     row: AnyArray,
     weight: AnyArray,
