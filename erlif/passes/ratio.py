@@ -176,20 +176,6 @@ def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _log_product(one, two, row, values, bits, exponents, out):  # type: ignore[no-untyped-def]
-    """Logarithm of the product of both cameras in one row; NaN where it is not positive."""
-    y = _at(row)
-    for t in range(values.size):
-        x = _at(t)
-        product = one[y, x] * two[y, x]
-        values[x] = product if product > _ZERO else _ONE
-    _take_log(values, bits, exponents)
-    for t in range(values.size):
-        x = _at(t)
-        out[x] = values[x] if one[y, x] * two[y, x] > _ZERO else _NAN
-
-
-@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _ratio_rows(  # type: ignore[no-untyped-def]
     one,
     two,
@@ -216,23 +202,33 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
     height, width = one.shape
     ghost = along_x != _ZERO or along_y != _ZERO
     total, of_two = 0.0, 0.0
-    values = np.empty(width, np.float32)
+    values = np.empty((2, width), np.float32)
     bits = values.view(np.int32)
-    exponents = np.empty(width, np.float32)
-    relative = np.empty(width, np.float32)
-    products = np.empty((3, width), np.float32)
+    spare = np.empty((4, width), np.float32)  # logarithms of products of three rows, and one more
 
-    if ghost:
-        for row in range(max(start - 1, 0), min(start + 1, height)):
-            _log_product(one, two, row, values, bits, exponents, products[row % 3])
-
-    for row in range(start, stop):
-        y, kept = _at(row), _at(row - first)
-        for t in range(width):
-            x = _at(t)
-            a, b = one[y, x], two[y, x]
-            values[x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
-        _take_log(values, bits, exponents)
+    # the ratio of each row, and for the ghost the product of both cameras in the row below
+    for below in range(max(start - 1, 0) if ghost else start + 1, stop + 1):
+        row = below - 1
+        y, z, kept = _at(row), _at(below), _at(row - first)
+        if row >= start:
+            for t in range(width):
+                x = _at(t)
+                a, b = one[y, x], two[y, x]
+                values[0, x] = b / a if (a > _ZERO) & (b > _ZERO) else _ONE
+        if ghost and below < height:
+            for t in range(width):
+                x = _at(t)
+                product = one[z, x] * two[z, x]
+                values[1, x] = product if product > _ZERO else _ONE
+        for q in range(0 if row >= start else 1, 2 if ghost and below < height else 1):
+            _take_log(values[q], bits[q], spare[3])
+        if ghost and below < height:
+            for t in range(width):
+                x = _at(t)
+                lit = one[z, x] * two[z, x] > _ZERO
+                spare[_at(below % 3), x] = values[1, x] if lit else _NAN
+        if row < start:
+            continue
 
         # the mean of log(1 + e) is -var(e)/2 for a small relative error e
         for t in range(width):
@@ -242,43 +238,38 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
             per_a, per_b = _ONE / (a * a), _ONE / (b * b)
             of_a = (var_one[y, x] + fixed_one[y, x]) * per_a
             of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
-            relative[x] = of_b
+            spare[3, x] = of_b
             variance[y, x] = of_a + of_b if light else _NAN
             repeats = fixed_one[y, x] * per_a + fixed_two[kept, x] * per_b
             fixed[y, x] = repeats if light else _NAN
-            values[x] = values[x] + _HALF * (of_b - of_a) if light else _NAN
+            values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
         for t in range(width):
             x = _at(t)
-            log_ratio[y, x] = values[x]
+            log_ratio[y, x] = values[0, x]
 
         for t in range(width):
             x = _at(t)
             flag = flags_one[y, x] | flags_two[kept, x] | map_flags[y, x]
-            lightless = (flag == _NONE) & (values[x] != values[x])
+            lightless = (flag == _NONE) & (values[0, x] != values[0, x])
             flags[y, x] = _DIM if lightless else flag
         sum_all, sum_two = _ZERO, _ZERO
         for t in range(width):
             x = _at(t)
             valid = flags[y, x] == _NONE
             sum_all += variance[y, x] if valid else _ZERO
-            sum_two += relative[x] if valid else _ZERO
+            sum_two += spare[3, x] if valid else _ZERO
         total += float(sum_all)
         of_two += float(sum_two)
 
         # half the logarithm of the product is the mean of both cameras' logarithms
         inside = row > 0 and row < height - 1
-        if ghost and row + 1 < height:
-            _log_product(one, two, row + 1, values, bits, exponents, products[(row + 1) % 3])
         if ghost and inside:
-            above, here, below = (
-                products[(row - 1) % 3],
-                products[row % 3],
-                products[(row + 1) % 3],
-            )
+            up, mid, down = _at((row - 1) % 3), _at(row % 3), _at((row + 1) % 3)
             for t in range(1, width - 1):
                 x = _at(t)
-                bend_x = (here[_at(t - 1)] - here[x]) + (here[_at(t + 1)] - here[x])
-                bend_y = (above[x] - here[x]) + (below[x] - here[x])
+                here = spare[mid, x]
+                bend_x = (spare[mid, _at(t - 1)] - here) + (spare[mid, _at(t + 1)] - here)
+                bend_y = (spare[up, x] - here) + (spare[down, x] - here)
                 left_over = _HALF * (along_x * bend_x + along_y * bend_y)
                 log_ratio[y, x] -= left_over if left_over == left_over else _ZERO
 

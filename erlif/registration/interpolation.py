@@ -31,6 +31,9 @@ FARTHEST: Final = np.float32(1e6)
 _REACH: Final = 9
 """Distance over which a gap is filled from its neighbours; the spline's own reach. [px]"""
 
+_U, _V, _COLUMN, _ROW, _FACTOR, _LINES = range(6)
+"""Lines of `sample_rows`."""
+
 # single precision throughout: a loop with one double is half as fast
 _ZERO, _ONE, _THREE, _FOUR, _SIX = (np.float32(value) for value in (0, 1, 3, 4, 6))
 _PER_36: Final = np.float32(1 / 36)
@@ -281,20 +284,17 @@ def sample_rows(  # type: ignore[no-untyped-def]
     total = 0.0
     count = 0
 
-    # of one row: fractions of the displacement, its whole parts, and where these change
-    us = np.empty(width, np.float32)
-    vs = np.empty(width, np.float32)
-    columns = np.empty(width, np.int32)
-    rows = np.empty(width, np.int32)
-    factors = np.empty(width, np.float32)
+    # of one row: fractions of the displacement, its whole parts, the factors of the variance, and
+    # where the whole parts change
+    line = np.empty((_LINES, width), np.float32)
     changes = np.zeros((width // 8 + 1) * 8, np.uint8)
     changes[width] = _NEXT
     eights = changes.view(np.uint64)
 
     for row in range(start, stop):
         y, kept = _at(row), _at(row - first)
-        last_column = np.int32(w - 1)
-        rows_left = np.int32(h - 1 - row)
+        last_column = np.float32(w - 1)
+        rows_left = np.float32(h - 1 - row)
         for t in range(width):
             x = _at(t)
             u = displacement_x[y, x] + drift_x
@@ -309,28 +309,28 @@ def sample_rows(  # type: ignore[no-untyped-def]
             whole_v = np.floor(v)
             u -= whole_u
             v -= whole_v
-            column = np.int32(whole_u)
-            down = np.int32(whole_v)
 
             # the last column and row are reached from the pixel before them
-            at_right = (np.int32(t) + column == last_column) & (u == _ZERO)
-            at_bottom = (down == rows_left) & (v == _ZERO)
-            us[x] = _ONE if at_right else u
-            vs[x] = _ONE if at_bottom else v
-            columns[x] = column - np.int32(1) if at_right else column
-            rows[x] = down - np.int32(1) if at_bottom else down
+            at_right = (np.float32(t) + whole_u == last_column) & (u == _ZERO)
+            at_bottom = (whole_v == rows_left) & (v == _ZERO)
+            line[_U, x] = _ONE if at_right else u
+            line[_V, x] = _ONE if at_bottom else v
+            line[_COLUMN, x] = whole_u - _ONE if at_right else whole_u
+            line[_ROW, x] = whole_v - _ONE if at_bottom else whole_v
 
         for t in range(1, width):
             x, before = _at(t), _at(t - 1)
-            other = (columns[x] != columns[before]) | (rows[x] != rows[before])
+            other = (line[_COLUMN, x] != line[_COLUMN, before]) | (
+                line[_ROW, x] != line[_ROW, before]
+            )
             changes[x] = _NEXT if other else _SAME
         if noisy:
             for t in range(width):
                 x = _at(t)
-                p = us[x] * (_ONE - us[x])
-                q = vs[x] * (_ONE - vs[x])
+                p = line[_U, x] * (_ONE - line[_U, x])
+                q = line[_V, x] * (_ONE - line[_V, x])
                 along_x = _ONE - p * p * (_THREE + _CUBIC * p)
-                factors[x] = along_x * (_ONE - q * q * (_THREE + _CUBIC * q))
+                line[_FACTOR, x] = along_x * (_ONE - q * q * (_THREE + _CUBIC * q))
 
         begin = 0
         while begin < width:
@@ -347,15 +347,16 @@ def sample_rows(  # type: ignore[no-untyped-def]
                     end += 1
 
             # the part of the run that camera 2 sees
-            shift = int(columns[begin])
-            j = row + int(rows[begin])
+            shift = int(line[_COLUMN, _at(begin)])
+            j = row + int(line[_ROW, _at(begin)])
             last = min(width, w - 1 - shift)
             low = min(max(begin, -shift), end)
             high = max(min(end, last), low)
             if j < 0 or j > h - 2:
                 low = high = end
             if low > begin or high < end:
-                for lost, until in ((begin, low), (high, end)):
+                for part in range(2):
+                    lost, until = (begin, low) if part == 0 else (high, end)
                     for t in range(lost, until):
                         out[y, _at(t)] = _NAN
                     if noisy:
@@ -364,7 +365,7 @@ def sample_rows(  # type: ignore[no-untyped-def]
                             out_variance[kept, x] = _NAN
                             out_fixed[kept, x] = _NAN
                             out_flags[kept, x] = _OUTSIDE
-                            factors[x] = _ZERO
+                            line[_FACTOR, x] = _ZERO
 
             # whole registers: what they fill beyond the run, the next run fills again
             full = min(low + (high - low + 15) // 16 * 16, last) if high > low else low
@@ -377,8 +378,8 @@ def sample_rows(  # type: ignore[no-untyped-def]
                 x = _at(t)
                 i1, i2 = _at(shift + t + 1), _at(shift + t + 2)
                 i3, i4 = _at(shift + t + 3), _at(shift + t + 4)
-                u = us[x]
-                v = vs[x]
+                u = line[_U, x]
+                v = line[_V, x]
                 a0 = (_ONE - u) * (_ONE - u) * (_ONE - u)
                 a1 = _FOUR + u * u * (_THREE * u - _SIX)
                 a3 = u * u * u
@@ -401,28 +402,31 @@ def sample_rows(  # type: ignore[no-untyped-def]
             if masked:
                 for t in range(low, high):
                     x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
-                    left, above = us[x] < _ONE, vs[x] < _ONE
+                    left, above = line[_U, x] < _ONE, line[_V, x] < _ONE
                     hit = (bad[j0, i0] & left & above) | (bad[j0, i1] & above)
                     hit |= (bad[j1, i0] & left) | bad[j1, i1]
                     out[y, x] = _NAN if hit else out[y, x]
             if noisy:
                 for t in range(low, full):
                     x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
-                    u = us[x]
-                    v = vs[x]
+                    u = line[_U, x]
+                    v = line[_V, x]
                     upper = variance[j0, i0] + u * (variance[j0, i1] - variance[j0, i0])
                     lower = variance[j1, i0] + u * (variance[j1, i1] - variance[j1, i0])
-                    out_variance[kept, x] = (upper + v * (lower - upper)) * factors[x]
+                    out_variance[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
                     upper = fixed[j0, i0] + u * (fixed[j0, i1] - fixed[j0, i0])
                     lower = fixed[j1, i0] + u * (fixed[j1, i1] - fixed[j1, i0])
-                    out_fixed[kept, x] = (upper + v * (lower - upper)) * factors[x]
+                    out_fixed[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
                 for t in range(low, flagged):
                     out_flags[kept, _at(t)] = flags[j0, _at(shift + t)]
                 count += high - low
             begin = end
 
         if noisy:
-            total += factors.sum()
+            some = _ZERO
+            for t in range(width):
+                some += line[_FACTOR, _at(t)]
+            total += float(some)
     return total, count
 
 
