@@ -247,7 +247,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     (3.0, 64)
     """
     shape = pair.log_ratio.shape
-    thickness, std, std_shared = (empty_image(shape) for _ in range(3))
+    thickness, std, std_shared = pair.spare or tuple(empty_image(shape) for _ in range(3))
     flags = empty_image(shape, np.uint8)
 
     sample = slice(None, None, _STEPS[0]), slice(None, None, _STEPS[1])

@@ -35,6 +35,8 @@ class PairRatio:
         Highest counts of camera 1 and camera 2. [DN]
     digests : tuple[str, str]
         SHA-256 of the files, hexadecimal; empty where it is not known.
+    spare : tuple[Image, ...]
+        Images of the same shape whose content is not needed any more; `measure_film` fills them.
     """
 
     log_ratio: Image
@@ -47,6 +49,7 @@ class PairRatio:
     drift: tuple[float, float] = (0.0, 0.0)
     peaks: tuple[int, int] = (0, 0)
     digests: tuple[str, str] = ("", "")
+    spare: tuple[Image, ...] = ()
 
     @classmethod
     def of(cls, ratios: RatioImages, frame: int = 0) -> PairRatio:

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numba
 import numpy as np
 
+from erlif.core.arrays import Image
 from erlif.core.flags import Flag
 from erlif.passes.light import PairLight
 from erlif.passes.pair import PairRatio
@@ -50,19 +51,28 @@ _ROOT_HALF_BITS = np.int32(np.float32(np.sqrt(0.5)).view(np.int32))
 _MANTISSA_BITS = np.int32(23)
 
 
-def empty_ratio(shape: tuple[int, int]) -> PairRatio:
+def empty_ratio(
+    shape: tuple[int, int], *, replaces: tuple[Image, Image] | None = None
+) -> PairRatio:
     """Arrays for frames of a shape (y, x), to be filled by `measure_ratio`.
 
     Parameters
     ----------
     shape : tuple of int
         Rows and columns.
+    replaces : tuple of two array, optional
+        Two images of camera 1 in the `PairLight` that `measure_ratio` reads, its variances. A row
+        of them is not needed once the variance of the ratio is known; it then receives the ratio
+        and its shared variance.
 
     Returns
     -------
     PairRatio
     """
-    log_ratio, variance, fixed, shared = (np.empty(shape, np.float32) for _ in range(4))
+    variance, fixed = (np.empty(shape, np.float32) for _ in range(2))
+    if replaces is None:
+        replaces = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    log_ratio, shared = replaces
     light_one = np.zeros((0, 0), np.float32)
     return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
 

@@ -99,7 +99,9 @@ class _Buffers:
     @classmethod
     def empty(cls, shape: tuple[int, int], orientation: str) -> _Buffers:
         warped = PairWarp.empty(shape, orientation, rows=BAND + 1)
-        return cls(PairLight.empty(shape), warped, empty_ratio(shape))
+        light = PairLight.empty(shape)
+        ratio = empty_ratio(shape, replaces=(light.variance_fixed[0], light.variance[0]))
+        return cls(light, warped, ratio)
 
 
 class _Kept(threading.local):
@@ -150,6 +152,15 @@ class FrameChain(PickledByFields):
     def references(self) -> References:
         """Dark, flat, gain and read noise of both cameras."""
         return self.correct.references
+
+    def tabulated(self) -> FrameChain:
+        """The chain with the tables alone, without the references from which they were made.
+
+        It measures frames as before, in this process; it cannot be sent to another one.
+        """
+        correct = replace(self.correct, references=References(xr.Dataset()))
+        correct.__dict__["tables"] = self.correct.tables
+        return replace(self, correct=correct)
 
     @cached_property
     def tables(self) -> MapTables:
@@ -226,7 +237,8 @@ class FrameChain(PickledByFields):
             out=buffers.ratio,
         )
         one, two = (str(frames[f"digest_camera{n}"].values[0]) for n in (1, 2))
-        return replace(ratio, digests=(one, two))
+        spare = light.light[1], light.variance[1], light.variance_fixed[1]
+        return replace(ratio, digests=(one, two), spare=spare)
 
     def warp(self, frame: int) -> AlignedFrames:
         """Light of one frame pair on the pixels of camera 1, as `align` gives it."""

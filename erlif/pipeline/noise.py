@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from erlif.core.notes import Level, Note
-from erlif.core.products import CorrectedFrames
+from erlif.core.products import CorrectedFrames, References
 from erlif.correction import CameraMeasurement, Cameras, DeclaredNoise, make_references
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.sample import FrameSample, compare_sharpness, sample_frames
@@ -83,12 +83,7 @@ def complete_noise(
     FrameError
         If the frames do not determine gain or read noise either.
     """
-    references = chain.references
-    unknown = NoiseUnknowns(
-        ~references.gain_known.values,
-        ~references.read_noise_known.values,
-        ~references.has_flat.values,
-    )
+    unknown = find_unknowns(chain.references)
     if not unknown.any:
         return NoiseCompletion(chain, cameras.notes, sample)
 
@@ -108,6 +103,15 @@ def complete_noise(
             break
         before = now
     return NoiseCompletion(chain, (*cameras.notes, *_describe(estimate, unknown)), sample)
+
+
+def find_unknowns(references: References) -> NoiseUnknowns:
+    """What settings, darks and flats leave open."""
+    return NoiseUnknowns(
+        ~references.gain_known.values,
+        ~references.read_noise_known.values,
+        ~references.has_flat.values,
+    )
 
 
 def _estimate(chain: FrameChain, unknown: NoiseUnknowns) -> NoiseEstimate | None:

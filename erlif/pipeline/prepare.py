@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from erlif.core.memory import release_memory
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
-from erlif.correction import make_references
+from erlif.correction import CameraMeasurement, make_references
 from erlif.ingest import Fixture, Run
 from erlif.pipeline.cameras import declared_noise, measure_cameras
 from erlif.pipeline.chain import FrameChain, FrameCorrection
-from erlif.pipeline.noise import NoiseCompletion, complete_noise
+from erlif.pipeline.noise import NoiseCompletion, complete_noise, find_unknowns
 from erlif.pipeline.register import register_cameras
 from erlif.pipeline.sample import compare_sharpness, sample_frames
 from erlif.ratio import BlurDifference
@@ -48,10 +49,16 @@ def prepare_chain(
     """
     settings = recording.settings
     with stage("darks and flats", _logger):
-        measured, declared = measure_cameras(recording), declared_noise(recording)
+        measured: tuple[CameraMeasurement, ...] = measure_cameras(recording)
+        declared = declared_noise(recording)
         cameras = make_references(measured, declared=declared)
         for note in cameras.notes:
             _logger.info("%s", note)
+
+    # where nothing is left to be estimated, the references are all that is needed
+    if not find_unknowns(cameras.references).any:
+        measured = ()
+    release_memory()
 
     correct = FrameCorrection(recording.pairs, cameras.references, settings.thickness.least_signal)
     with stage("registration", _logger):
@@ -65,6 +72,7 @@ def prepare_chain(
             np.sqrt(np.nanmean(camera_map.displacement_x**2 + camera_map.displacement_y**2)),
             camera_map.quality,
         )
+    release_memory()
 
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
     with stage("sharpness and noise", _logger):
@@ -81,7 +89,8 @@ def prepare_chain(
         )
         for note in completed.notes[len(cameras.notes) :]:
             _logger.info("%s", note)
-        return completed
+    release_memory()
+    return completed
 
 
 def prepare_with_map(

@@ -16,6 +16,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration, check_bands, record_calibration
 from erlif.core.errors import OutputError
+from erlif.core.memory import release_memory
 from erlif.core.progress import Progress, silent
 from erlif.core.timing import stage
 from erlif.core.version import __version__
@@ -173,8 +174,14 @@ def process_run(
         # cameras: references, map, sharpness and noise of the whole run
         stored = stored_map(calibration.camera_map, settings.registration)
         prepared = prepare_chain(run, progress, stored=stored)
-        chain = prepared.chain
+        chain, notes_on_cameras = prepared.chain, prepared.notes
         refuse_swapped_cameras(chain, calibration, prepared.sample)
+
+        # the frames need neither the sample nor the map of the fixture
+        del prepared, stored
+        calibration = replace(calibration, camera_map=None)
+        chain = chain if engine.elsewhere else chain.tabulated()
+        release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
         with stage("film", _logger):
@@ -188,10 +195,12 @@ def process_run(
                 places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
             )
 
+        release_memory()
+
         # the whole: statistics, theory, exponent, and the record of how it was made
         frames = [one for result in results for one in result.frames]
         drift = mean_drift(frames)
-        notes = [*prepared.notes, *describe_frame_notes(frames, run.pairs)]
+        notes = [*notes_on_cameras, *describe_frame_notes(frames, run.pairs)]
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
         film.attrs["identity"] = identify_work(run, calibration, hashes)

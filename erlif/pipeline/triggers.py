@@ -63,7 +63,8 @@ class TriggerTask(PickledByFields):
         Returns
         -------
         maps : dict of str to array
-            The variables of `MAPS`, (y, x).
+            The variables of `MAPS`, (y, x). The next call in the same thread may fill the same
+            arrays.
         result : TriggerResult
         """
         kept: list[FrameResult] = []

@@ -172,3 +172,13 @@ def test_tables_hold_exactly_the_log_ratios_between_their_ends(calibration):
     assert float(np.nextafter(limits[4], below)) < table.start <= float(limits[4])
     assert float(limits[5]) <= last + 1e-15
     assert float(np.nextafter(limits[5], above)) > last
+
+
+def test_maps_fill_the_spare_images(calibration):
+    pair, tables = pair_of(), FilmTables.of(calibration)
+    spare = tuple(np.empty(SHAPE, np.float32) for _ in range(3))
+    maps = measure_film(replace(pair, spare=spare), tables, WHOLE)
+    plain_maps = measure_film(pair, tables, WHOLE)
+    assert maps.thickness is spare[0]
+    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
+        npt.assert_array_equal(getattr(maps, name), getattr(plain_maps, name))

@@ -113,3 +113,22 @@ def test_logarithm_is_good_to_single_precision():
     _take_log(values, values.view(np.int32), np.empty_like(values))
     npt.assert_allclose(values, truth, rtol=2 * EPS, atol=0)
     assert values[-1] == 0
+
+
+@pytest.mark.parametrize("drift", [(0.37, -1.2), (np.nan, np.nan)])
+def test_ratio_may_replace_the_variances_of_camera_1(drift):
+    """Two bands and a part, so that rows of camera 2 are kept from one band to the next."""
+    found, light = camera_map((150, 40)), scene((150, 40))
+    separate, _ = both(light, found, drift)
+    replaced = measure_ratio(
+        light,
+        tabulate_map(found),
+        drift,
+        blur=BLUR,
+        no_film_below=0.25,
+        warped=PairWarp.empty((150, 40), found.settings.orientation, rows=BAND + 1),
+        out=empty_ratio((150, 40), replaces=(light.variance_fixed[0], light.variance[0])),
+    )
+    assert np.shares_memory(replaced.log_ratio, light.variance_fixed)
+    for name in ("log_ratio", "variance", "variance_fixed", "variance_shared", "flags"):
+        npt.assert_array_equal(getattr(replaced, name), getattr(separate, name))

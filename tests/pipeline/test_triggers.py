@@ -155,3 +155,13 @@ def test_smoothing_changes_the_maps_and_not_the_statistics(task):
         npt.assert_array_equal(values, raw.to_arrays()[name])
     steps = [np.nanstd(np.diff(one["thickness"], axis=1)) for one in (raw_maps, maps)]
     assert steps[1] < 0.7 * steps[0]
+
+
+def test_film_needs_the_tables_of_the_references_alone(run, prepared, calibration, task):
+    chain = prepared.chain.tabulated()
+    assert not chain.references.variables
+    whole, _ = task([2])
+    whole = {name: image.copy() for name, image in whole.items()}
+    maps, _ = trigger_task(run, chain, calibration)([2])
+    for name, image in whole.items():
+        npt.assert_array_equal(maps[name], image)

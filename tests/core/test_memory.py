@@ -1,0 +1,39 @@
+import platform
+import subprocess
+import sys
+
+import pytest
+
+from erlif.core.memory import release_memory
+
+# the last image keeps the freed ones before it from the end of the heap
+FREED = """
+import numpy as np
+from erlif.core.memory import release_memory
+
+
+def resident():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096
+
+
+del_first = np.ones(30_000_000, np.uint8)
+del del_first  # arrays up to this size now lie on the heap
+images = [np.ones(1_000_000, np.uint8) for _ in range(100)]
+kept = images[-1]
+del images
+before = resident()
+release_memory()
+print(before - resident())
+"""
+
+
+def test_memory_is_released_any_number_of_times():
+    release_memory()
+    assert release_memory() in (True, False)
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
+def test_freed_images_are_returned_to_the_system():
+    done = subprocess.run([sys.executable, "-c", FREED], capture_output=True, text=True, check=True)
+    assert int(done.stdout) > 90_000_000
