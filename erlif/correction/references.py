@@ -169,6 +169,10 @@ def make_references(
         datasets.append(dataset)
         notes += found
     merged = xr.concat(datasets, xr.Variable("camera", [1, 2]), combine_attrs="drop")
+
+    # one number for each camera, stored once and not for every pixel
+    of_dark = merged.dark_var.values[:, :1, :1].copy()
+    merged["dark_var"] = merged.dark_var.copy(data=np.broadcast_to(of_dark, merged.dark.shape))
     return Cameras(References(merged), tuple(notes))
 
 

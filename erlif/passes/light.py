@@ -60,13 +60,15 @@ class PairLight:
     peaks: Array
 
     @classmethod
-    def empty(cls, shape: tuple[int, int]) -> PairLight:
+    def empty(cls, shape: tuple[int, int], *, with_noise: bool = True) -> PairLight:
         """Arrays for frames of a shape (y, x), to be filled by `measure_light`.
 
         Parameters
         ----------
         shape : tuple of int
             Rows and columns.
+        with_noise : bool
+            False where the variances are not read: both cameras then share their memory.
 
         Returns
         -------
@@ -75,9 +77,11 @@ class PairLight:
         height, width = shape
         half = (2, height // 2, width // 2)
         blocks = (2, -(-height // BLOCK), -(-width // BLOCK))
-        light, variance, fixed = (np.empty((2, height, width), np.float32) for _ in range(3))
+        variance, fixed = (np.empty((1 + with_noise, *shape), np.float32) for _ in range(2))
+        if not with_noise:
+            variance, fixed = (_twice(image[0]) for image in (variance, fixed))
         return cls(
-            light,
+            np.empty((2, height, width), np.float32),
             variance,
             fixed,
             np.empty((2, height, width), np.uint8),
@@ -86,6 +90,11 @@ class PairLight:
             np.empty(blocks, np.float32),
             np.zeros(2),
         )
+
+
+def _twice(image: Image) -> Image:
+    """The same memory for both cameras."""
+    return np.lib.stride_tricks.as_strided(image, (2, *image.shape), (0, *image.strides))
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,8 @@ class LitPairs(Sequence[tuple[Image, Image, Image, Image]]):
     def __getitem__(self, index: Any) -> Any:
         # one set of arrays serves all frames, whose light is divided out into new ones; the frame
         # that is read last usually ends the reading
-        pair = self.correct.light(self.frames[index], out=self._light)
+        out = self._light or PairLight.empty(self.correct.pairs.shape, with_noise=False)
+        pair = self.correct.light(self.frames[index], out=out)
         self._light = pair if index < len(self) - 1 else None
         self.progress("registration", index + 1, len(self))
         one, two = (

@@ -168,7 +168,7 @@ def divide_by_light(image: AnyArray, weight: AnyArray) -> tuple[Image, Image]:
     bright = float(np.percentile(light[::CELL, ::CELL], BRIGHTER_PARTS))
     lit = (weight > 0) & (light > DARK * bright)
     with np.errstate(divide="ignore", invalid="ignore"):
-        texture = np.asarray(image / light, np.float32)
+        texture = np.asarray(np.divide(image, light, out=light), np.float32)
     texture[~lit] = 1
     return texture, lit.astype(np.float32)
 

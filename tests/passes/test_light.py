@@ -106,3 +106,13 @@ def test_arrays_are_filled_in_place():
     out = PairLight.empty((16, 24))
     assert measure_light(counts, tables, out=out) is out
     npt.assert_array_equal(out.light, measure_light(counts, tables).light)
+
+
+def test_light_alone_is_the_same_without_memory_for_the_noise():
+    counts, references = recording((16, 24))
+    tables = tabulate(references, least_signal=100.0)
+    out = measure_light(counts, tables, out=PairLight.empty((16, 24), with_noise=False))
+    full = measure_light(counts, tables)
+    for name in ("light", "flags", "half", "half_weight", "blocks", "peaks"):
+        npt.assert_array_equal(getattr(out, name), getattr(full, name))
+    assert np.shares_memory(out.variance[0], out.variance[1])
