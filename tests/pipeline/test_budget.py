@@ -111,7 +111,10 @@ def numbers(table):
 
 @pytest.mark.slow
 def test_documented_budget_is_that_of_the_sample():
-    """docs/uncertainty.md holds what `erlif budget data_samples/straight_bushing` prints."""
+    """docs/uncertainty.md holds what `erlif budget data_samples/straight_bushing` prints.
+
+    After a change of method, docs/make_budget.py renews it.
+    """
     text = (ROOT / "docs" / "uncertainty.md").read_text(encoding="utf-8")
     documented = text.split("<!-- budget -->")[1].split("<!-- end of budget -->")[0]
     sample = ROOT / "data_samples" / "straight_bushing"
