@@ -139,7 +139,9 @@ def test_work_waits_for_a_worker_and_reports_it(own_workers, monkeypatch, caplog
             timer.start()
         found = collect(engine, Squares(0.03), range(100))
     assert [item for item, _ in found] == list(range(100))
-    (line,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    warnings = [record for record in caplog.records if record.levelname == "WARNING"]
+    # dask warns as well where a worker ends late
+    (line,) = [record.getMessage() for record in warnings if record.name.startswith("erlif.")]
     assert "has no worker any more" in line
     assert f"dask worker {own_workers.scheduler_address}" in line
 

@@ -146,8 +146,8 @@ def test_joint_of_a_slider_crank_turns_by_crank_less_rod(with_settings):
     """The rod is inclined by arcsin(-a/l sin t); the crank pin turns against it (Mukras 2008)."""
     slider = with_settings(
         ('kind = "crank-rocker"', 'kind = "slider-crank"'),
-        ('rocker = "0.26 m"', ""),
-        ('ground = "0.51 m"', ""),
+        ('rocker = "26 cm"', ""),
+        ('ground = "51 cm"', ""),
         ('mounted_on = "rocker"', 'mounted_on = "crank"'),
     )
     cycle = linkage_cycle(slider)
