@@ -8,12 +8,13 @@ and the ghost is subtracted from the logarithm of the ratio pixel by pixel.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numba
 import numpy as np
 
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.products import AlignedFrames, require
 
 _APART = 3
@@ -28,6 +29,9 @@ _LEAST_PIXELS = 1000
 
 _CORRELATED = 10
 """Pixels that count as one independent: neighbours share texture and noise."""
+
+_TILE = (64, 256)
+"""Rows and columns of a frame that are worked on at once: their arrays stay in the cache. [px]"""
 
 
 @dataclass(frozen=True)
@@ -125,11 +129,14 @@ class BlurMoments:
         for n in range(frames.sizes["frame"]):
             one, two = frames.signal.values[:, n]
             variance = frames.signal_var.values[0, n] + frames.signal_var_fixed.values[0, n]
-            matrix, vector, noise, pixels = _moments(one, two, variance, flags[n], _APART)
-            self.matrix += matrix
-            self.vector += vector
-            self.noise += noise
-            self.pixels += pixels
+            for tile in _tiles(one.shape):
+                matrix, vector, noise, pixels = _moments(
+                    one[tile], two[tile], variance[tile], flags[n][tile]
+                )
+                self.matrix += matrix
+                self.vector += vector
+                self.noise += noise
+                self.pixels += pixels
 
     def solve(self) -> BlurDifference:
         """Blur difference with its standard deviation.
@@ -191,56 +198,88 @@ def measure_blur_difference(frames: AlignedFrames) -> BlurDifference:
     return moments.solve()
 
 
-@numba.njit(nogil=True, cache=True)
-def _moments(one, two, variance, flagged, apart):  # type: ignore[no-untyped-def]
-    """Moments of one frame, in the order of the fields of `BlurMoments`."""
-    height, width = one.shape
-    matrix, vector, noise = np.zeros((2, 2)), np.zeros(2), np.zeros((2, 2))
-    pixels = 0
+def _tiles(shape: tuple[int, ...]) -> Iterator[tuple[slice, slice]]:
+    """Parts of a frame that share no pixel of the sums, each with the margin it needs."""
+    margin = 2 * (_APART + 1)
+    rows, columns = _TILE
+    for y in range(0, shape[0] - margin, rows):
+        for x in range(0, shape[1] - margin, columns):
+            yield slice(y, y + rows + margin), slice(x, x + columns + margin)
 
-    first, second = np.empty((height, width)), np.empty((height, width))
-    for i in range(height):
-        for j in range(width):
-            sound = not flagged[i, j] and one[i, j] > 0 and two[i, j] > 0
-            first[i, j] = np.log(one[i, j]) if sound else np.nan
-            second[i, j] = np.log(two[i, j]) if sound else np.nan
 
-    # second differences of camera 2, which are needed at the neighbours as well
-    bend_x, bend_y = np.full((height, width), np.nan), np.full((height, width), np.nan)
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            bend_x[i, j] = second[i, j - 1] - 2 * second[i, j] + second[i, j + 1]
-            bend_y[i, j] = second[i - 1, j] - 2 * second[i, j] + second[i + 1, j]
+def _moments(
+    one: Image, two: Image, variance: Image, flagged: Mask
+) -> tuple[Array, Array, Array, int]:
+    """Moments of one tile, in the order of the fields of `BlurMoments`."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, second = np.log(one).astype(float), np.log(two).astype(float)
+    sound = ~flagged & np.isfinite(first) & np.isfinite(second)
+    unsound = ~sound
+    first[unsound] = 0
+    second[unsound] = 0
 
-    for i in range(apart + 1, height - apart - 1):
-        for j in range(apart + 1, width - apart - 1):
-            ax = first[i, j - 1] - 2 * first[i, j] + first[i, j + 1]
-            ay = first[i - 1, j] - 2 * first[i, j] + first[i + 1, j]
+    # the film varies slowly; the mean of four neighbours removes it from the ratio, and the same is
+    # done to the second differences, so that the factor between both stays
+    detail = _less_neighbours(second)
+    rest = (detail - _less_neighbours(first))[1:-1, 1:-1]
+    ax, ay = _bend(first[_APART:-_APART, _APART:-_APART])
+    bx, by = _bend(detail)
 
-            # the film varies slowly; the mean of four neighbours removes it from the ratio, and the
-            # same is done to the second differences, so that the factor between both stays
-            bx, by, rest = bend_x[i, j], bend_y[i, j], second[i, j] - first[i, j]
-            for k, m in ((-apart, 0), (apart, 0), (0, -apart), (0, apart)):
-                bx -= 0.25 * bend_x[i + k, j + m]
-                by -= 0.25 * bend_y[i + k, j + m]
-                rest -= 0.25 * (second[i + k, j + m] - first[i + k, j + m])
-            if not np.isfinite(ax + ay + bx + by + rest):
-                continue
+    # all pixels that enter must be sound: the neighbours, and their neighbours
+    whole = sound[_APART:-_APART, _APART:-_APART].copy()
+    for one_side in _neighbours(sound, _APART):
+        whole &= one_side
+    used = whole[1:-1, 1:-1].copy()
+    for one_side in _neighbours(whole, 1):
+        used &= one_side
+    ax *= used
+    ay *= used
 
-            # noise n of camera 1 is -n in the ratio and -2 n in its second differences
-            common = 2 * variance[i, j] / (one[i, j] * one[i, j])
-            matrix[0, 0] += ax * bx
-            matrix[0, 1] += ax * by
-            matrix[1, 0] += ay * bx
-            matrix[1, 1] += ay * by
-            vector[0] += rest * ax - common
-            vector[1] += rest * ay - common
-            noise[0, 0] += (rest * ax) ** 2
-            noise[1, 1] += (rest * ay) ** 2
-            noise[0, 1] += rest * rest * ax * ay
-            noise[1, 0] += rest * rest * ax * ay
-            pixels += 1
-    return matrix, vector, noise, pixels
+    # noise n of camera 1 is -n in the ratio and -2 n in its second differences
+    margin = _APART + 1
+    light = one[margin:-margin, margin:-margin][used]
+    common = np.sum(2.0 * variance[margin:-margin, margin:-margin][used] / (light * light))
+
+    along_x, along_y = rest * ax, rest * ay
+    both = _dot(along_x, along_y)
+    return (
+        np.array([[_dot(ax, bx), _dot(ax, by)], [_dot(ay, bx), _dot(ay, by)]]),
+        np.array([along_x.sum() - common, along_y.sum() - common]),
+        np.array([[_dot(along_x, along_x), both], [both, _dot(along_y, along_y)]]),
+        len(light),
+    )
+
+
+def _neighbours(values: AnyArray, apart: int) -> tuple[AnyArray, ...]:
+    """The values left, right, above and below, for the pixels at least `apart` from the edge."""
+    middle = slice(apart, -apart)
+    before, after = slice(None, -2 * apart), slice(2 * apart, None)
+    return (
+        values[middle, before],
+        values[middle, after],
+        values[before, middle],
+        values[after, middle],
+    )
+
+
+def _less_neighbours(values: Array) -> Array:
+    """Each value less the mean of the four at the distance `_APART`."""
+    left, right, above, below = _neighbours(values, _APART)
+    return np.asarray(
+        values[_APART:-_APART, _APART:-_APART] - 0.25 * (left + right + above + below)
+    )
+
+
+def _bend(values: Array) -> tuple[Array, Array]:
+    """Second differences along x and along y, without the pixels at the edge."""
+    left, right, above, below = _neighbours(values, 1)
+    twice = 2 * values[1:-1, 1:-1]
+    return left + right - twice, above + below - twice
+
+
+def _dot(one: Array, two: Array) -> float:
+    """Sum of the products; the order of the sum does not depend on the number of processors."""
+    return float(np.einsum("yx,yx->", one, two))
 
 
 def take_out_ghost(
