@@ -6,14 +6,13 @@ The splines are those of de Boor (1978) on equidistant knots.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.linalg import cho_factor, cho_solve
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.registration.matching import EE, WEIGHT
+from erlif.registration.matching import BX, BY, EE, GXX, GXY, GYY, WEIGHT
 
 Box = tuple[float, float, float, float]
 """x0, x1, y0, y1 of a rectangle of camera-1 pixels. [px]"""
@@ -22,6 +21,12 @@ RIDGE: Final = 1e-9
 """Ridge in parts of the mean diagonal of the normal matrix: far below all that data support."""
 LIT_SHARE: Final = 0.25
 """Cells with less than this part of the pixels of a full cell have no weight."""
+
+ROWS: Final = 32
+"""Rows of a frame that are interpolated at once: they stay in the cache."""
+PRODUCT: Final = 2**18
+"""Multiplications in a matrix product, at most: larger ones would be divided among the processors,
+which costs more than it saves."""
 
 
 def spline_weights(
@@ -69,49 +74,65 @@ def design(positions: AnyArray, start: float, stop: float, elements: int) -> Arr
     return matrix
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def _evaluate(
-    coefficients: AnyArray,
-    first_x: AnyArray,
-    weight_x: AnyArray,
-    first_y: AnyArray,
-    weight_y: AnyArray,
-    out: AnyArray,
-) -> None:
-    """Tensor spline at the grid of positions; ``weight_x`` is (4, x), ``weight_y`` (y, 4)."""
-    line = np.empty(coefficients.shape[1])
-    for y in range(out.shape[0]):
-        j = first_y[y]
-        for i in range(line.size):
-            line[i] = 0.0
-            for k in range(4):
-                line[i] += weight_y[y, k] * coefficients[j + k, i]
-        for x in range(out.shape[1]):
-            # four terms in float64, rounded once
-            i = first_x[x]
-            value = weight_x[0, x] * line[i] + weight_x[1, x] * line[i + 1]
-            out[y, x] = value + weight_x[2, x] * line[i + 2] + weight_x[3, x] * line[i + 3]
+class Pairs(NamedTuple):
+    """Products of two splines at positions, for all pairs of splines that overlap.
+
+    Attributes
+    ----------
+    products : Array
+        (position, pair). [1]
+    first : AnyArray
+        (pair,): index of the one spline.
+    second : AnyArray
+        (pair,): index of the other; each pair of different splines comes in both orders.
+    """
+
+    products: Array
+    first: AnyArray
+    second: AnyArray
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+def pair_up(matrix: Array) -> Pairs:
+    """Multiply the columns of `design` by those that overlap with them, four on each side at most.
+
+    A sum over the products of two tensor splines is a matrix product along each axis with these.
+    """
+    number = np.arange(matrix.shape[1])
+    first, second = np.nonzero(np.abs(number[:, None] - number) < 4)
+    return Pairs(matrix[:, first] * matrix[:, second], first, second)
+
+
+def on_both_sides(left: Array, middle: Array, right: Array) -> Array:
+    """The product ``left @ middle @ right`` on one processor; ``middle`` may be several matrices.
+
+    The matrices are narrow: to divide them among processors costs more than it saves.
+    """
+    half = np.einsum("ij,...jk->...ik", left, middle)
+    return np.asarray(np.einsum("...ij,jk->...ik", half, right))
+
+
 def bilinear(values: Image, row: Image, column: Image) -> Image:
     """Interpolate a small float32 table at fractional rows and columns, constant beyond its edges.
 
     The rows are interpolated once for each output row, then the columns.
     """
-    rows, cols = values.shape
+
+    def between(positions: Image, number: int) -> tuple[AnyArray, Image]:
+        t = np.clip(positions, np.float32(0), np.float32(number - 1))
+        first = np.minimum(t.astype(np.int64), number - 2)
+        return first, (t - first).astype(np.float32)
+
+    j, v = between(row, values.shape[0])
+    i, u = between(column, values.shape[1])
+    lines = values[j] + v[:, None] * np.diff(values, axis=0)[j]
+
+    # what lies right of the first column, on a part of the rows that stays in the cache
     out = np.empty((row.size, column.size), np.float32)
-    line = np.empty(cols, np.float32)
-    for y in range(row.size):
-        t = min(max(row[y], np.float32(0)), np.float32(rows - 1))
-        j = min(int(t), rows - 2)
-        v = t - np.float32(j)
-        for i in range(cols):
-            line[i] = values[j, i] + v * (values[j + 1, i] - values[j, i])
-        for x in range(column.size):
-            t = min(max(column[x], np.float32(0)), np.float32(cols - 1))
-            i = min(int(t), cols - 2)
-            out[y, x] = line[i] + (t - np.float32(i)) * (line[i + 1] - line[i])
+    for start in range(0, row.size, ROWS):
+        part = lines[start : start + ROWS]
+        step = np.take(np.diff(part, axis=1), i, axis=1)
+        step *= u
+        np.add(np.take(part, i, axis=1), step, out=out[start : start + ROWS])
     return out
 
 
@@ -151,21 +172,16 @@ class Surface:
         x0, x1, y0, y1 = self.box
         nx, ny = self.elements
         centre = (binning - 1) / 2
-        first_x, weight_x = spline_weights(np.arange(shape[1]) * binning + centre, x0, x1, nx)
-        first_y, weight_y = spline_weights(np.arange(shape[0]) * binning + centre, y0, y1, ny)
+        across = design(np.arange(shape[1]) * binning + centre, x0, x1, nx)
+        down = design(np.arange(shape[0]) * binning + centre, y0, y1, ny)
 
-        fields = []
-        for c in self.coefficients:
-            field = np.empty(shape, np.float32)
-            _evaluate(
-                np.ascontiguousarray(c / binning),
-                first_x,
-                weight_x.T.copy(),
-                first_y,
-                weight_y,
-                field,
-            )
-            fields.append(field)
+        # in float64, rounded once
+        rows = max(PRODUCT // across.size, 1)
+        fields = np.empty((2, *shape), np.float32)
+        for field, coefficients in zip(fields, self.coefficients, strict=True):
+            lines = down @ (coefficients / binning)
+            for start in range(0, shape[0], rows):
+                field[start : start + rows] = lines[start : start + rows] @ across.T
         return fields[0], fields[1]
 
     def moved(self, dx: float, dy: float) -> "Surface":
@@ -203,71 +219,6 @@ def degree_basis(degree: int) -> Array:
         if i + j <= degree
     ]
     return np.linalg.qr(np.stack(columns, axis=1))[0]
-
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def _assemble(
-    sums: AnyArray,
-    weight: AnyArray,
-    first_x: AnyArray,
-    weight_x: AnyArray,
-    first_y: AnyArray,
-    weight_y: AnyArray,
-    here_x: AnyArray,
-    here_y: AnyArray,
-    matrix: AnyArray,
-    right: AnyArray,
-) -> None:
-    """Add each cell to the normal equations, first along its row and then, row by row, along y.
-
-    ``matrix`` is (xx xy yy, y, x, y, x), ``right`` (component, y, x). The solution is the whole
-    displacement: the part that the cells already have, ``here``, goes to the right-hand side.
-    """
-    rows, cols = weight.shape
-    nx = right.shape[2]
-    band = np.empty((3, nx + 3, 4))
-    line = np.empty((2, nx))
-
-    for r in range(rows):
-        band[:] = 0.0
-        line[:] = 0.0
-
-        # the equations along x of this row: four weights on each, so a band of four
-        for c in range(cols):
-            w = weight[r, c]
-            if w <= 0:
-                continue
-
-            gxx = w * sums[r, c, 0]
-            gxy = w * sums[r, c, 1]
-            gyy = w * sums[r, c, 2]
-            bx = w * sums[r, c, 3] + gxx * here_x[r, c] + gxy * here_y[r, c]
-            by = w * sums[r, c, 4] + gxy * here_x[r, c] + gyy * here_y[r, c]
-            for p in range(4):
-                i = first_x[c] + p
-                line[0, i] += weight_x[c, p] * bx
-                line[1, i] += weight_x[c, p] * by
-                for q in range(p, 4):
-                    both = weight_x[c, p] * weight_x[c, q]
-                    band[0, i, q - p] += both * gxx
-                    band[1, i, q - p] += both * gxy
-                    band[2, i, q - p] += both * gyy
-
-        # times the weights along y, with the band unfolded into both triangles
-        for p in range(4):
-            j = first_y[r] + p
-            for i in range(nx):
-                right[0, j, i] += weight_y[r, p] * line[0, i]
-                right[1, j, i] += weight_y[r, p] * line[1, i]
-            for q in range(4):
-                k = first_y[r] + q
-                both = weight_y[r, p] * weight_y[r, q]
-                for m in range(3):
-                    for i in range(nx):
-                        matrix[m, j, i, k, i] += both * band[m, i, 0]
-                        for d in range(1, min(4, nx - i)):
-                            matrix[m, j, i, k, i + d] += both * band[m, i, d]
-                            matrix[m, j, i + d, k, i] += both * band[m, i, d]
 
 
 @dataclass(frozen=True)
@@ -381,23 +332,25 @@ def equations(cells: Cells, elements: tuple[int, int], *, box: Box | None = None
     """
     box = cells.box if box is None else box
     nx, ny = elements
-    first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
-    first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
+    across, down = design(cells.x, *box[:2], nx), design(cells.y, *box[2:], ny)
+
+    # cells without weight may hold anything
+    on = cells.weight > 0
+    weight = np.where(on, cells.weight, 0)
+    here_x, here_y = np.where(on, cells.here_x, 0), np.where(on, cells.here_y, 0)
+    gxx, gxy, gyy, bx, by = (
+        weight * np.where(on, cells.sums[..., k], 0) for k in (GXX, GXY, GYY, BX, BY)
+    )
+
+    # the solution is the whole displacement: that which the cells already have goes to the right
+    data = np.stack([bx + gxx * here_x + gxy * here_y, by + gxy * here_x + gyy * here_y])
+    right = down.T @ data @ across
 
     p = (nx + 3) * (ny + 3)
     blocks = np.zeros((3, ny + 3, nx + 3, ny + 3, nx + 3))
-    right = np.zeros((2, ny + 3, nx + 3))
-    _assemble(
-        cells.sums,
-        cells.weight,
-        first_x,
-        weight_x,
-        first_y,
-        weight_y,
-        cells.here_x,
-        cells.here_y,
-        blocks,
-        right,
+    x, y = pair_up(across), pair_up(down)
+    blocks[:, y.first[:, None], x.first, y.second[:, None], x.second] = on_both_sides(
+        y.products.T, np.stack([gxx, gxy, gyy]), x.products
     )
 
     xx, xy, yy = blocks.reshape(3, p, p)

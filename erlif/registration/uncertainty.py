@@ -6,15 +6,24 @@ Residual scores are too small where the fit could follow them; dividing them by 
 leverage is the jackknife (MacKinnon and White 1985).
 """
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.registration.matching import BX, BY, GXX, GXY, GYY
 from erlif.registration.selection import Model
-from erlif.registration.surface import RIDGE, Box, Cells, equations, spline_weights
+from erlif.registration.surface import (
+    RIDGE,
+    Box,
+    Cells,
+    Pairs,
+    design,
+    equations,
+    on_both_sides,
+    pair_up,
+)
 
 BLOCK: Final = 32.0
 """Side of the blocks whose scores are taken as independent: several correlation lengths. [px]"""
@@ -28,56 +37,29 @@ SMALLEST_REST: Final = 0.1
 """Part of its true score that a block keeps after the fit, at least."""
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
-def _block_scores(
-    sums: AnyArray,
-    weight: AnyArray,
-    first_x: AnyArray,
-    weight_x: AnyArray,
-    first_y: AnyArray,
-    weight_y: AnyArray,
-    block: AnyArray,
-    nx: int,
-    inverse: AnyArray,
-    scores: AnyArray,
-    leverage: AnyArray,
-) -> None:
-    """Add each cell to the scores (block, 2p) and the leverage of its block.
+def _block_scores(cells: Cells, block: AnyArray, across: Array, down: Array) -> Array:
+    """Scores (block, component, y, x) of the splines: sums over the cells of each block."""
+    on = cells.weight > 0
+    rows = np.flatnonzero(np.diff(block[:, 0], prepend=-1))
+    columns = np.flatnonzero(np.diff(block[0], prepend=-1))
+    shape = len(rows), len(columns), 2, down.shape[1], across.shape[1]
+    scores = np.empty(shape)
 
-    The leverage of block b is the trace of M_b M^-1, M_b its part of the normal matrix M.
-    """
-    p = scores.shape[1] // 2
-    phi = np.empty(16)
-    index = np.empty(16, np.int64)
-
-    for r in range(weight.shape[0]):
-        for c in range(weight.shape[1]):
-            w = weight[r, c]
-            if w <= 0:
-                continue
-
-            # the sixteen splines that reach the cell, and their share in its score
-            b = block[r, c]
-            k = 0
-            for j in range(4):
-                for i in range(4):
-                    phi[k] = weight_y[r, j] * weight_x[c, i]
-                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
-                    scores[b, index[k]] += phi[k] * w * sums[r, c, BX]
-                    scores[b, p + index[k]] += phi[k] * w * sums[r, c, BY]
-                    k += 1
-
-            # variance of the surface at the cell, for a fit of unit residual variance
-            xx, xy, yy = 0.0, 0.0, 0.0
-            for m in range(16):
-                for n in range(16):
-                    both = phi[m] * phi[n]
-                    xx += both * inverse[index[m], index[n]]
-                    xy += both * inverse[index[m], p + index[n]]
-                    yy += both * inverse[p + index[m], p + index[n]]
-            leverage[b] += w * (
-                sums[r, c, GXX] * xx + 2 * sums[r, c, GXY] * xy + sums[r, c, GYY] * yy
+    for component, k in enumerate((BX, BY)):
+        score = np.where(on, cells.weight * cells.sums[..., k], 0)
+        lines = np.add.reduceat(score[:, :, None] * across, columns, axis=1)
+        for row, (start, stop) in enumerate(pairwise([*rows, len(block)])):
+            scores[row, :, component] = np.einsum(
+                "rj,rbi->bji", down[start:stop], lines[start:stop]
             )
+    return scores.reshape(-1, *shape[2:])
+
+
+def _between(matrix: Array, x: Pairs, y: Pairs) -> Array:
+    """Quadratic form of a matrix over the coefficients with the tensor splines at a grid."""
+    n, m = int(y.first[-1]) + 1, int(x.first[-1]) + 1
+    terms = matrix.reshape(n, m, n, m)[y.first[:, None], x.first, y.second[:, None], x.second]
+    return on_both_sides(y.products, terms, x.products.T)
 
 
 def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
@@ -103,8 +85,7 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     nx, ny = model.elements
     system = equations(cells, model.elements, box=box)
     block = blocks_of(cells, model, box)
-    first_x, weight_x = spline_weights(cells.x, box[0], box[1], nx)
-    first_y, weight_y = spline_weights(cells.y, box[2], box[3], ny)
+    across, down = design(cells.x, *box[:2], nx), design(cells.y, *box[2:], ny)
 
     # a polynomial is a restriction of the spline: its matrix is inverted in its own space
     p = (nx + 3) * (ny + 3)
@@ -114,21 +95,16 @@ def surface_covariance(cells: Cells, model: Model, box: Box) -> Array:
     inverse = np.linalg.inv(matrix + ridge * np.eye(len(matrix)))
     inverse = basis @ inverse @ basis.T
 
-    blocks = int(block.max()) + 1
-    scores, leverage = np.zeros((blocks, 2 * p)), np.zeros(blocks)
-    _block_scores(
-        cells.sums,
-        cells.weight,
-        first_x,
-        weight_x,
-        first_y,
-        weight_y,
-        block,
-        nx + 3,
-        inverse,
-        scores,
-        leverage,
+    # leverage of block b: the trace of M_b M^-1, M_b its part of the normal matrix M
+    x, y = pair_up(across), pair_up(down)
+    share = (
+        cells.sums[..., GXX] * _between(inverse[:p, :p], x, y)
+        + 2 * cells.sums[..., GXY] * _between(inverse[:p, p:], x, y)
+        + cells.sums[..., GYY] * _between(inverse[p:, p:], x, y)
     )
+    share = np.where(cells.weight > 0, cells.weight * share, 0)
+    leverage = np.bincount(block.ravel(), share.ravel())
+    scores = _block_scores(cells, block, across, down).reshape(len(leverage), 2 * p)
 
     # the fit has bent towards each block by its leverage, half of it on either component
     scores /= np.maximum(1 - leverage / 2, SMALLEST_REST)[:, None]
@@ -146,38 +122,6 @@ def blocks_of(cells: Cells, model: Model, box: Box) -> AnyArray:
     column = ((cells.x - cells.x[0] + 0.5) // side).astype(np.int64)
     row = ((cells.y - cells.y[0] + 0.5) // side).astype(np.int64)
     return np.asarray(row[:, None] * (column[-1] + 1) + column[None, :])
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
-def _variance_at(
-    first_x: AnyArray,
-    weight_x: AnyArray,
-    first_y: AnyArray,
-    weight_y: AnyArray,
-    covariance: AnyArray,
-    nx: int,
-    out: AnyArray,
-) -> None:
-    """Mean variance of the two components at the grid of positions."""
-    p = covariance.shape[0] // 2
-    index = np.empty(16, np.int64)
-    phi = np.empty(16)
-
-    for r in range(out.shape[0]):
-        for c in range(out.shape[1]):
-            k = 0
-            for j in range(4):
-                for i in range(4):
-                    index[k] = (first_y[r] + j) * nx + first_x[c] + i
-                    phi[k] = weight_y[r, j] * weight_x[c, i]
-                    k += 1
-
-            total = 0.0
-            for a in range(16):
-                for b in range(16):
-                    ia, ib = index[a], index[b]
-                    total += phi[a] * phi[b] * (covariance[ia, ib] + covariance[p + ia, p + ib])
-            out[r, c] = 0.5 * total
 
 
 def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -> Array:
@@ -200,8 +144,7 @@ def surface_std(covariance: Array, model: Model, box: Box, x: Array, y: Array) -
         Standard deviation of one component, the rms of the two. [px]
     """
     nx, ny = model.elements
-    first_x, weight_x = spline_weights(x, box[0], box[1], nx)
-    first_y, weight_y = spline_weights(y, box[2], box[3], ny)
-    out = np.empty((len(y), len(x)))
-    _variance_at(first_x, weight_x, first_y, weight_y, covariance, nx + 3, out)
+    x_pairs, y_pairs = pair_up(design(x, *box[:2], nx)), pair_up(design(y, *box[2:], ny))
+    p = (nx + 3) * (ny + 3)
+    out = 0.5 * _between(covariance[:p, :p] + covariance[p:, p:], x_pairs, y_pairs)
     return np.sqrt(np.maximum(out, 0))
