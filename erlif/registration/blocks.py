@@ -9,7 +9,6 @@ others that agree (random sample consensus: Fischler and Bolles, 1981).
 from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import AnyArray, Array, Image
 
@@ -102,72 +101,72 @@ class Agreement(NamedTuple):
 NONE_AGREE: Final = Agreement(np.zeros((2, 2)), np.zeros(2), 0.0)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def integral(values: AnyArray, other: AnyArray, out: AnyArray) -> None:
+def integral(values: Image, other: Image) -> Array:
     """Sums of values * other over every rectangle from the origin.
 
-    ``out`` has one row and one column more than the image.
+    One row and one column more than the image.
     """
-    h, w = values.shape
-    for x in range(w + 1):
-        out[0, x] = 0.0
-    for y in range(h):
-        line = 0.0
-        out[y + 1, 0] = 0.0
-        for x in range(w):
-            line += values[y, x] * other[y, x]
-            out[y + 1, x + 1] = out[y, x + 1] + line
+    sums = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
+    lines = np.cumsum(values * other, axis=1, dtype=float)
+    np.cumsum(lines, axis=0, out=sums[1:, 1:])
+    return sums
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=True)
-def _match_blocks(
-    a: AnyArray,
-    b: AnyArray,
-    energy_a: AnyArray,
-    energy_b: AnyArray,
-    area: AnyArray,
-    block: int,
-    stride: int,
-    reach: int,
-    out: AnyArray,
-) -> None:
+class _Ends(NamedTuple):
+    """First pixel (block, offset) of blocks along one axis, and the one after the last."""
+
+    start: AnyArray
+
+    stop: AnyArray
+
+
+def _ends(blocks: int, size: int, offsets: AnyArray) -> _Ends:
+    """Ends of the blocks along an axis of this size, moved by the offsets and cut at the image."""
+    start = np.arange(blocks) * STRIDE
+    stop = np.minimum(start + BLOCK, size)
+    return _Ends(*(np.clip(end[:, None] + offsets, 0, size) for end in (start, stop)))
+
+
+def _sum_blocks(sums: Array, y: _Ends, x: _Ends) -> Array:
+    """Sums (row, column, offset y, offset x) over the blocks, from an integral image."""
+    start, stop = (end[:, None, :, None] for end in y)
+    rows: Array = sums[stop, x.stop[:, None]] - sums[start, x.stop[:, None]]
+    return rows - sums[stop, x.start[:, None]] + sums[start, x.start[:, None]]
+
+
+def _correlate_blocks(a: Image, b: Image, weight: Image, reach: int) -> Image:
     """Normalised correlation of each block of ``a`` with ``b`` at the offsets within ``reach``.
 
-    ``out`` is (row, column, offset y, offset x), `UNSEEN` where less than a third of the block is
-    seen. Energies and area are integral images.
+    (row, column, offset y, offset x), `UNSEEN` where less than `SEEN` of the block is seen.
     """
     h, w = a.shape
-    n = 2 * reach + 1
-    for r in range(out.shape[0]):
-        for c in range(out.shape[1]):
-            y0 = r * stride
-            x0 = c * stride
-            y1 = min(y0 + block, h)
-            x1 = min(x0 + block, w)
-            saa = energy_a[y1, x1] - energy_a[y0, x1] - energy_a[y1, x0] + energy_a[y0, x0]
+    rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
+    offsets = np.arange(-reach, reach + 1)
 
-            for j in range(n):
-                for i in range(n):
-                    # the part of the block whose counterpart lies inside the image
-                    dy = j - reach
-                    dx = i - reach
-                    ya, yb = max(y0, -dy), min(y1, h - dy)
-                    xa, xb = max(x0, -dx), min(x1, w - dx)
-                    out[r, c, j, i] = UNSEEN
-                    if yb <= ya or xb <= xa:
-                        continue
+    # the energies of each block, and of its counterpart as far as it lies inside the image
+    still = np.zeros(1, int)
+    energy = _sum_blocks(integral(a, a), _ends(rows, h, still), _ends(cols, w, still))
+    y, x = _ends(rows, h, offsets), _ends(cols, w, offsets)
+    area = _sum_blocks(integral(weight, weight), y, x)
+    other = _sum_blocks(integral(b, b), y, x)
 
-                    p, q, s, t = ya + dy, yb + dy, xa + dx, xb + dx
-                    count = area[q, t] - area[p, t] - area[q, s] + area[p, s]
-                    sbb = energy_b[q, t] - energy_b[p, t] - energy_b[q, s] + energy_b[p, s]
-                    if count < SEEN * block * block or saa <= 0 or sbb <= 0:
-                        continue
+    # sums over blocks that overlap are a matrix product along each axis
+    down, across = (
+        ((ends.start <= pixel) & (pixel < ends.stop)).astype(np.float32)
+        for ends, pixel in (
+            (_ends(rows, h, still), np.arange(h)),
+            (_ends(cols, w, still), np.arange(w)),
+        )
+    )
+    padded = np.pad(b, reach)
+    total = np.empty((rows, cols, len(offsets), len(offsets)), np.float32)
+    for j, i in np.ndindex(total.shape[2:]):
+        total[:, :, j, i] = down @ ((a * padded[j : j + h, i : i + w]) @ across.T)
 
-                    total = np.float32(0)
-                    for y in range(ya, yb):
-                        for x in range(xa, xb):
-                            total += a[y, x] * b[y + dy, x + dx]
-                    out[r, c, j, i] = total / np.sqrt(saa * sbb)
+    known = (area >= SEEN * BLOCK * BLOCK) & (energy > 0) & (other > 0)
+    scores = np.full(total.shape, UNSEEN, np.float32)
+    scores[known] = total[known] / np.sqrt((energy * other)[known])
+    return scores
 
 
 def match_blocks(a: Image, b: Image, weight: Image, reach: int) -> Blocks:
@@ -188,14 +187,8 @@ def match_blocks(a: Image, b: Image, weight: Image, reach: int) -> Blocks:
         Those for which most offsets have enough overlap.
     """
     h, w = a.shape
-    rows, cols = max((h - BLOCK) // STRIDE + 1, 1), max((w - BLOCK) // STRIDE + 1, 1)
-    n = 2 * reach + 1
-    scores = np.empty((rows, cols, n, n), np.float32)
-    energy_a, energy_b, area = (np.empty((h + 1, w + 1)) for _ in range(3))
-    integral(a, a, energy_a)
-    integral(b, b, energy_b)
-    integral(weight, weight, area)
-    _match_blocks(a, b, energy_a, energy_b, area, BLOCK, STRIDE, reach, scores)
+    scores = _correlate_blocks(a, b, weight, reach)
+    rows, cols, n, _ = scores.shape
 
     # the highest correlation of each block, and the scatter of the others by chance
     flat = scores.reshape(rows, cols, n * n)

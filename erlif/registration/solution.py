@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numba import njit
 
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
@@ -14,7 +13,7 @@ from erlif.registration import local
 from erlif.registration.camera_map import CameraMap, MapKind
 from erlif.registration.matching import EE, WEIGHT, cell_centres, without_noise
 from erlif.registration.selection import Model
-from erlif.registration.surface import Cells, Surface, bilinear
+from erlif.registration.surface import ROWS, Cells, Surface, bilinear
 from erlif.registration.uncertainty import surface_covariance, surface_std
 from erlif.registration.views import Views
 
@@ -204,8 +203,7 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     h, w = views.shape
     height, width = views.shape_moving
     dx, dy, std = solution.dx.copy(), solution.dy.copy(), solution.std.copy()
-    overlap = np.empty((h, w), np.bool_)
-    find_overlap(dx, dy, std, height, width, overlap)
+    overlap = find_overlap(dx, dy, std, height, width)
 
     # a surface may pass by what its cells ask for, which its standard deviation does not show
     poor = std > POOR_STD
@@ -227,19 +225,22 @@ def finish_map(solution: Solution, views: Views, cells: Cells, quality: float) -
     return CameraMap(dx, dy, std, overlap, poor, quality, kind, resolution, views.settings)
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
-def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int, overlap: Mask) -> None:
+def find_overlap(dx: Image, dy: Image, std: Image, height: int, width: int) -> Mask:
     """Mark the pixels whose point camera 2 sees; the fields become NaN far beyond its frame.
 
-    ``height`` and ``width`` are those of camera 2. The arrays are changed in place.
+    ``height`` and ``width`` are those of camera 2. The fields are changed in place.
     """
-    for y in range(dx.shape[0]):
-        for x in range(dx.shape[1]):
-            px = x + dx[y, x]
-            py = y + dy[y, x]
-            beyond = max(max(-px, px - (width - 1)), max(-py, py - (height - 1)))
-            overlap[y, x] = beyond <= 0
-            if not beyond <= BEYOND:
-                dx[y, x] = np.nan
-                dy[y, x] = np.nan
-                std[y, x] = np.nan
+    overlap = np.empty(dx.shape, np.bool_)
+    x, y = np.arange(dx.shape[1], dtype=float), np.arange(dx.shape[0], dtype=float)[:, None]
+    for start in range(0, dx.shape[0], ROWS):
+        part = slice(start, start + ROWS)
+        px, py = x + dx[part], y[part] + dy[part]
+        across, down = np.maximum(-px, px - (width - 1)), np.maximum(-py, py - (height - 1))
+        beyond = np.maximum(across, down)
+        overlap[part] = beyond <= 0
+
+        # an unknown displacement is far as well
+        far = ~(beyond <= BEYOND)
+        for field in (dx, dy, std):
+            field[part][far] = np.nan
+    return overlap

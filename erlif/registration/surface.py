@@ -23,7 +23,7 @@ LIT_SHARE: Final = 0.25
 """Cells with less than this part of the pixels of a full cell have no weight."""
 
 ROWS: Final = 32
-"""Rows of a frame that are interpolated at once: they stay in the cache."""
+"""Rows of a frame that are worked on at once: their arrays stay in the cache."""
 PRODUCT: Final = 2**18
 """Multiplications in a matrix product, at most: larger ones would be divided among the processors,
 which costs more than it saves."""

@@ -86,8 +86,7 @@ def still():
     [(3, 0, (0, 157), (0, 128)), (-3, 0, (3, 160), (0, 128)), (0, 2.5, (0, 160), (0, 125))],
 )
 def test_overlap_ends_where_the_point_leaves_camera_2(dx, dy, columns, rows):
-    overlap = np.zeros(SHAPE, bool)
-    find_overlap(even(dx), even(dy), even(0), *SHAPE, overlap)
+    overlap = find_overlap(even(dx), even(dy), even(0), *SHAPE)
     expected = np.zeros(SHAPE, bool)
     expected[slice(*rows), slice(*columns)] = True
     npt.assert_array_equal(overlap, expected)
@@ -99,8 +98,8 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
     """For frames that drift; by 12 px, four rows or columns of camera 1 lie further out."""
     fields = [even(0), even(0)]
     fields[1 - axis][:] = sign * 12
-    std, overlap = even(0.1), np.zeros(SHAPE, bool)
-    find_overlap(*fields, std, *SHAPE, overlap)
+    std = even(0.1)
+    overlap = find_overlap(*fields, std, *SHAPE)
     unknown = np.isnan(fields[0])
     expected = np.zeros(SHAPE, bool)
     np.moveaxis(expected, axis, 0)[slice(-4, None) if sign > 0 else slice(0, 4)] = True
@@ -111,16 +110,15 @@ def test_the_displacement_is_given_eight_pixels_beyond_camera_2(axis, sign):
 
 
 def test_the_size_of_camera_2_bounds_the_overlap():
-    overlap = np.zeros(SHAPE, bool)
-    find_overlap(even(0), even(0), even(0), 100, 130, overlap)
+    overlap = find_overlap(even(0), even(0), even(0), 100, 130)
     assert overlap.sum() == 100 * 130
     assert overlap[:100, :130].all()
 
 
 def test_an_unknown_displacement_is_no_overlap():
-    dx, overlap = even(0), np.ones(SHAPE, bool)
+    dx = even(0)
     dx[10, 20] = np.nan
-    find_overlap(dx, even(0), even(0), *SHAPE, overlap)
+    overlap = find_overlap(dx, even(0), even(0), *SHAPE)
     npt.assert_array_equal(np.argwhere(~overlap), [[10, 20]])
 
 
