@@ -9,6 +9,7 @@ import matplotlib
 import numpy as np
 import numpy.testing as npt
 import pytest
+from fontTools import subset
 from matplotlib.figure import Figure
 
 from erlif import plots
@@ -50,6 +51,26 @@ def test_previous_figure_is_kept_where_writing_fails(calibration, tmp_path):
     with pytest.raises((OutputError, OSError)):
         plots.write_calibration_figure(calibration, target)
     assert target.parent.read_text() == "a file where the directory should be"
+
+
+def test_fonts_are_embedded_where_fonttools_has_no_list_of_dropped_tables(monkeypatch):
+    """fontTools does not document the list, so that another version may lack it."""
+    figure = new_figure()
+    figure.add_subplot().set_xlabel("angle [°]")
+    small = figure_bytes(figure, kind="pdf")
+
+    # such a fontTools has its list elsewhere
+    listed, make = subset.Options._drop_tables_default, subset.Options.__init__
+    monkeypatch.delattr(subset.Options, "_drop_tables_default")
+
+    def make_options(self, **kwargs):
+        self._drop_tables_default = listed
+        make(self, **kwargs)
+
+    monkeypatch.setattr(subset.Options, "__init__", make_options)
+    large = figure_bytes(figure, kind="pdf")
+    assert large[:4] == b"%PDF"
+    assert len(large) > len(small)
 
 
 @pytest.mark.parametrize(("dpi", "width"), [(100.0, 354), (300.0, 1062)])
