@@ -227,18 +227,31 @@ class FrameChain(PickledByFields):
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         frames = read_frames(self.pairs, [frame], digests=True)
         light = measure_light(frames.counts.values[:, 0], self.correct.tables, out=buffers.light)
-        ratio = measure_ratio(
+        ratio = self._divide(light, self._find_drift(light), buffers)
+        one, two = (str(frames[f"digest_camera{n}"].values[0]) for n in (1, 2))
+        spare = light.light[1], light.variance[1], light.variance_fixed[1]
+        return replace(ratio, digests=(one, two), spare=spare)
+
+    def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
+        """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.
+
+        The light (camera, y, x) [DN] is on the pixels of camera 1, NaN outside camera 2.
+        """
+        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation)
+        light = self.correct.light(frame, out=buffers.light)
+        ratio = self._divide(light, drift, buffers)
+        return ratio, np.stack([light.light[0], buffers.warped.light])
+
+    def _divide(self, light: PairLight, drift: tuple[float, float], buffers: _Buffers) -> PairRatio:
+        return measure_ratio(
             light,
             self.tables,
-            self._find_drift(light),
+            drift,
             blur=self.blur,
             no_film_below=self.no_film_below,
             warped=buffers.warped,
             out=buffers.ratio,
         )
-        one, two = (str(frames[f"digest_camera{n}"].values[0]) for n in (1, 2))
-        spare = light.light[1], light.variance[1], light.variance_fixed[1]
-        return replace(ratio, digests=(one, two), spare=spare)
 
     def warp(self, frame: int) -> AlignedFrames:
         """Light of one frame pair on the pixels of camera 1, as `align` gives it."""

@@ -16,13 +16,17 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError, OutputError
+from erlif.core.products import RatioImages
 from erlif.files import check_trigger, open_film, settings_of
 from erlif.ingest import Run, open_run
+from erlif.passes import PairSum
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_with_map
-from erlif.ratio import BlurDifference, RatioSum, smooth_ratio
+from erlif.ratio import BlurDifference, smooth_ratio
 from erlif.registration import CameraMap
 from erlif.settings import RunSettings
+
+_RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
 
 
 def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) -> xr.Dataset:
@@ -153,20 +157,26 @@ def _check_run(run: Run, stored: _Stored) -> None:
 def _combine(chain: FrameChain, stored: _Stored, frames: list[int], trigger: int) -> xr.Dataset:
     """Mean light and combined ratio of the frames of a trigger."""
     shape = chain.pairs.shape
-    total = RatioSum(shape)
+    total = PairSum(shape)
     light = np.zeros((2, *shape))
     seen = np.zeros_like(light)
     with one_thread_per_frame():
         for frame in frames:
-            aligned = chain.align(chain.correct(frame), drift=stored.drift[frame])
-            total.add(chain.compute_ratio(aligned))
+            drift_x, drift_y = stored.drift[frame].tolist()
+            pair, signal = chain.restore(frame, (drift_x, drift_y))
+            if len(frames) > 1:  # the ratio of a single frame is the one behind the map
+                total.add(pair)
 
             # camera 2 sees the edge of the image in some frames only, as it drifts
-            signal = aligned.signal.values[:, 0]
             light += np.nan_to_num(signal, nan=0.0)
             seen += np.isfinite(signal)
 
-    ratio = total.mean()
+    combined = pair if len(frames) == 1 else total.mean()
+    ratio = RatioImages(combined.to_images().isel(frame=0))
+
+    # a single frame holds numbers in flagged pixels, which mean nothing
+    sound = ratio.flags == 0
+    ratio = RatioImages(ratio.assign({name: ratio[name].where(sound) for name in _RATIO}))
     smoothing = stored.settings.thickness.smoothing
     if smoothing is not None:
         ratio = smooth_ratio(ratio, resolution=smoothing)

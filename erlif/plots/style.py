@@ -248,8 +248,8 @@ def _without_text_layout() -> Iterator[None]:
     """Embed fonts without the tables for setting new text."""
     from fontTools.subset import Options  # type: ignore[import-untyped]
 
-    # matplotlib takes fontTools' defaults and has no setting for them; a fontTools without this list
-    # embeds all tables, which takes longer
+    # matplotlib takes fontTools' defaults and has no setting for them; without this list
+    # fontTools embeds all tables, which takes longer
     dropped = getattr(Options, "_drop_tables_default", None)
     if dropped is None:
         yield

@@ -82,6 +82,15 @@ def test_ratio_with_estimated_noise_is_the_one_behind_the_map(lab):
         assert_behind_map(images, stored, 1)
 
 
+def test_flagged_pixels_have_no_ratio(cycles, film, small_rig):
+    for path, run in ((cycles / "film.nc", cycles), (film, small_rig.run)):
+        images = restore_images(path, run, trigger=1)
+        flagged = images.flags.values > 0
+        assert 0 < flagged.sum() < flagged.size / 2
+        for name in ("log_ratio", "log_ratio_var", "log_ratio_var_shared"):
+            npt.assert_array_equal(np.isnan(images[name].values), flagged)
+
+
 def test_light_is_the_mean_of_the_frames_less_dark_over_flat(cycles):
     """Camera 1 stays on its own grid, so that plain arithmetic on the files gives its light."""
     images = restore_images(cycles / "film.nc", cycles, trigger=2)
