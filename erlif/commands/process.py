@@ -50,13 +50,18 @@ def process(
     """
     with large_imports():
         from erlif import pipeline
+        from erlif.pipeline.kernels import compile_aside, second_compiler
         from erlif.report import summarise
 
     # a name that promises another format is refused before the work starts
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
-    with announced_compiling(), show_progress() as progress:
+    with (
+        second_compiler(),
+        announced_compiling(first=compile_aside),
+        show_progress() as progress,
+    ):
         film = pipeline.process(
             run_dir,
             calibration=calibration,

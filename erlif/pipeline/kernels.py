@@ -1,0 +1,90 @@
+"""Kernels of the film, compiled by a second process while the first registers the cameras.
+
+numba compiles in one thread at a time. In a fresh environment a second process therefore compiles
+what comes after the registration, and both find it in the cache of compiled kernels.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+_LONGEST = 120.0
+"""Time after which the first process compiles by itself; the second takes about five. [s]"""
+
+_SIDE = 32
+"""Side of the image that is measured; the kernels are the same for every size. [px]"""
+
+
+_COMMAND = f"from {__name__} import compile_film_kernels as run; run()"
+"""Program of the second process."""
+
+
+class _Second:
+    """The second process, while there is one."""
+
+    process: subprocess.Popen[bytes] | None = None
+
+
+def compile_aside() -> None:
+    """Start a second process that compiles the kernels of the film, where a processor is free."""
+    if _Second.process is not None or (os.cpu_count() or 1) < 2 or not sys.executable:
+        return
+    try:
+        _Second.process = subprocess.Popen(
+            [sys.executable, "-c", _COMMAND],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+    except OSError:  # the first process then compiles everything by itself
+        _Second.process = None
+
+
+def wait_for_kernels() -> None:
+    """Wait until the second process has finished, where there is one."""
+    if _Second.process is not None:
+        try:
+            _Second.process.wait(_LONGEST)
+        except subprocess.TimeoutExpired:
+            return
+        _Second.process = None
+
+
+@contextmanager
+def second_compiler() -> Iterator[None]:
+    """End the second process with the block, whatever it is doing."""
+    try:
+        yield
+    finally:
+        if _Second.process is not None:
+            _Second.process.kill()
+            _Second.process.wait()
+            _Second.process = None
+
+
+def compile_film_kernels() -> None:
+    """Measure and compress a small film, which compiles the kernels for it."""
+    from erlif.files.compression import encode_netcdf
+    from erlif.passes import FilmTables, PairRatio, measure_film
+    from erlif.pipeline.film import MAPS
+    from erlif.trend import Region
+
+    def image(value: float) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
+        return np.full((_SIDE, _SIDE), value, np.float32)
+
+    # a straight curve of thickness over log ratio
+    table = np.linspace(0, 1, 64, dtype=np.float32)
+    limits = np.array([0, 1, 0, 1, 0, 1], np.float32)
+    last = np.float32(62.9)
+    tables = FilmTables(np.float32(0), np.float32(63), last, table, table, table, limits)
+
+    flags = np.zeros((_SIDE, _SIDE), np.uint8)
+    pair = PairRatio(image(0.5), image(1e-4), image(0), image(1e-6), flags, image(1000))
+    maps = measure_film(pair, tables, Region(slice(0, _SIDE), slice(0, _SIDE)))
+    encode_netcdf({one.name: getattr(maps, one.name) for one in MAPS}, MAPS)

@@ -1,0 +1,71 @@
+"""The second process that compiles the kernels of the film in a fresh environment."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from erlif.pipeline import kernels
+
+
+def kernels_of(cache: Path) -> set[str]:
+    """Names of the kernels in a cache of numba."""
+    return {path.name.split("-")[0].split(".")[-1] for path in cache.rglob("*.nbi")}
+
+
+@pytest.mark.slow
+def test_it_compiles_what_the_film_needs(tmp_path):
+    """The kernels of a film are in the cache, those of the registration are not."""
+    command = [sys.executable, "-c", kernels._COMMAND]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run(command, env=environment, check=True, timeout=300)
+    names = kernels_of(tmp_path)
+    assert {"_measure", "_round_and_shuffle"} <= names
+    assert not {"sample_rows", "filter_rows", "_cell_sums"} & names
+
+
+class Sleeper:
+    """Stands for a process that takes as long as it is told."""
+
+    def __init__(self, seconds: float) -> None:
+        self.command = [sys.executable, "-c", f"import time; time.sleep({seconds})"]
+        self.made: list[subprocess.Popen[bytes]] = []
+
+    def __call__(self, _command, **options):
+        self.made.append(_popen(self.command, **options))
+        return self.made[-1]
+
+
+_popen = subprocess.Popen
+
+
+def test_the_film_waits_for_it(monkeypatch):
+    sleeper = Sleeper(0.2)
+    monkeypatch.setattr(kernels.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(kernels.subprocess, "Popen", sleeper)
+    with kernels.second_compiler():
+        kernels.compile_aside()
+        kernels.compile_aside()  # there is only one
+        kernels.wait_for_kernels()
+        assert [process.returncode for process in sleeper.made] == [0]
+
+
+def test_it_ends_with_the_command(monkeypatch):
+    sleeper = Sleeper(60)
+    monkeypatch.setattr(kernels.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(kernels.subprocess, "Popen", sleeper)
+    with kernels.second_compiler():
+        kernels.compile_aside()
+    assert sleeper.made[0].returncode not in (None, 0)
+
+
+def test_a_machine_with_one_processor_does_without(monkeypatch):
+    monkeypatch.setattr(kernels.os, "cpu_count", lambda: 1)
+    monkeypatch.setattr(kernels.subprocess, "Popen", None)  # a call would raise
+    with kernels.second_compiler():
+        kernels.compile_aside()
+        kernels.wait_for_kernels()
