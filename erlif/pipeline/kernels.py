@@ -69,10 +69,14 @@ def second_compiler() -> Iterator[None]:
 
 
 def compile_film_kernels() -> None:
-    """Measure and compress a small film, which compiles the kernels for it."""
+    """Measure and compress a small film, then take a ratio, which compiles the kernels for it."""
     from erlif.files.compression import encode_netcdf
-    from erlif.passes import FilmTables, PairRatio, measure_film
+    from erlif.passes import FilmTables, PairLight, PairRatio, measure_film
+    from erlif.passes.ratio import empty_ratio, measure_ratio
+    from erlif.passes.warp import PairWarp, tabulate_map
     from erlif.pipeline.film import MAPS
+    from erlif.ratio import BlurDifference
+    from erlif.registration import CameraMap, MapKind
     from erlif.trend import Region
 
     def image(value: float) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
@@ -88,3 +92,20 @@ def compile_film_kernels() -> None:
     pair = PairRatio(image(0.5), image(1e-4), image(0), image(1e-6), flags, image(1000))
     maps = measure_film(pair, tables, Region(slice(0, _SIDE), slice(0, _SIDE)))
     encode_netcdf({one.name: getattr(maps, one.name) for one in MAPS}, MAPS)
+
+    # the kernels of the warp are those of the registration, and are in the cache by now
+    shape, flat = (_SIDE, _SIDE), image(0)
+    camera_map = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
+    light = PairLight.empty(shape)
+    light.light[:], light.flags[:] = 1000, 0
+    for noise in (light.variance, light.variance_fixed):
+        noise[:] = 1
+    measure_ratio(
+        light,
+        tabulate_map(camera_map),
+        (0.0, 0.0),
+        blur=BlurDifference(0.1, 0.1),
+        no_film_below=0.25,
+        warped=PairWarp.empty(shape, "normal"),
+        out=empty_ratio(shape),
+    )

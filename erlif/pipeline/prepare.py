@@ -14,6 +14,7 @@ from erlif.correction import CameraMeasurement, make_references
 from erlif.ingest import Fixture, Run
 from erlif.pipeline.cameras import declared_noise, measure_cameras
 from erlif.pipeline.chain import FrameChain, FrameCorrection
+from erlif.pipeline.kernels import wait_for_kernels
 from erlif.pipeline.noise import NoiseCompletion, complete_noise, find_unknowns
 from erlif.pipeline.register import register_cameras
 from erlif.pipeline.sample import compare_sharpness, sample_frames
@@ -75,6 +76,7 @@ def prepare_chain(
     release_memory()
 
     chain = FrameChain(correct, camera_map, no_film_below=settings.thickness.no_film_below)
+    wait_for_kernels()
     with stage("sharpness and noise", _logger):
         sample = sample_frames(chain)
         chain = replace(chain, blur=compare_sharpness(sample))

@@ -45,7 +45,6 @@ from erlif.pipeline.film import (
 )
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
-from erlif.pipeline.kernels import wait_for_kernels
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.register import stored_map
 from erlif.pipeline.results import describe_frame_notes, known_digests, mean_drift
@@ -185,7 +184,6 @@ def process_run(
         release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        wait_for_kernels()
         with stage("film", _logger):
             task = trigger_task(run, chain, calibration)
             results = run_triggers(

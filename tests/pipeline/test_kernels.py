@@ -19,13 +19,13 @@ def kernels_of(cache: Path) -> set[str]:
 
 @pytest.mark.slow
 def test_it_compiles_what_the_film_needs(tmp_path):
-    """The kernels of a film are in the cache, those of the registration are not."""
+    """The kernels of a film and of its ratio are in the cache, no others of the registration."""
     command = [sys.executable, "-c", kernels._COMMAND]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run(command, env=environment, check=True, timeout=300)
     names = kernels_of(tmp_path)
-    assert {"_measure", "_round_and_shuffle"} <= names
-    assert not {"sample_rows", "filter_rows", "_cell_sums"} & names
+    assert {"_measure", "_round_and_shuffle", "_ratio_rows", "spread_flags"} <= names
+    assert not {"_cell_sums", "_flatten"} & names
 
 
 class Sleeper:
