@@ -269,7 +269,7 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
         np.stack([tables.thickness, tables.rate, tables.calibration_std]),
         tables.limits,
         np.array([top, bottom, left, right]),
-        _Buffers.of(shape[1], left),
+        tuple(_Buffers.of(shape[1], left)),  # a type of numba's own, see `_measure`
         thickness,
         std,
         std_shared,
@@ -524,17 +524,21 @@ def _measure(  # type: ignore[no-untyped-def]
     tables,
     limits,
     region,
-    b,
+    buffers,
     thickness,
     std,
     std_shared,
     flags,
     blocks,
 ):
-    """Fill the last five arguments; b are the buffers."""
+    """Fill the last five arguments; `buffers` are those of `_Buffers`, as a plain tuple.
+
+    The cache of compiled kernels keeps the types of the arguments. A class of erlif among them
+    could be missing in another version, which then could not read the cache.
+    """
+    state, rows, entry, sums, places, columns = buffers
     top, bottom, left, right = region[0], region[1], region[2], region[3]
     bottom_row = log_ratio.shape[0] - 1
-    state, rows = b.state, b.rows
     for u in range(log_ratio.shape[0] + PAD):
         # row u enters the sums, without any sound pixel below the image
         at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _POOR
@@ -553,11 +557,11 @@ def _measure(  # type: ignore[no-untyped-def]
         if i < 0:
             continue
         _decide(log_ratio, i, offset, limits, state, i % _STATES, rows, flags)
-        _look_up(tables, start, per_step, last, b.entry, rows)
+        _look_up(tables, start, per_step, last, entry, rows)
         _fill(variance, displaced, flags, i, rows, thickness, std, std_shared)
 
         if top <= i < bottom:
-            place = b.places[(i - top) % BLOCK]
+            place = places[(i - top) % BLOCK]
             _accumulate(
                 log_ratio,
                 variance,
@@ -568,8 +572,8 @@ def _measure(  # type: ignore[no-untyped-def]
                 offset,
                 state,
                 flags,
-                b.columns,
-                b.sums,
+                columns,
+                sums,
             )
             if (i - top) % BLOCK == BLOCK - 1 or i == bottom - 1:
-                _close_blocks(b.sums, (i - top) // BLOCK, left, right, blocks)
+                _close_blocks(sums, (i - top) // BLOCK, left, right, blocks)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.types import BaseNamedTuple
 
 from erlif.pipeline import kernels
 
@@ -69,3 +70,16 @@ def test_a_machine_with_one_processor_does_without(monkeypatch):
     with kernels.second_compiler():
         kernels.compile_aside()
         kernels.wait_for_kernels()
+
+
+def test_cached_kernels_name_no_class_of_erlif():
+    """The index of a cache holds the types of the arguments; classes come and go with versions."""
+    from erlif.files import compression
+    from erlif.passes import film
+
+    kernels.compile_film_kernels()
+    for module in (film, compression):
+        for name, kernel in vars(module).items():
+            for signature in getattr(kernel, "signatures", ()):
+                assert not any(isinstance(one, BaseNamedTuple) for one in signature), name
+    assert film._measure.signatures
