@@ -77,6 +77,15 @@ FILM = (
     Variable(
         "flags", MAP, "uint8", "1", "Bit mask of the reasons why a pixel is not valid, see below."
     ),
+    Variable("valid_pixels", T, "int64", "1", "Number of pixels without a flag."),
+    Variable(
+        "flagged_pixels",
+        ("trigger", "flag"),
+        "int64",
+        "1",
+        "Number of pixels with each flag; a pixel may have several.",
+    ),
+    Variable("flag", ("flag",), "uint8", "1", "The flags of flagged_pixels, bits of flags."),
     Variable("frames_used", T, "int64", "1", "Number of frame pairs combined for this trigger."),
     Variable(
         "encoder_angle", T, "float64", "degree", "Encoder angle as logged, mean of the frames."

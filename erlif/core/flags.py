@@ -4,6 +4,8 @@ from enum import IntFlag
 
 import numpy as np
 
+from erlif.core.arrays import FlagImage
+
 
 class Flag(IntFlag):
     """Reasons why a pixel is not valid. The numbers are fixed by the file format.
@@ -30,6 +32,29 @@ class Flag(IntFlag):
     """The registration is not good enough for a ratio."""
     NO_FILM = 128
     """Bubble or bare wall: the fluorescence of both bands is missing."""
+
+
+def count_flags(flags: FlagImage) -> list[int]:
+    """Count the valid pixels, then those of each flag.
+
+    Parameters
+    ----------
+    flags : array, (y, x)
+        Bits of `Flag`.
+
+    Returns
+    -------
+    list of int
+        Pixels without a flag, then those with each flag in the order of `Flag`; a pixel may have
+        several.
+
+    Examples
+    --------
+    >>> count_flags(np.array([[0, 0, 1], [3, 2, 2]], np.uint8))[:3]
+    [2, 2, 3]
+    """
+    flagged = [int(np.count_nonzero(flags & np.uint8(flag))) for flag in Flag]
+    return [flags.size - int(np.count_nonzero(flags)), *flagged]
 
 
 FLAG_ATTRS: dict[str, object] = {

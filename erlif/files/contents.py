@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError, OutputError
+from erlif.core.flags import count_flags
 from erlif.files.film import open_film
 from erlif.settings import RegionOfInterest, RunSettings
 
@@ -164,6 +166,34 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     stroke = "outward" if float(one.stroke) > 0 else "return"
     angle, speed = float(one.encoder_angle), abs(float(one.rocker_speed))
     return f"trigger {trigger}, {angle:.2f}°, {stroke}, {speed:.2f} rad/s"
+
+
+def flag_shares(film: xr.Dataset) -> Array:
+    """Share of valid pixels and of each flag in every map.
+
+    Parameters
+    ----------
+    film : Dataset
+        As `open_film` returns it.
+
+    Returns
+    -------
+    array, (trigger, 1 + flag)
+        Valid pixels first, then the flags in the order of `erlif.core.flags.Flag`. [1]
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> shares = flag_shares(example_film())
+    >>> shares.shape[1], bool(0 < shares[0, 0] <= 1)
+    (9, True)
+    """
+    if "flagged_pixels" in film:
+        counts = np.column_stack([film.valid_pixels.values, film.flagged_pixels.values])
+    else:  # map by map, because all maps of a long run do not fit into memory
+        triggers = range(film.sizes["trigger"])
+        counts = np.array([count_flags(film.flags.isel(trigger=k).values) for k in triggers])
+    return np.asarray(counts / (film.sizes["y"] * film.sizes["x"]))
 
 
 def has_identity(path: Path, identity: str) -> bool:

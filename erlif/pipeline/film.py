@@ -12,7 +12,7 @@ import xarray as xr
 from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
-from erlif.core.flags import FLAG_ATTRS
+from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
@@ -186,7 +186,7 @@ def describe_film(
         np.array([len(result.frames) for result in results]),
         {"units": "1", "long_name": "frames of this trigger"},
     )
-    film = film.assign(describe_statistics(results))
+    film = film.assign(count_pixels(results)).assign(describe_statistics(results))
     predicted = predict_film(film, describe_joint(run.settings))
     film = film.merge(predicted, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
@@ -205,6 +205,21 @@ def describe_film(
         calibration=record_calibration(calibration),
         **_describe_smoothing(settings.thickness.smoothing),
         notes=join_notes([*own, *from_calibration, *skipped_notes(run.pairs)]),
+    )
+
+
+def count_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
+    """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
+    pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
+    flag = np.array([flag.value for flag in Flag], np.uint8)
+    valid = {"units": "1", "long_name": "pixels without a flag"}
+    flagged = {"units": "1", "long_name": "pixels with this flag; a pixel may have several"}
+    return xr.Dataset(
+        {
+            "valid_pixels": ("trigger", pixels[:, 0], valid),
+            "flagged_pixels": (("trigger", "flag"), pixels[:, 1:], flagged),
+        },
+        {"flag": ("flag", flag, {"units": "1", "long_name": "flag, a bit of flags"})},
     )
 
 

@@ -69,10 +69,13 @@ class TriggerResult:
         Mean and minimum film thickness.
     frames : tuple[FrameResult, ...]
         What is kept of its frame pairs.
+    pixels : tuple[int, ...]
+        Valid pixels of its map, then those with each flag, as `count_flags` gives them.
     """
 
     statistics: FilmStatistics
     frames: tuple[FrameResult, ...]
+    pixels: tuple[int, ...]
 
     def to_arrays(self) -> dict[str, AnyArray]:
         """Arrays by name, for a file."""
@@ -81,6 +84,7 @@ class TriggerResult:
             for field in fields(FilmStatistics)
         }
         return arrays | {
+            "pixels": np.array(self.pixels, np.int64),
             "frame": np.array([one.frame for one in self.frames], np.int64),
             "drift": np.array([one.drift for one in self.frames], float).reshape(-1, 2),
             "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
@@ -107,7 +111,7 @@ class TriggerResult:
             )
             for frame, drift, peaks, energy, digests in zip(*columns, strict=True)
         )
-        return cls(statistics, frames)
+        return cls(statistics, frames, tuple(arrays["pixels"].tolist()))
 
 
 def mean_drift(frames: Iterable[FrameResult]) -> Array:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from erlif.calibration import Calibration
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ClusterError
-from erlif.core.flags import Flag
+from erlif.core.flags import Flag, count_flags
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
@@ -97,7 +97,7 @@ class TriggerTask(PickledByFields):
             smooth = smooth_ratio(images, resolution=self.smoothing)
             measured = measure_thickness(smooth, self.calibration)
             maps = {variable.name: measured[variable.name].values for variable in MAPS}
-        return maps, TriggerResult(statistics, tuple(kept))
+        return maps, TriggerResult(statistics, tuple(kept), tuple(count_flags(maps["flags"])))
 
     @cached_property
     def tables(self) -> FilmTables:

@@ -6,14 +6,12 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
-from erlif.core.flags import Flag
 from erlif.core.version import __version__
-from erlif.files import open_film, refuse_existing, replacing, settings_of
+from erlif.files import flag_shares, open_film, refuse_existing, replacing, settings_of
 from erlif.plots.files import FigureSource, find_source
 from erlif.report.figures import figures_section
 from erlif.report.maps import MapCoding, choose_coding, embed_map
@@ -88,7 +86,7 @@ def _make_page(source: FigureSource) -> str:
     """Compose the sections, the embedded maps, the style and the script."""
     film = source.film
     coding = choose_coding(film, thickest=calibration_of(film).thickness_range[1])
-    shares = _flag_shares(film)
+    shares = flag_shares(film)
     sections = [
         ("summary", "Summary", _summary_section(source, shares)),
         ("viewer", "Film maps", viewer_section(film, coding)),
@@ -135,17 +133,6 @@ def _make_page(source: FigureSource) -> str:
 
 def _resource(name: str) -> str:
     return resources.files("erlif.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _flag_shares(film: xr.Dataset) -> Array:
-    """Share of valid pixels, then of each flag, in every map. (trigger, 1 + flag)"""
-    # map by map, because all maps of a long run do not fit into memory
-    counts = []
-    for trigger in range(film.sizes["trigger"]):
-        flags = film.flags.isel(trigger=trigger).values
-        flagged = [int(((flags & int(flag)) != 0).sum()) for flag in Flag]
-        counts.append([int((flags == 0).sum()), *flagged])
-    return np.array(counts, float) / (film.sizes["y"] * film.sizes["x"])
 
 
 def _embedded_maps(film: xr.Dataset, coding: MapCoding) -> str:

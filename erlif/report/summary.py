@@ -7,6 +7,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
+from erlif.files import flag_shares
 
 _TITLE = 28  # columns of the titles of a film
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
@@ -103,19 +104,14 @@ def _film_line(film: xr.Dataset, variable: str, title: str) -> str:
 
 def _flag_lines(film: xr.Dataset) -> list[str]:
     """Share of valid pixels, and of each flag that occurs."""
-    counts = dict.fromkeys(Flag, 0)
-    valid = total = 0
-    for trigger in range(film.sizes["trigger"]):
-        flags = film.flags.isel(trigger=trigger).values
-        valid += int((flags == 0).sum())
-        total += flags.size
-        for flag in Flag:
-            counts[flag] += int(((flags & flag) > 0).sum())
+    valid, *flagged = flag_shares(film).mean(axis=0)
     shares = [
-        f"{str(flag.name).lower()} {count / total:.2%}" for flag, count in counts.items() if count
+        f"{str(flag.name).lower()} {share:.2%}"
+        for flag, share in zip(Flag, flagged, strict=True)
+        if share
     ]
     return [
-        _line("valid pixels", f"{valid / total:.1%}"),
+        _line("valid pixels", f"{valid:.1%}"),
         _line("flagged pixels", ", ".join(shares) or "none"),
     ]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.flags import FLAG_ATTRS, Flag, count_flags
 
 FORMAT = {
     1: "saturated",
@@ -40,3 +40,10 @@ def test_reasons_accumulate_in_a_pixel(flag):
     pixel |= np.uint8(flag)
     pixel |= np.uint8(Flag.DIM)
     assert Flag(int(pixel[0, 0])) == flag | Flag.DIM
+
+
+def test_pixels_are_counted_by_flag():
+    flags = np.zeros((4, 5), np.uint8)
+    flags[0] = Flag.DIM
+    flags[0, :2] |= Flag.NO_FILM
+    assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2]

@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -11,6 +12,7 @@ from erlif.files import (
     check_trigger,
     describe_trigger,
     fastest_trigger,
+    flag_shares,
     has_identity,
     region_of,
     settings_of,
@@ -85,3 +87,10 @@ def test_a_missing_or_foreign_file_has_no_identity(tmp_path, content):
     if content is not None:
         path.write_bytes(content)
     assert not has_identity(path, "ab" * 32)
+
+
+def test_shares_of_flags_are_those_of_the_maps(opened):
+    """A film that has no counts, as one of an earlier version, is counted map by map."""
+    counted, read = flag_shares(opened), flag_shares(opened.drop_vars(["flagged_pixels", "flag"]))
+    np.testing.assert_array_equal(counted, read)
+    np.testing.assert_array_equal(counted[:, 0], (opened.flags == 0).mean(("y", "x")))
