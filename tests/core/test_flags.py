@@ -45,5 +45,5 @@ def test_reasons_accumulate_in_a_pixel(flag):
 def test_pixels_are_counted_by_flag():
     flags = np.zeros((4, 5), np.uint8)
     flags[0] = Flag.DIM
-    flags[0, :2] |= Flag.NO_FILM
+    flags[0, :2] |= np.uint8(Flag.NO_FILM)
     assert count_flags(flags) == [15, 0, 5, 0, 0, 0, 0, 0, 2]

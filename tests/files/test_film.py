@@ -20,6 +20,9 @@ ROOT = {
     "thickness_std": (MAPS, "um"),
     "thickness_std_shared": (MAPS, "um"),
     "flags": (MAPS, "1"),
+    "valid_pixels": (("trigger",), "1"),
+    "flagged_pixels": (("trigger", "flag"), "1"),
+    "flag": (("flag",), "1"),
     "frames_used": (("trigger",), "1"),
     "encoder_angle": (("trigger",), "degree"),
     "stroke": (("trigger",), "1"),
@@ -70,7 +73,7 @@ def test_film_has_the_documented_variables(opened):
         assert opened[name].attrs.get("units") == unit, name
     assert opened.thickness.dtype == np.float32
     assert opened.flags.dtype == np.uint8
-    assert dict(opened.sizes) == {"trigger": 6, "y": 96, "x": 128}
+    assert dict(opened.sizes) == {"trigger": 6, "y": 96, "x": 128, "flag": 8}
 
 
 def test_names_of_the_film_are_reserved_in_the_log(opened):
