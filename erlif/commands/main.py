@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 import traceback
 from typing import Any
@@ -29,6 +30,9 @@ class _Commands(click.Group):
     """Bad input ends with one message and status 2, a defect of erlif with status 1."""
 
     def invoke(self, ctx: click.Context) -> Any:
+        # numpy and scipy are not loaded yet; the matrices are small, so that threads of linear
+        # algebra mostly wait for each other, and erlif has its own
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         try:
             return super().invoke(ctx)
 

@@ -1,5 +1,6 @@
 """The command line as a whole: help, loading, exit status."""
 
+import os
 import re
 import subprocess
 import sys
@@ -85,3 +86,14 @@ def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
     assert result.exit_code == 1
     assert "a slip" in result.stderr
     assert "please report it" in result.stderr
+
+
+@pytest.mark.parametrize(("given", "used"), [(None, "1"), ("4", "4")])
+def test_linear_algebra_has_one_thread_unless_the_user_chooses(monkeypatch, given, used):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "unset")  # restored after the test
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    else:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+    CliRunner().invoke(main, ["process", "--help"])
+    assert os.environ["OPENBLAS_NUM_THREADS"] == used
