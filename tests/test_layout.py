@@ -12,6 +12,7 @@ PACKAGE = Path(__file__).parents[1] / "erlif"
 
 ORDER = (
     "core",
+    "readers",
     "settings",
     "files",
     "models",
