@@ -1,7 +1,7 @@
 """A directory to counts: recordings, image formats, pairing of the cameras, the encoder log."""
 
 from erlif.ingest.encoder_log import read_encoder_log
-from erlif.ingest.frames import FramePairs, read_frames, skipped_notes
+from erlif.ingest.frames import FramePairs, PairCounts, read_frames, read_pair, skipped_notes
 from erlif.ingest.hashes import hash_files_beside_frames, hash_inputs, sign_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
@@ -12,6 +12,7 @@ __all__ = [
     "Fixture",
     "FramePairs",
     "Page",
+    "PairCounts",
     "Run",
     "RunEntry",
     "depth_warning",
@@ -22,6 +23,7 @@ __all__ = [
     "open_run",
     "read_encoder_log",
     "read_frames",
+    "read_pair",
     "read_reference_pages",
     "read_run_table",
     "sign_inputs",

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Counts
 from erlif.core.notes import Level, Note
 from erlif.core.products import Frames
-from erlif.ingest.images import Page, check_depth, read_content
+from erlif.ingest.images import Page, PageContent, check_depth, read_content
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,67 @@ class FramePairs:
         return [usable[place] for place in places]
 
 
+class PairCounts(NamedTuple):
+    """What was read of one frame pair.
+
+    Attributes
+    ----------
+    counts : tuple[Counts, Counts]
+        Camera 1 and camera 2, each (y, x), uint16. [DN]
+    digests : tuple[str, str]
+        SHA-256 of both files, hexadecimal; empty where it is not asked for, or where a file holds
+        more than one frame.
+    """
+
+    counts: tuple[Counts, Counts]
+    digests: tuple[str, str]
+
+
+def read_pair(pairs: FramePairs, frame: int, *, digests: bool = False) -> PairCounts:
+    """Read one frame pair as plain arrays.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+    frame : int
+        Frame number, counted from 0.
+    digests : bool
+        Whether the files are hashed as they are read.
+
+    Returns
+    -------
+    PairCounts
+
+    Raises
+    ------
+    FrameError
+        As `read_frames`.
+
+    Examples
+    --------
+    >>> import tempfile, tifffile
+    >>> directory = Path(tempfile.mkdtemp())
+    >>> tifffile.imwrite(directory / "one.tif", np.full((2, 3), 7, np.uint16))
+    >>> page = Page(directory / "one.tif", 0)
+    >>> pairs = FramePairs(directory, ((page,), (page,)), (2, 3), (12, 12))
+    >>> read_pair(pairs, 0).counts[1][0]
+    array([7, 7, 7], dtype=uint16)
+    """
+    one, two = (_read_page(pairs, camera, frame, digests=digests) for camera in range(2))
+    return PairCounts((one.counts, two.counts), (one.digest, two.digest))
+
+
+def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> PageContent:
+    """One frame of one camera, 0 or 1."""
+    page = pairs.pages[camera][frame]
+    content = read_content(page, pairs.directory, pairs.shape, digest=digests)
+
+    # every page is checked again: the header does not show a wrong bit depth
+    name = f"camera{camera + 1}/{page.name}"
+    check_depth(content.counts, bit_depth=pairs.bit_depths[camera], name=name)
+    return content._replace(counts=content.counts.astype(np.uint16, copy=False))
+
+
 def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = False) -> Frames:
     """Read frame pairs.
 
@@ -91,15 +153,12 @@ def read_frames(pairs: FramePairs, frames: Sequence[int], *, digests: bool = Fal
     >>> read_frames(pairs, [0]).counts.sizes["y"]
     2
     """
-    # every page is checked again: the header does not show a wrong bit depth
     counts = np.empty((2, len(frames), *pairs.shape), np.uint16)
     hashes = np.zeros((2, len(frames)), "U64")
-    for camera, (pages, bit_depth) in enumerate(zip(pairs.pages, pairs.bit_depths, strict=True)):
-        for n, k in enumerate(frames):
-            content = read_content(pages[k], pairs.directory, pairs.shape, digest=digests)
-            counts[camera, n], hashes[camera, n] = content
-            name = f"camera{camera + 1}/{pages[k].name}"
-            check_depth(counts[camera, n], bit_depth=bit_depth, name=name)
+    for n, k in enumerate(frames):
+        pair = read_pair(pairs, k, digests=digests)
+        for camera in range(2):
+            counts[camera, n], hashes[camera, n] = pair.counts[camera], pair.digests[camera]
 
     attrs = {"units": "DN", "long_name": "raw counts"}
     coordinates: dict[str, Any] = {"camera": [1, 2], "frame": np.asarray(frames, np.int64)}

@@ -6,6 +6,7 @@ the binned light.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numba
@@ -188,14 +189,17 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
 
 
 def measure_light(
-    counts: AnyArray, tables: tuple[CameraTables, CameraTables], *, out: PairLight | None = None
+    counts: Sequence[AnyArray],
+    tables: tuple[CameraTables, CameraTables],
+    *,
+    out: PairLight | None = None,
 ) -> PairLight:
     """Light of a frame pair with variance and flags, and the same binned.
 
     Parameters
     ----------
-    counts : array, (camera, y, x)
-        [DN]
+    counts : two arrays, (y, x)
+        Of camera 1 and camera 2. [DN]
     tables : tuple of two CameraTables
     out : PairLight, optional
         Filled and returned.
@@ -204,7 +208,7 @@ def measure_light(
     -------
     PairLight
     """
-    out = PairLight.empty(counts.shape[1:]) if out is None else out
+    out = PairLight.empty(counts[0].shape) if out is None else out
     for n, table in enumerate(tables):
         light = out.light[n]
         out.peaks[n] = _measure(

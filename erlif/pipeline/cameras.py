@@ -16,7 +16,7 @@ from erlif.correction import (
     measure_camera,
 )
 from erlif.correction.saturation import Histogram
-from erlif.ingest import Fixture, FramePairs, Run, read_frames, read_reference_pages
+from erlif.ingest import Fixture, FramePairs, Run, read_pair, read_reference_pages
 
 _FRAMES_SEARCHED = 8
 """Frame pairs searched for saturation below full scale."""
@@ -73,7 +73,7 @@ def count_frames(pairs: FramePairs) -> tuple[Histogram, Histogram]:
     """Pixels by count of each camera, over a few frames."""
     one, two = (np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales)
     for frame in pairs.spread(_FRAMES_SEARCHED):
-        counts = read_frames(pairs, [frame]).counts.values[:, 0]
+        counts = read_pair(pairs, frame).counts
         one += count_pixels(counts[0], one.size - 1)
         two += count_pixels(counts[1], two.size - 1)
     return one, two

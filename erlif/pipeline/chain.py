@@ -21,7 +21,7 @@ from erlif.core.errors import RegistrationError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.pickling import PickledByFields
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, References
-from erlif.ingest import FramePairs, read_frames
+from erlif.ingest import FramePairs, read_pair
 from erlif.passes import DriftSearch, PairLight, PairRatio
 from erlif.passes.light import CameraTables, measure_light, tabulate
 from erlif.passes.ratio import BAND, empty_ratio, measure_ratio
@@ -55,8 +55,7 @@ class FrameCorrection(PickledByFields):
 
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
-        counts = read_frames(self.pairs, [frame]).counts.values[:, 0]
-        return measure_light(counts, self.tables, out=out)
+        return measure_light(read_pair(self.pairs, frame).counts, self.tables, out=out)
 
     def __call__(self, frame: int) -> CorrectedFrames:
         """One corrected frame pair.
@@ -225,12 +224,11 @@ class FrameChain(PickledByFields):
         return self._measure(frame, _kept.take(self.pairs.shape, self.tables.orientation))
 
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
-        frames = read_frames(self.pairs, [frame], digests=True)
-        light = measure_light(frames.counts.values[:, 0], self.correct.tables, out=buffers.light)
+        counts, digests = read_pair(self.pairs, frame, digests=True)
+        light = measure_light(counts, self.correct.tables, out=buffers.light)
         ratio = self._divide(light, self._find_drift(light), buffers)
-        one, two = (str(frames[f"digest_camera{n}"].values[0]) for n in (1, 2))
         spare = light.light[1], light.variance[1], light.variance_fixed[1]
-        return replace(ratio, digests=(one, two), spare=spare)
+        return replace(ratio, digests=digests, spare=spare)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.

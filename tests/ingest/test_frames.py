@@ -9,7 +9,7 @@ import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
-from erlif.ingest import FramePairs, Page, open_run, read_frames, skipped_notes
+from erlif.ingest import FramePairs, Page, open_run, read_frames, read_pair, skipped_notes
 
 
 def make_pairs(count, skipped=(), bit_depths=(12, 12)):
@@ -92,6 +92,19 @@ def test_a_page_that_is_not_plain_is_hashed_too(run):
     np.testing.assert_array_equal(frames.counts, run.counts[:, [2]])
     expected = hashlib.sha256(path.read_bytes()).hexdigest()
     assert frames.digest_camera1.values.tolist() == [expected]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_one_pair_comes_as_it_was_written(tmp_path, dtype):
+    counts = np.random.default_rng(5).integers(0, 250, (2, 64, 80)).astype(dtype)
+    pages = tuple((Page(tmp_path / f"{n}.tif", 0, alone=True),) for n in range(2))
+    for image, (page,) in zip(counts, pages, strict=True):
+        tifffile.imwrite(page.path, image)
+    pair = read_pair(FramePairs(tmp_path, pages, (64, 80), (12, 12)), 0, digests=True)
+    for n, (page,) in enumerate(pages):
+        np.testing.assert_array_equal(pair.counts[n], counts[n])
+        assert pair.counts[n].dtype == np.uint16
+        assert pair.digests[n] == hashlib.sha256(page.path.read_bytes()).hexdigest()
 
 
 def test_counts_beyond_the_bit_depth_are_refused_in_every_frame(run):
