@@ -112,6 +112,37 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     show_default=True,
     help="Write the encoder's zero into run.toml.",
 )
+@click.option(
+    "--background",
+    default=DEFAULT.background,
+    show_default=True,
+    help="Even light that is not film, over the median light of the run.",
+)
+@click.option(
+    "--background-beam",
+    default=DEFAULT.background_beam,
+    show_default=True,
+    help="The same with the shape of the laser beam.",
+)
+@click.option(
+    "--background-pages",
+    default=DEFAULT.background_pages,
+    show_default=True,
+    help="Frames of the dry joint written for each camera.",
+)
+@click.option(
+    "--bleaching",
+    type=(float, float),
+    default=DEFAULT.bleaching,
+    show_default=True,
+    help="Shares of dye 1 and dye 2 that each pulse destroys.",
+)
+@click.option(
+    "--reference",
+    default=DEFAULT.reference,
+    show_default=True,
+    help="Film of a patch that stays the same, in um; 0: none.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
     out: Path,
@@ -128,6 +159,11 @@ def simulate(
     fixture_frames: int,
     cmm_noise: float,
     zero: bool,
+    background: float,
+    background_beam: float,
+    background_pages: int,
+    bleaching: tuple[float, float],
+    reference: float,
     overwrite: bool,
 ) -> None:
     """Photograph a known film with a virtual rig.
@@ -159,6 +195,11 @@ def simulate(
         fixture_frames=fixture_frames,
         cmm_noise=cmm_noise,
         write_zero=zero,
+        background=background,
+        background_beam=background_beam,
+        background_pages=background_pages,
+        bleaching=bleaching,
+        reference=reference,
     )
     with tqdm(unit="frame", disable=None) as bar:
 

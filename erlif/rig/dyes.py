@@ -5,7 +5,8 @@ thesis (attenuation about 0.40 and 0.25 per um in the bands of 580 and 610 nm). 
 measured spectra of any dye.
 
 Not modelled: light of dye 1 that dye 2 absorbs is lost (no secondary emission), the laser passes
-once (no reflection from the pin), and neither dye bleaches or saturates.
+once (no reflection from the pin), and neither dye saturates. Bleaching takes absorption and light
+of a dye alike.
 """
 
 from collections.abc import Callable
@@ -31,19 +32,25 @@ _STEP = 0.1  # nm of the integration over wavelengths
 _TABLE = 10001  # entries of the table of the signal, 0.02 um apart
 
 
-def absorption(wavelength: Array) -> Array:
+Left = tuple[float, float]
+"""Shares of dye 1 and dye 2 that bleaching has left."""
+
+_FRESH: Left = (1.0, 1.0)
+
+
+def absorption(wavelength: Array, left: Left = _FRESH) -> Array:
     """Napierian attenuation of the dyed oil, both dyes together. [1/um]"""
     dye_1 = 0.213 * np.exp(-(((wavelength - 543) / 14) ** 2) / 2)
     dye_2 = 0.206 * np.exp(-(((wavelength - 572) / 22.3) ** 2) / 2)
-    return np.asarray(dye_1 + dye_2)
+    return np.asarray(left[0] * dye_1 + left[1] * dye_2)
 
 
-def emission(wavelength: Array) -> Array:
+def emission(wavelength: Array, left: Left = _FRESH) -> Array:
     """Light per depth and wavelength by unit laser light, both dyes. [arbitrary unit]"""
     above_1, above_2 = (np.maximum(wavelength - onset, 1e-9) for onset in (520, 560))
     dye_1 = 0.157 * np.exp(-((np.log(above_1 / 48) / 0.38) ** 2) / 2)
     dye_2 = 0.041 * np.exp(-((np.log(above_2 / 52) / 0.36) ** 2) / 2)
-    return np.asarray(dye_1 + dye_2)
+    return np.asarray(left[0] * dye_1 + left[1] * dye_2)
 
 
 def transmission(wavelength: Array, band: float) -> Array:
@@ -53,7 +60,9 @@ def transmission(wavelength: Array, band: float) -> Array:
     return np.asarray((np.tanh(rise) - np.tanh(fall)) / 2)
 
 
-def band_signal(thickness: Array, band: float, *, derivative: bool = False) -> Array:
+def band_signal(
+    thickness: Array, band: float, *, derivative: bool = False, left: Left = _FRESH
+) -> Array:
     """Light of a film of `thickness` [um] behind the filter at `band` [nm], or its slope.
 
     Laser light decays with the attenuation A at 532 nm on its way in. Light emitted at depth z
@@ -62,19 +71,22 @@ def band_signal(thickness: Array, band: float, *, derivative: bool = False) -> A
     converges fast because the filter vanishes at both ends.
     """
     wavelength = np.arange(band - _REACH, band + _REACH + _STEP / 10, _STEP)
-    weight = _STEP * transmission(wavelength, band) * emission(wavelength)
-    both_ways = absorption(np.asarray(LASER)) + absorption(wavelength)
+    weight = _STEP * transmission(wavelength, band) * emission(wavelength, left)
+    both_ways = absorption(np.asarray(LASER), left) + absorption(wavelength, left)
     depth = np.multiply.outer(np.asarray(thickness, dtype=np.float64), both_ways)
     per_wavelength = np.exp(-depth) if derivative else -np.expm1(-depth) / both_ways
     return np.asarray(per_wavelength @ weight)
 
 
-def tabulate_signal(band: float) -> Callable[[Array], Array]:
-    """Return a function of thickness [um]: light behind the filter over that of a thick film.
+def tabulate_signal(band: float, left: Left = _FRESH) -> Callable[[Array], Array]:
+    """Return a function of thickness [um]: light behind the filter over that of a thick fresh film.
 
     It is a cubic Hermite table with exact slopes, 0.02 um apart: the error is below 1e-10.
     """
     thickness = np.linspace(0, THICKEST, _TABLE)
-    signal, slope = (band_signal(thickness, band, derivative=order) for order in (False, True))
-    table = CubicHermiteSpline(thickness, signal / signal[-1], slope / signal[-1])
+    signal, slope = (
+        band_signal(thickness, band, derivative=order, left=left) for order in (False, True)
+    )
+    fresh = signal[-1] if left == _FRESH else band_signal(thickness[-1:], band)[0]
+    table = CubicHermiteSpline(thickness, signal / fresh, slope / fresh)
     return lambda film: np.asarray(table(np.minimum(film, THICKEST)))

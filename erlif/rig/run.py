@@ -1,6 +1,7 @@
 """Directories as the laboratory writes them: a fixture, a run, and the truth beside them."""
 
 import csv
+import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -10,8 +11,18 @@ import tifffile
 
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import FULL_SCALE, expose, vibrate
-from erlif.rig.dyes import BANDS
-from erlif.rig.film import Bubbles, Gap, Triggers, Wedge, draw_bubbles, draw_marks, list_triggers
+from erlif.rig.dyes import BANDS, tabulate_signal
+from erlif.rig.film import (
+    Bubbles,
+    Gap,
+    Marks,
+    Patched,
+    Triggers,
+    Wedge,
+    draw_bubbles,
+    draw_marks,
+    list_triggers,
+)
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream
@@ -28,6 +39,9 @@ _TEMPERATURE = (25, 0.2)  # degree_Celsius: mean, and amplitude over the run
 _CMM_STEPS = 10  # readings per mm
 _CMM_MARGIN = 5  # readings beyond the picture on each side
 _SMALLEST_UNCERTAINTY = 0.01  # um: a CMM states no uncertainty of zero
+_EVERY = 4  # pixel: step of the grid on which the median light is taken
+_REFERENCE_STD = 0.02  # um: uncertainty of the reference film
+_PATCH_EDGE = 2  # pixel: margin of the region named in run.toml within the patch
 _COMPRESSION = 3  # of zlib: higher levels are slower and compress noise no better
 
 
@@ -80,8 +94,10 @@ def write_run(
     drift = vibrate(frames, rig, rng)
     energy = 1 + rig.pulse_jitter * rng.standard_normal(frames)
     marks = draw_marks(rig, random_stream(seed, "marks"))
+    setup = dataclasses.replace(setup, typical=median_light(setup, triggers, marks))
 
     write_reference_pages(directory, setup, random_stream(seed, "run pages"))
+    write_background_pages(directory, setup, random_stream(seed, "run background"))
     with h5netcdf.File(truth, "w") as file:
         describe_truth(file, setup, triggers, Session(drift, fixture_drift, energy), seed)
         write_true_film(file, setup, triggers, marks)
@@ -89,18 +105,53 @@ def write_run(
             rng_frame = random_stream(seed, "run frame", k)
             bubbles = draw_bubbles(rig, rng_frame)
             shot = Shot(
-                film=Gap(rig, float(triggers.film_min[k % per_cycle]), marks),
+                film=Patched(rig, Gap(rig, float(triggers.film_min[k % per_cycle]), marks)),
                 bubbles=bubbles,
                 grains=mix_grains(setup.grains, rig, rng_frame),
                 energy=float(energy[k]),
                 drift=(drift[k, 0], drift[k, 1]),
             )
-            write_pair(directory, k, photograph(setup, shot, rng_frame))
+            write_pair(directory, k, photograph(bleach(setup, k), shot, rng_frame))
             file["bubble"][k] = bubbles.lack(setup.x, setup.y) > 0
             progress("run frame", k + 1, frames)
 
     write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
+
+
+def median_light(setup: Setup, triggers: Triggers, marks: Marks) -> tuple[float, float]:
+    """Median light of each camera over the run, at a pulse of energy 1. [electron]"""
+    x, y = setup.x[::_EVERY, ::_EVERY], setup.y[::_EVERY, ::_EVERY]
+    films = [Gap(setup.rig, float(film), marks)(x, y) for film in triggers.film_min]
+    one, two = (
+        float(np.median([setup.light(number, film, x, y) for film in films])) for number in (1, 2)
+    )
+    return one, two
+
+
+def bleach(setup: Setup, pulses: int) -> Setup:
+    """The set-up after some pulses, with what they have left of the dyes."""
+    one, two = setup.rig.bleaching
+    if one == two == 0 or pulses == 0:
+        return setup
+    left = (1 - one) ** pulses, (1 - two) ** pulses
+    return dataclasses.replace(
+        setup, signals=(tabulate_signal(BANDS[0], left), tabulate_signal(BANDS[1], left))
+    )
+
+
+def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generator) -> None:
+    """Write the frames of the dry joint under the laser, if there are to be any."""
+    rig = setup.rig
+    if rig.background_pages == 0:
+        return
+    for number, camera in enumerate(setup.cameras, start=1):
+        energy = 1 + rig.pulse_jitter * rng.standard_normal(rig.background_pages)
+        light = setup.background(number, setup.x, setup.y)
+        write_pages(
+            directory / f"camera{number}_background.tif",
+            (expose(pulse * light, camera, rng) for pulse in energy),
+        )
 
 
 def write_pages(path: Path, pages: Iterable[Counts]) -> None:
@@ -191,8 +242,9 @@ def write_encoder_log(
 # settings files
 
 
-def camera_toml(rig: RigSettings) -> str:
+def camera_toml(rig: RigSettings, *, background: bool = False) -> str:
     """Return the tables that run.toml and fixture.toml share."""
+    dry = 'background = "camera{}_background.tif"\n' if background else ""
     tables = [
         f"""[camera{number}]
 files = "camera{number}/*.tif"
@@ -202,7 +254,7 @@ dark = "camera{number}_dark.tif"
 flat = "camera{number}_flat.tif"
 gain = "{rig.gain:g} electron/DN"
 read_noise = "{rig.read_noise:g} electron"
-"""
+{dry.format(number)}"""
         for number in (1, 2)
     ]
     tables.append(f"""[optics]
@@ -226,13 +278,24 @@ direction = "0 deg"
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:
     """Return run.toml of the virtual run."""
     (left, right), (top, bottom) = rig.region
+    reference = ""
+    if rig.reference:
+        (first, last), (upper, lower) = rig.patch
+        edge = _PATCH_EDGE * rig.pitch
+        reference = f"""
+[reference]
+x = [{first + edge:.6g}, {last - edge:.6g}]
+y = [{upper + edge:.6g}, {lower - edge:.6g}]
+thickness = "{rig.reference:g} um"
+uncertainty = "{_REFERENCE_STD:g} um"
+"""
     zero = f'zero = "{triggers.zero:.6f} deg"\n' if rig.write_zero else ""
     return f"""calibration = "../fixture/calibration.nc"
 
 [run]
 name = "virtual straight bushing"
 
-{camera_toml(rig)}
+{camera_toml(rig, background=rig.background_pages > 0)}
 [encoder]
 file = "encoder.csv"
 mounted_on = "rocker"
@@ -261,4 +324,4 @@ pressure_viscosity = "20 1/GPa"
 
 [thickness]
 roi = {{ x = [{left:g}, {right:g}], y = [{top:g}, {bottom:g}] }}
-"""
+{reference}"""

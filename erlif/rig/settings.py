@@ -107,6 +107,17 @@ class RigSettings:
         Pixels of each camera without response to light.
     dust : int
         Dust specks on each sensor window.
+    background : float
+        Light of the dry joint under the laser, even over the field, over the median light of the
+        run in each camera.
+    background_beam : float
+        The same with the shape of the laser beam.
+    background_pages : int
+        Pages of the dry joint written for each camera; 0 writes none.
+    bleaching : tuple[float, float]
+        Share of dye 1 and dye 2 that each pulse of the run destroys.
+    reference : float
+        Film in a patch beside the region of interest, the same in all frames; 0 for none. [um]
     shift : tuple[float, float]
         Displacement (x, y) at the middle of the picture. [pixel]
     scale : tuple[float, float]
@@ -187,6 +198,13 @@ class RigSettings:
     dead_pixels: int = 3
     dust: int = 4
 
+    # light that is not film, in the run alone
+    background: float = 0.0
+    background_beam: float = 0.0
+    background_pages: int = 0
+    bleaching: tuple[float, float] = (0.0, 0.0)
+    reference: float = 0.0
+
     # from camera 1 to camera 2
     shift: tuple[float, float] = (4.0, -3.0)
     scale: tuple[float, float] = (1.004, 0.997)
@@ -249,6 +267,12 @@ class RigSettings:
             raise ModelError(
                 "light, gain, film_reference and film_floor of the virtual rig must be above zero."
             )
+        extra = (self.background, self.background_beam, self.background_pages, self.reference)
+        if min(extra) < 0 or not all(0 <= share < 1 for share in self.bleaching):
+            raise ModelError(
+                "background, background_beam, background_pages and reference of the virtual rig "
+                "must be 0 or more, and the two shares of bleaching lie from 0 to below 1."
+            )
         # beyond these the search for the object points of camera 2 may not converge
         if (
             max(abs(scale - 1) for scale in self.scale) > LARGEST_SCALE
@@ -281,6 +305,13 @@ class RigSettings:
         x = tuple(round(self.field_width * share, 2) for share in (4 / 19.2, 15 / 19.2))
         y = tuple(round(field_height * share, 2) for share in (2 / 15.36, 13 / 15.36))
         return (x[0], x[1]), (y[0], y[1])
+
+    @property
+    def patch(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Patch of the reference film, (x, x) and (y, y), left of the region of interest. [mm]"""
+        field_height = self.height * self.pitch
+        left, right = 0.06 * self.field_width, 0.18 * self.field_width
+        return (left, right), (0.35 * field_height, 0.65 * field_height)
 
     @property
     def centre(self) -> tuple[float, float]:

@@ -24,6 +24,7 @@ STREAMS = (
     "fixture frame",
     "run pages",
     "fixture pages",
+    "run background",
 )
 """Purposes with random numbers of their own. A new one is appended, so that the old ones keep
 theirs."""
@@ -57,6 +58,8 @@ class Setup:
         Columns of the pixel centres, (y, x). [pixel]
     y : Array
         Rows of the pixel centres, (y, x). [pixel]
+    typical : tuple[float, float]
+        Light of each camera that its background is a share of. [electron]
     """
 
     rig: RigSettings
@@ -65,6 +68,18 @@ class Setup:
     grains: Grains
     x: Array
     y: Array
+    typical: tuple[float, float] = (0.0, 0.0)
+
+    def background(self, number: int, x: Array, y: Array) -> Array | float:
+        """Electrons in camera `number` that do not come from the film, at object points (x, y).
+
+        Transmission of the lens and pulse energy are not included.
+        """
+        rig, typical = self.rig, self.typical[number - 1]
+        even = rig.background * typical
+        if rig.background_beam == 0:
+            return even
+        return np.asarray(even + rig.background_beam * typical * beam(x, y, rig))
 
     def light(self, number: int, film: Array, x: Array, y: Array) -> Array:
         """Electrons in camera `number` from the film at object points (x, y).
@@ -136,7 +151,8 @@ def photograph(setup: Setup, shot: Shot, rng: np.random.Generator) -> tuple[Coun
             x, y = seen_from_camera_2(x, y, shot.drift, rig)
         film = shot.bubbles.empty(shot.film(x, y), x, y)
         pattern = speckle(x, y, shot.grains, size=rig.speckle_size, blur=rig.blur[number - 1])
-        light = shot.energy * np.maximum(pattern, 0) * setup.light(number, film, x, y)
+        of_film = np.maximum(pattern, 0) * setup.light(number, film, x, y)
+        light = shot.energy * of_film + shot.energy * setup.background(number, x, y)
         return expose(light, setup.cameras[number - 1], rng)
 
     # each camera has random numbers of its own, so the order of the threads does not matter

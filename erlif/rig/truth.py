@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from erlif.core.arrays import Array
 from erlif.rig.camera import displacement, vignetting
-from erlif.rig.film import Gap, Marks, Triggers, Wedge
+from erlif.rig.film import Gap, Marks, Triggers, Wedge, lay_patch
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup
 
@@ -145,6 +145,13 @@ def _list_geometry(setup: Setup) -> Iterator[_Variable]:
     """Displacement of camera 2, and the film of the fixture."""
     dx, dy = displacement(setup.x, setup.y, setup.rig)
     wedge = Wedge(setup.rig)(setup.x, setup.y)[0]
+    yield _Variable(
+        "background_typical",
+        ("camera",),
+        np.array(setup.typical),
+        "electron",
+        "median light of the run, of which rig_background and rig_background_beam are shares",
+    )
     meaning = "camera-2 pixel minus camera-1 pixel, at zero drift"
     yield _Variable("displacement_x", ("y", "x"), dx, "pixel", meaning)
     yield _Variable("displacement_y", ("y", "x"), dy, "pixel", meaning)
@@ -190,7 +197,7 @@ def write_true_film(file: h5netcdf.File, setup: Setup, triggers: Triggers, marks
     height = marks(x, y)
     for k, film_min in enumerate(triggers.film_min):
         gap = Gap(rig, float(film_min), marks)
-        film = gap.close(gap.smooth(x, y), height)
+        film = lay_patch(gap.close(gap.smooth(x, y), height), x, y, rig)
         file["film"][k] = np.rint(film * _FILM_STEPS) / _FILM_STEPS
         for number in (1, 2):
             electrons = lens[number - 1] * setup.light(number, film, x, y)

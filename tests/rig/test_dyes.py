@@ -95,3 +95,35 @@ def test_reabsorption_is_stronger_in_the_band_of_camera_1():
     film = np.linspace(0.05, 100, 2000)
     ratio = tabulate_signal(BANDS[1])(film) / tabulate_signal(BANDS[0])(film)
     assert np.all(np.diff(ratio) > 0)
+
+
+def test_a_bleached_dye_1_dims_both_bands_and_a_bleached_dye_2_clears_camera_1():
+    """Light of a thin film is emission times thickness, so it falls with the dye that made it."""
+    thin = np.asarray(1e-5)
+    for band in BANDS:
+        wavelength = np.linspace(band - 12, band + 12, 20001)
+        by_dye = [
+            np.trapezoid(transmission(wavelength, band) * emission(wavelength, left), wavelength)
+            for left in ((1.0, 0.0), (0.0, 1.0))
+        ]
+        for left in ((0.7, 1.0), (1.0, 0.7), (0.6, 0.8)):
+            expected = (left[0] * by_dye[0] + left[1] * by_dye[1]) / sum(by_dye)
+            light = band_signal(thin, band, left=left) / band_signal(thin, band)
+            npt.assert_allclose(light, expected, rtol=1e-5)
+            npt.assert_allclose(
+                tabulate_signal(band, left)(thin) / tabulate_signal(band)(thin), expected, rtol=1e-5
+            )
+
+    # reabsorption by dye 2 lies in the band of camera 1, so that the ratio of a thick film falls
+    thick = np.asarray(20.0)
+    fresh, faded = (
+        band_signal(thick, 610.0, left=left) / band_signal(thick, 580.0, left=left)
+        for left in ((1.0, 1.0), (1.0, 0.8))
+    )
+    assert faded < fresh
+
+
+def test_each_dye_absorbs_in_proportion_to_what_is_left():
+    wavelength = np.linspace(520, 620, 50)
+    one, two = (absorption(wavelength, left) for left in ((1.0, 0.0), (0.0, 1.0)))
+    npt.assert_allclose(absorption(wavelength, (0.3, 0.9)), 0.3 * one + 0.9 * two, rtol=1e-12)

@@ -9,7 +9,7 @@ import numpy.testing as npt
 import pytest
 import tifffile
 import xarray as xr
-from scenes.rig import QUICK, read_frames
+from scenes.rig import QUICK, digest, read_frames
 
 from erlif.rig import RigSettings, simulate
 from erlif.rig.film import Wedge, list_triggers
@@ -171,3 +171,71 @@ def test_flats_rise_level_by_level(written):
         levels = flat.reshape(3, 8, 80, 96).mean(axis=1) - dark
         bright = np.percentile(levels, 99, axis=(1, 2)) / 4095  # the middle of the lens
         assert bright == pytest.approx([0.25, 0.5, 0.8], rel=0.03)
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory):
+    """A run with light that is not film, a patch of 4 um, and dyes that bleach by 2 % a pulse."""
+    rig = replace(
+        QUICK,
+        background=0.05,
+        background_beam=0.03,
+        background_pages=4,
+        bleaching=(0.02, 0.0),
+        reference=4.0,
+        bubbles=0,
+    )
+    return simulate(tmp_path_factory.mktemp("odd") / "out", seed=5, rig=rig)
+
+
+def test_frames_of_the_dry_joint_hold_the_background(odd):
+    settings = tomllib.loads((odd / "run" / "run.toml").read_text())
+    with xr.open_dataset(odd / "truth.nc", engine="h5netcdf") as truth:
+        typical = truth.background_typical.values
+    middle = slice(20, 28), slice(28, 36)  # near the axes of beam and lens
+    for number in (1, 2):
+        name = settings[f"camera{number}"]["background"]
+        pages = tifffile.imread(odd / "run" / name)
+        dark = tifffile.imread(odd / "run" / f"camera{number}_dark.tif")
+        assert pages.shape == (4, 48, 64)
+        light = np.median((pages.mean(axis=0) - dark)[middle]) * 4.4
+        assert light == pytest.approx(0.08 * typical[number - 1], rel=0.06)
+
+
+def test_a_share_of_the_background_is_one_of_the_median_light(odd, tmp_path):
+    """Half of the pixels of the run have less light than the level that the share refers to."""
+    with xr.open_dataset(odd / "truth.nc", engine="h5netcdf") as truth:
+        light = truth.expected_electrons.median(("trigger", "y", "x")).values
+        lens = 0.93  # mean transmission of both lenses; expected_electrons includes it
+        npt.assert_allclose(truth.background_typical * lens, light, rtol=0.05)
+
+
+def test_light_fades_from_pulse_to_pulse_as_dye_1_bleaches(odd, tmp_path):
+    fresh = simulate(tmp_path / "fresh", seed=5, rig=replace(QUICK, reference=4.0, bubbles=0))
+    rows, columns = slice(20, 28), slice(5, 10)  # within the patch of 4 um
+    faded, whole = (
+        read_frames(directory / "run", 1)[:, rows, columns].astype(float) - 64
+        for directory in (odd, fresh)
+    )
+    background = faded[0].mean() / whole[0].mean()
+    assert background > 1.02
+    share = faded.mean(axis=(1, 2)) / whole.mean(axis=(1, 2)) / background
+    # dye 1 makes most of the light at 580 nm; less of it also absorbs less of the laser
+    assert np.all(np.diff(share) < 0)
+    assert 0.92 < share[-1] < 0.99
+
+
+def test_the_patch_has_its_film_at_all_triggers_and_is_named_in_run_toml(odd):
+    settings = tomllib.loads((odd / "run" / "run.toml").read_text())["reference"]
+    assert settings["thickness"] == "4 um"
+    with xr.open_dataset(odd / "truth.nc", engine="h5netcdf") as truth:
+        patch = truth.film.sel(x=slice(*settings["x"]), y=slice(*settings["y"]))
+        assert patch.size > 50
+        npt.assert_array_equal(patch, 4.0)
+        (left, _), _ = RigSettings(width=64, height=48).region
+        assert settings["x"][1] < left
+
+
+def test_the_fixture_has_neither_background_nor_bleaching(odd, tmp_path):
+    plain = simulate(tmp_path / "plain", seed=5, rig=replace(QUICK, bubbles=0))
+    assert digest(odd / "fixture") == digest(plain / "fixture")

@@ -23,6 +23,11 @@ from erlif.rig import RigSettings
         {"flat_levels": ()},
         {"crank": 27.0},
         {"film_floor": 0.0},
+        {"background": -0.01},
+        {"background_beam": -0.01},
+        {"background_pages": -1},
+        {"reference": -1.0},
+        {"bleaching": (0.0, 1.0)},
     ],
 )
 def test_a_rig_that_cannot_work_is_refused(wrong):

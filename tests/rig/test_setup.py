@@ -1,12 +1,14 @@
 """One photograph: both cameras receive the same pulse of the same object."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 
 from erlif.rig import RigSettings
-from erlif.rig.camera import displacement
+from erlif.rig.camera import displacement, seen_from_camera_2
 from erlif.rig.film import Bubbles
-from erlif.rig.scene import Grains
+from erlif.rig.scene import Grains, beam
 from erlif.rig.setup import STREAMS, Shot, build_setup, photograph, random_stream
 
 
@@ -94,3 +96,27 @@ def test_an_empty_film_leaves_the_dark_frame():
         std = np.hypot(rig.read_noise / rig.gain, 12**-0.5)
         npt.assert_allclose(frame.mean(), rig.offset, atol=4 * std / np.sqrt(frame.size))
         npt.assert_allclose(frame.std(), std, rtol=4 / np.sqrt(2 * frame.size))
+
+
+def test_a_dry_joint_shows_the_background_times_the_pulse_energy():
+    """Even light of 2 % and light with the beam's shape of 1 % of 5000 electrons, no film."""
+    rig = RigSettings(
+        width=64, height=48, hot_fraction=0.0, dead_pixels=0, background=0.02, background_beam=0.01
+    )
+    setup = replace(build_setup(3, rig), typical=(5000.0, 4000.0))
+    shot = Shot(
+        film=lambda x, y: np.zeros(x.shape),
+        bubbles=Bubbles(*np.empty((3, 0))),
+        grains=setup.grains,
+        energy=3.0,
+        drift=(0.0, 0.0),
+    )
+    frames = photograph(setup, shot, np.random.default_rng(1))
+    for number, camera, typical in ((1, setup.cameras[0], 5000), (2, setup.cameras[1], 4000)):
+        x, y = setup.x, setup.y
+        if number == 2:
+            x, y = seen_from_camera_2(x, y, (0.0, 0.0), rig)
+        expected = 3 * typical * (0.02 + 0.01 * beam(x, y, rig)) * camera.sensitivity
+        light = (frames[number - 1] - camera.dark_level) * rig.gain
+        # 3072 pixels of some 500 electrons, 9 electrons of read noise
+        npt.assert_allclose(light.mean(), expected.mean(), atol=4 * 25 / np.sqrt(light.size))
