@@ -482,7 +482,7 @@ FRAMES_TEXT = """\
 ## Frames
 
 Frames, darks and flats are grey images of 8 or 16-bit unsigned counts, at least 64 x 64 pixels, all
-of one size and type in a run: TIFF, or any format for which `imageio` has a reader. Frame k of
+of one size and type in a run, in a format that `erlif.readers` recognises. Frame k of
 camera 1 and frame k of camera 2 show the same laser pulse, and row k of the encoder log belongs to
 them. Single-page files are taken in natural order (frame_2 before frame_10); a multi-page file
 holds its frames in order.

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import glob
 import hashlib
-import math
 import os
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import tifffile
 
 from erlif.core.arrays import AnyArray, Counts
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note
-from erlif.ingest.tiff import decode_plain_page, find_plain_pages, read_plain_page
-
-_TIFF = {".tif", ".tiff"}
-
-_DENSEST = 1100
-"""Pixels per byte of a file that deflate can reach; a header that claims more is damaged."""
+from erlif.readers import FrameKind, borrow_frames, open_frames
+from erlif.readers.base import TRUNCATED, describe_shape
+from erlif.readers.plain_tiff import decode_plain_page, read_plain_page
+from erlif.readers.tiff import TiffFrames
 
 _FEW_LEVELS = 16
 """Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
@@ -58,25 +54,7 @@ class Page:
         return name if self.index == 0 else f"{name}[{self.index}]"
 
 
-class PageKind(NamedTuple):
-    """Shape and type of an image, from its header.
-
-    Attributes
-    ----------
-    shape : tuple[int, ...]
-        (rows, columns), and colours where there are several. [px]
-    dtype : str
-        Name of the numpy type, such as "uint16".
-    """
-
-    shape: tuple[int, ...]
-    dtype: str
-
-    def __str__(self) -> str:
-        return f"{describe_shape(self.shape)} {self.dtype}"
-
-
-UNREADABLE = PageKind((0, 0), "unreadable")
+UNREADABLE = FrameKind((0, 0), "unreadable")
 """Stands for a page whose header or data is damaged."""
 
 
@@ -103,14 +81,14 @@ class CameraFiles:
     ----------
     pages : list[Page]
         Images of all files, unreadable ones included.
-    kinds : list[PageKind]
+    kinds : list[FrameKind]
         Kind of each page; UNREADABLE for damaged ones.
     faults : dict[int, str]
         Reasons why pages are unreadable, by position.
     """
 
     pages: list[Page] = field(default_factory=list)
-    kinds: list[PageKind] = field(default_factory=list)
+    kinds: list[FrameKind] = field(default_factory=list)
     faults: dict[int, str] = field(default_factory=dict)
 
 
@@ -179,10 +157,13 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
             kinds, headers = _read_headers(path)
         except FrameError as error:
             found.faults[len(found.pages)] = str(error)
-            kinds, headers = [UNREADABLE], [0]
+            found.pages.append(Page(path, 0))
+            found.kinds.append(UNREADABLE)
+            continue
 
         for index, (kind, header) in enumerate(zip(kinds, headers, strict=True)):
-            if kind == UNREADABLE:
+            if kind == TRUNCATED:
+                kind = UNREADABLE
                 found.faults.setdefault(len(found.pages), "the file is truncated")
             found.pages.append(Page(path, index, header, alone=len(kinds) == 1))
             found.kinds.append(kind)
@@ -241,11 +222,8 @@ def read_content(
     try:
         content = _decode(page, digest=digest)
     except Exception as error:  # decoders of damaged bytes raise exceptions of many types
-        todo = "Record it again, or use --skip-bad-frames to leave out this frame pair."
-        if "imagecodecs" in str(error):
-            todo = "Install the decoders with: pip install 'erlif[formats]'"
         raise FrameError(
-            f"Expected an image in {name}; it cannot be decoded ({error}). {todo}"
+            f"Expected an image in {name}; it cannot be decoded: {with_advice(str(error))}"
         ) from error
 
     image = content.counts
@@ -259,23 +237,32 @@ def read_content(
 
 
 def _decode(page: Page, *, digest: bool) -> PageContent:
-    """Counts of a page by the first reader that knows its format."""
-    if page.path.suffix.lower() not in _TIFF:
-        return PageContent(_read_foreign(page.path)[page.index])
+    """Counts of a page; the hash belongs to the bytes that are decoded."""
+    if not digest or not page.alone:
+        counts = read_plain_page(page.path, page.header) if page.header else None
+        return PageContent(_read_frame(page) if counts is None else counts)
 
-    # the hash belongs to the bytes that are decoded: they are in memory for both
-    if digest and page.alone:
-        data = page.path.read_bytes()
-        hashed = hashlib.sha256(data).hexdigest()
-        counts = decode_plain_page(data, page.header) if page.header else None
-        if counts is None:
-            counts = np.asarray(tifffile.imread(BytesIO(data), key=page.index))
-        return PageContent(counts, hashed)
-
-    counts = read_plain_page(page.path, page.header) if page.header else None
+    data = page.path.read_bytes()
+    hashed = hashlib.sha256(data).hexdigest()
+    counts = decode_plain_page(data, page.header) if page.header else None
     if counts is None:
-        counts = np.asarray(tifffile.imread(page.path, key=page.index))
-    return PageContent(counts)
+        # this reader opens the file again: it must find the same bytes
+        counts = _read_frame(page)
+        if page.path.read_bytes() != data:
+            raise FrameError("the file has changed while it was read")
+    return PageContent(counts, hashed)
+
+
+def _read_frame(page: Page) -> AnyArray:
+    with borrow_frames(page.path) as file:
+        return file.read(page.index)
+
+
+def with_advice(reason: str) -> str:
+    """Why a page is unreadable and what to do; a reason that ends a sentence contains both."""
+    if reason.endswith("."):
+        return reason
+    return f"{reason}. Record it again, or use --skip-bad-frames to leave out this frame pair."
 
 
 def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
@@ -350,67 +337,11 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     )
 
 
-def describe_shape(shape: tuple[int, ...]) -> str:
-    """Width x height, in the order of a camera's data sheet."""
-    return " x ".join(str(n) for n in reversed(shape))
-
-
-def _read_headers(path: Path) -> tuple[list[PageKind], list[int]]:
+def _read_headers(path: Path) -> tuple[Sequence[FrameKind], Sequence[int]]:
     """Kind of each image in a file, and place of its directory; FrameError with the bare reason."""
+    file = open_frames(path)
     try:
-        size = path.stat().st_size
-        if size == 0:
-            raise FrameError("the file is empty")
-        is_tiff = path.suffix.lower() in _TIFF
-        plain = find_plain_pages(path) if is_tiff else None
-        if plain is not None:
-            kinds = [PageKind(page.shape, page.dtype) for page in plain]
-        else:
-            kinds = _tiff_headers(path, size) if is_tiff else _foreign_headers(path)
-    except OSError as error:
-        raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
-
-    # headers of damaged files may claim sizes that no memory holds
-    if not kinds:
-        raise FrameError("the file holds no image")
-    for shape, _ in kinds:
-        if math.prod(shape) > _DENSEST * size:
-            raise FrameError(
-                f"the file is damaged: {size} bytes cannot hold {describe_shape(shape)} pixels"
-            )
-    return kinds, [0] * len(kinds) if plain is None else [page.header for page in plain]
-
-
-def _tiff_headers(path: Path, size: int) -> list[PageKind]:
-    kinds = []
-    try:
-        with tifffile.TiffFile(path) as file:
-            for page in file.pages:
-                page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
-                # data behind the end of the file was cut off; a page without data has none at all
-                ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
-                whole = ends and max(ends) <= size
-                shape = tuple(int(n) for n in page.shape)
-                kinds.append(PageKind(shape, np.dtype(page.dtype).name) if whole else UNREADABLE)
-    except OSError:
-        raise
-    except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
-        raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
-    return kinds
-
-
-def _foreign_headers(path: Path) -> list[PageKind]:
-    return [PageKind(image.shape, image.dtype.name) for image in _read_foreign(path)]
-
-
-def _read_foreign(path: Path) -> list[AnyArray]:
-    """Images of a file that is not a TIFF, by any installed reader."""
-    import imageio.v3 as iio
-
-    try:
-        return [np.asarray(image) for image in iio.imiter(path)]
-    except Exception as error:  # each reader raises its own type
-        reason = str(error).strip().split("\n")[0]
-        raise FrameError(
-            f"no installed reader knows this file ({reason}); try: pip install 'erlif[formats]'"
-        ) from error
+        headers = file.headers if isinstance(file, TiffFrames) else []
+        return file.kinds, headers or [0] * len(file.kinds)
+    finally:
+        file.close()

@@ -13,12 +13,13 @@ from erlif.ingest.images import (
     UNREADABLE,
     CameraFiles,
     Page,
-    PageKind,
     check_depth,
-    describe_shape,
     find_pages,
     read_page,
+    with_advice,
 )
+from erlif.readers import FrameKind
+from erlif.readers.base import describe_shape
 
 _SMALLEST = 64
 """Least width and height of a frame: registration needs several windows along each axis. [px]"""
@@ -102,7 +103,7 @@ def _check_kinds(cameras: Sequence[CameraFiles], good: Sequence[int]) -> tuple[i
     """Shape of all frames; refuses frames of different kinds, and kinds that are not counts."""
     # the most frequent kind is the usual one, so that the odd file is named and not the others
     counted = Counter(files.kinds[k] for files in cameras for k in good)
-    usual: PageKind = counted.most_common(1)[0][0]
+    usual: FrameKind = counted.most_common(1)[0][0]
     for camera, files in enumerate(cameras, 1):
         for k in good:
             if files.kinds[k] != usual:
@@ -200,7 +201,7 @@ def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
 
 def _fault_message(faults: dict[int, str]) -> str:
     more = f" ({len(faults) - 1} more are unreadable)" if len(faults) > 1 else ""
-    return (
-        f"Expected readable frames; {faults[min(faults)]}{more}. Record it again, or use "
-        "--skip-bad-frames to leave out this frame pair."
-    )
+    first = faults[min(faults)]
+    if first.endswith("."):
+        return f"Expected readable frames{more}; {first}"
+    return f"Expected readable frames; {with_advice(first + more)}"

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, overload
+
+import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import FrameError
+
+MOST_FRAMES = 4_000_000
+"""Frames of one file above which its header is damaged: a day at 46 frames a second."""
 
 
 class FrameKind(NamedTuple):
@@ -25,6 +32,13 @@ class FrameKind(NamedTuple):
     shape: tuple[int, ...]
     dtype: str
 
+    def __str__(self) -> str:
+        return f"{describe_shape(self.shape)} {self.dtype}"
+
+
+TRUNCATED = FrameKind((0, 0), "truncated")
+"""Stands for a frame whose data lie behind the end of the file."""
+
 
 class FrameFile(ABC):
     """An open file that holds one or more frames; each is read by itself, in any order.
@@ -39,11 +53,20 @@ class FrameFile(ABC):
         Significant bits of a count; None where the file does not state them.
     times : Array | None
         Time of each frame from the first one, (frame,); None where the file has none. [s]
+    channels : Sequence[int] | None
+        Channel of each frame, counted from 1; None where the file has no channels.
+    companions : Sequence[Path]
+        Other files that hold a part of this recording, such as the header beside raw data.
+    warning : str
+        Why the counts of this format are doubtful, as one sentence; empty where they are not.
     """
 
     kinds: Sequence[FrameKind]
     bits: int | None = None
     times: Array | None = None
+    channels: Sequence[int] | None = None
+    companions: Sequence[Path] = ()
+    warning: str = ""
 
     @abstractmethod
     def read(self, index: int) -> AnyArray:
@@ -82,9 +105,12 @@ class Format:
     recognise : Callable[[Path, bytes], bool]
         Whether a file is of this format, from its path and its first 512 bytes.
     open : Callable[[Path], FrameFile]
-        Opens a file and reads its header; FrameError with the bare reason where it is damaged.
+        Opens a file and reads its header; FrameError with the bare reason where it is damaged. A
+        reason that ends with a full stop includes what to do.
     extra : str
         Extra of erlif that installs what the reader needs; empty where nothing more is needed.
+    open_dataset : Callable[[Path, str], FrameFile] | None
+        Opens one of several arrays in a file by its path; None for a format without such paths.
     """
 
     name: str
@@ -92,3 +118,79 @@ class Format:
     recognise: Callable[[Path, bytes], bool]
     open: Callable[[Path], FrameFile]
     extra: str = ""
+    open_dataset: Callable[[Path, str], FrameFile] | None = None
+
+
+def describe_shape(shape: tuple[int, ...]) -> str:
+    """Width x height, in the order of a camera's data sheet."""
+    return " x ".join(str(n) for n in reversed(shape))
+
+
+class SameKinds(Sequence[FrameKind]):
+    """One kind for all frames of a file, without a list of them.
+
+    Parameters
+    ----------
+    kind : FrameKind
+    count : int
+        Number of frames.
+
+    Examples
+    --------
+    >>> kinds = SameKinds(FrameKind((64, 80), "uint16"), 100_000)
+    >>> len(kinds), str(kinds[99_999])
+    (100000, '80 x 64 uint16')
+    """
+
+    def __init__(self, kind: FrameKind, count: int) -> None:
+        self._kind, self._places = kind, range(count)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    @overload
+    def __getitem__(self, index: int) -> FrameKind: ...
+    @overload
+    def __getitem__(self, index: slice) -> SameKinds: ...
+    def __getitem__(self, index: int | slice) -> FrameKind | SameKinds:
+        if isinstance(index, slice):
+            return SameKinds(self._kind, len(self._places[index]))
+        self._places[index]  # raises IndexError behind the last frame
+        return self._kind
+
+
+def check_claim(frames: int, kind: FrameKind, size: int, *, packing: float = 1.0) -> None:
+    """Refuse a header that claims more frames or pixels than its file can hold.
+
+    Parameters
+    ----------
+    frames : int
+        Number of frames in the header.
+    kind : FrameKind
+        Shape and type in the header.
+    size : int
+        Size of the file, or of the files, that hold the data. [byte]
+    packing : float
+        Highest ratio of the decoded to the stored size in this format.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason.
+
+    Examples
+    --------
+    >>> check_claim(2, FrameKind((64, 80), "uint16"), size=20_480)
+    >>> check_claim(2, FrameKind((64, 80), "uint16"), size=20_479)
+    Traceback (most recent call last):
+    ...
+    erlif.core.errors.FrameError: the file is damaged: 20479 bytes cannot hold 2 frames of ...
+    """
+    if frames < 1 or min(kind.shape, default=0) < 1:
+        raise FrameError("the file holds no image")
+    claimed = frames * math.prod(kind.shape) * np.dtype(kind.dtype).itemsize
+    if frames > MOST_FRAMES or claimed > packing * size:
+        raise FrameError(
+            f"the file is damaged: {size} bytes cannot hold {frames} frame"
+            f"{'s' if frames > 1 else ''} of {kind}"
+        )

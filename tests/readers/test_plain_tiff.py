@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from erlif.ingest.tiff import decode_plain_page, find_plain_pages, read_plain_page
+from erlif.readers.plain_tiff import decode_plain_page, find_plain_pages, read_plain_page
 
 GREY = np.random.default_rng(5).integers(0, 4096, (64, 80), dtype=np.uint16)
 
