@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -46,6 +46,47 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
     return xr.open_dataset(path, engine="h5netcdf", group=group)
+
+
+def write_netcdf(
+    dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w", group: str | None = None
+) -> None:
+    """Write a dataset to a netCDF-4 file, or add it.
+
+    `xarray.Dataset.to_netcdf` would look for a scheduler of dask first and load both where dask is
+    installed, which takes 15 MB and 0.2 s.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        As `fix_text` returns it.
+    path : Path
+        The file.
+    mode : str
+        "w" to begin a file, "a" to add to one.
+    group : str, optional
+        Name of a new group; default: the root.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "load.nc")
+    ...     write_netcdf(xr.Dataset({"load": ("trigger", [220.0])}), path)
+    ...     with open_netcdf(path) as dataset:
+    ...         float(dataset["load"][0])
+    220.0
+    """
+    import h5netcdf
+
+    with h5netcdf.File(path, mode) as file:
+        place = file if group is None else file.create_group(group)
+        dataset.dump_to_store(xr.backends.H5NetCDFStore(place))
 
 
 def has_group(path: Path, group: str) -> bool:

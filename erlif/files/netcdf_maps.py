@@ -22,7 +22,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.files.compression import DEFLATE_LEVEL, MapVariable, encode_netcdf
-from erlif.files.netcdf import fix_text
+from erlif.files.netcdf import fix_text, write_netcdf
 from erlif.files.records import Record, read_record, write_record
 from erlif.files.replacing import remove
 
@@ -98,7 +98,7 @@ class NetcdfMaps:
         import h5netcdf
         import h5py
 
-        fix_text(self._grid).to_netcdf(self.path, engine="h5netcdf")
+        write_netcdf(fix_text(self._grid), self.path)
         shape = tuple(self._grid.sizes[dim] for dim in _DIMS)
         with h5netcdf.File(self.path, "a") as file:
             for variable in self.variables:
@@ -219,10 +219,10 @@ class NetcdfMaps:
         small = film.drop_vars(list(self._grid.coords), errors="ignore")
         self._reserve(small.nbytes)
         self._file.close()
-        fix_text(small).to_netcdf(self.path, engine="h5netcdf", mode="a")
+        write_netcdf(fix_text(small), self.path, mode="a")
         for name, group in groups.items():
             self._reserve(group.nbytes)
-            fix_text(group).to_netcdf(self.path, engine="h5netcdf", mode="a", group=name)
+            write_netcdf(fix_text(group), self.path, mode="a", group=name)
 
     def close(self) -> None:
         """Release the files."""

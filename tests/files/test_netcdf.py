@@ -1,11 +1,15 @@
 """netCDF files opened for reading, and text that Octave reads."""
 
+import subprocess
+import sys
+
 import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
 from erlif.files import fix_text, has_group, open_netcdf
+from erlif.files.netcdf import write_netcdf
 
 
 @pytest.fixture
@@ -94,3 +98,24 @@ def test_original_is_left_as_it_was():
     fix_text(dataset)
     xr.testing.assert_identical(dataset, copy)
     assert dataset.x.encoding == {}
+
+
+def test_groups_are_added_to_a_file(tmp_path):
+    path = tmp_path / "two.nc"
+    write_netcdf(fix_text(xr.Dataset({"load": ("trigger", [220.0])}, attrs={"title": "a"})), path)
+    write_netcdf(xr.Dataset({"speed": ("trigger", [0.5])}), path, mode="a")
+    write_netcdf(fix_text(xr.Dataset({"file": ("frame", ["ä"])})), path, mode="a", group="frames")
+    with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
+        assert (float(root.load[0]), float(root.speed[0]), root.title) == (220.0, 0.5, "a")
+        assert frames.file.values.tolist() == ["ä"]
+
+
+def test_writing_loads_no_scheduler(tmp_path):
+    code = (
+        "import sys, xarray as xr\n"
+        "from pathlib import Path\n"
+        "from erlif.files.netcdf import write_netcdf\n"
+        "write_netcdf(xr.Dataset({'load': 220.0}), Path(sys.argv[1]))\n"
+        "assert 'distributed' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "load.nc")], check=True)

@@ -1,9 +1,13 @@
 """The light that lamp, lens and film shape, taken out before two bands are compared."""
 
+import math
+
 import numpy as np
 import numpy.testing as npt
+import pytest
+from scipy.interpolate import CubicSpline
 
-from erlif.registration.background import divide_by_light, local_light
+from erlif.registration.background import _to_nodes, divide_by_light, local_light
 
 Y, X = np.indices((120, 160), dtype=np.float64)
 
@@ -102,3 +106,12 @@ def test_texture_keeps_its_contrast_whatever_the_level():
         texture, weight = divide_by_light(image, np.ones(X.shape, np.float32))
         npt.assert_allclose(texture[20:-20, 20:-20], wave[20:-20, 20:-20], atol=5e-3)
         assert (texture.dtype, weight.dtype) == (np.float32, np.float32)
+
+
+@pytest.mark.parametrize("size", [20, 24, 32, 100, 1280])
+def test_light_between_the_cells_is_that_of_the_cubic_spline_of_scipy(size):
+    """Cells of 8 px; from 25 px on there are enough of them for a spline."""
+    cells = math.ceil(size / 8)
+    nodes = 4 * np.arange(-1, math.ceil(size / 4) + 1) + 1.5
+    expected = CubicSpline(8 * np.arange(cells) + 3.5, np.eye(cells))(nodes)
+    npt.assert_allclose(_to_nodes(size), expected, atol=1e-12)
