@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Counts
+from erlif.core.arrays import Array, Counts
 from erlif.core.notes import Level, Note
 from erlif.core.products import Frames
 from erlif.ingest.images import Page, PageContent, check_depth, read_content
@@ -32,6 +32,11 @@ class FramePairs:
         Bits per pixel of camera 1 and camera 2.
     skipped : dict[int, str]
         Frame pairs left out, with the reason.
+    times : Array | None
+        Time of each frame pair from the first one by the header of camera 1, else of camera 2,
+        (frame,); None where no header has it. [s]
+    companions : tuple[tuple[Path, ...], tuple[Path, ...]]
+        Other files of camera 1 and camera 2 that hold a part of the recording.
     """
 
     directory: Path
@@ -39,6 +44,8 @@ class FramePairs:
     shape: tuple[int, int]
     bit_depths: tuple[int, int]
     skipped: dict[int, str] = field(default_factory=dict)
+    times: Array | None = field(default=None, compare=False)
+    companions: tuple[tuple[Path, ...], tuple[Path, ...]] = ((), ())
 
     @property
     def usable(self) -> list[int]:

@@ -40,9 +40,8 @@ def hash_inputs(recording: Run | Fixture, known: Digests | None = None) -> dict[
     hashes = {
         name: _combine(paths, known) for name, paths in _files_beside_frames(recording).items()
     }
-    for camera, pages in zip(recording.cameras, recording.pairs.pages, strict=True):
-        paths = sorted({page.path for page in pages}, key=natural_key)
-        hashes[camera.files] = _combine(paths, known)
+    for camera, paths in zip(recording.cameras, _files_of_frames(recording), strict=True):
+        hashes[camera.files] = _combine(sorted(paths, key=natural_key), known)
 
     # names as they stand in the settings may climb out and back in: results keep the shortest
     return {
@@ -101,8 +100,8 @@ def sign_inputs(recording: Run | Fixture, known: Digests) -> str:
     for paths in _files_beside_frames(recording).values():
         for path in paths:
             sign.update(f"{_name(path, recording)}\0{known.get(path)}\0".encode())
-    for pages in recording.pairs.pages:
-        for path in dict.fromkeys(page.path for page in pages):
+    for paths in _files_of_frames(recording):
+        for path in paths:
             sign.update(f"{_name(path, recording)}\0{_stamp(path)}\0".encode())
         sign.update(b"next camera")
     return sign.hexdigest()
@@ -120,6 +119,15 @@ def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
             if pattern is not None:
                 files[pattern] = match_files(recording.directory, pattern)
     return files
+
+
+def _files_of_frames(recording: Run | Fixture) -> list[list[Path]]:
+    """Files of each camera, each once."""
+    pairs = recording.pairs
+    return [
+        list(dict.fromkeys([*(page.path for page in pages), *others]))
+        for pages, others in zip(pairs.pages, pairs.companions, strict=True)
+    ]
 
 
 def _combine(paths: Iterable[Path], known: Digests) -> str:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Counts
+from erlif.core.arrays import AnyArray, Array, Counts
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note
 from erlif.readers import FrameKind, borrow_frames, open_frames
@@ -85,11 +85,17 @@ class CameraFiles:
         Kind of each page; UNREADABLE for damaged ones.
     faults : dict[int, str]
         Reasons why pages are unreadable, by position.
+    times : Array | None
+        Time of each page from the first one, (page,); None where no header has it. [s]
+    companions : list[Path]
+        Other files that hold a part of the recording, such as the header beside raw data.
     """
 
     pages: list[Page] = field(default_factory=list)
     kinds: list[FrameKind] = field(default_factory=list)
     faults: dict[int, str] = field(default_factory=dict)
+    times: Array | None = None
+    companions: list[Path] = field(default_factory=list)
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -154,7 +160,7 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
     found = CameraFiles()
     for path in paths:
         try:
-            kinds, headers = _read_headers(path)
+            kinds, headers, times, companions = _read_headers(path)
         except FrameError as error:
             found.faults[len(found.pages)] = str(error)
             found.pages.append(Page(path, 0))
@@ -165,8 +171,12 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
             if kind == TRUNCATED:
                 kind = UNREADABLE
                 found.faults.setdefault(len(found.pages), "the file is truncated")
-            found.pages.append(Page(path, index, header, alone=len(kinds) == 1))
+            found.pages.append(Page(path, index, header, alone=len(kinds) == 1 and not companions))
             found.kinds.append(kind)
+
+        # the clocks of two files may have started at different times
+        found.times = times if len(paths) == 1 else None
+        found.companions += companions
     return found
 
 
@@ -337,11 +347,23 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
     )
 
 
-def _read_headers(path: Path) -> tuple[Sequence[FrameKind], Sequence[int]]:
-    """Kind of each image in a file, and place of its directory; FrameError with the bare reason."""
+class _Headers(NamedTuple):
+    """What the headers of one file state."""
+
+    kinds: Sequence[FrameKind]
+    headers: Sequence[int]
+    times: Array | None
+    companions: Sequence[Path]
+
+
+def _read_headers(path: Path) -> _Headers:
+    """Kinds of the images in a file, and more; FrameError with the bare reason."""
     file = open_frames(path)
     try:
         headers = file.headers if isinstance(file, TiffFrames) else []
-        return file.kinds, headers or [0] * len(file.kinds)
+        times = file.times
+        if times is not None and (len(times) != len(file.kinds) or not np.isfinite(times).all()):
+            times = None  # time stamps with gaps are as good as none
+        return _Headers(file.kinds, headers or [0] * len(file.kinds), times, file.companions)
     finally:
         file.close()

@@ -87,8 +87,15 @@ def pair_cameras(
         page = files.pages[good[0]]
         counts = read_page(page, directory, (rows, columns))
         check_depth(counts, bit_depth=bit_depth, name=f"camera{camera}/{page.name}")
-    pages = tuple(one.pages), tuple(two.pages)
-    return FramePairs(directory, pages, (rows, columns), bit_depths, faults)
+    return FramePairs(
+        directory,
+        (tuple(one.pages), tuple(two.pages)),
+        (rows, columns),
+        bit_depths,
+        faults,
+        times=two.times if one.times is None else one.times,
+        companions=(tuple(one.companions), tuple(two.companions)),
+    )
 
 
 def frame_numbers(pages: Sequence[Page]) -> list[int]:

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -174,3 +175,14 @@ def test_an_unreadable_frame_has_a_place_in_the_sign(run):
     path.unlink()
     path.symlink_to(run.directory / "gone.tif")
     assert sign(run.directory) == sign(run.directory)
+
+
+def test_a_file_beside_the_frames_is_an_input(run):
+    opened = open_run(run.directory)
+    header = run.directory / "camera1.cihx"
+    header.write_bytes(b"header")
+    pairs = replace(opened.pairs, companions=((header,), ()))
+    hashes = hash_inputs(replace(opened, pairs=pairs))
+    assert hashes["camera1/*.tif"] == expected([header, *run.frames(1)])
+    assert hashes["camera2/*.tif"] == expected(run.frames(2))
+    assert sign_inputs(opened, {}) != sign_inputs(replace(opened, pairs=pairs), {})

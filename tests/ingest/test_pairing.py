@@ -6,7 +6,9 @@ import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.ingest import Page, read_frames
+from erlif.ingest.images import find_pages
 from erlif.ingest.pairing import frame_numbers, pair_cameras
+from erlif.readers import Format, FrameFile, FrameKind, registry
 
 SHAPE = (64, 80)
 GREY = np.random.default_rng(6).integers(0, 1000, SHAPE, dtype=np.uint16)
@@ -251,3 +253,41 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, save_pa
     assert pairs.usable == [0, 1, 2]
     assert sorted(pairs.skipped) == [3, 4, 5]
     assert all("the file is truncated" in reason for reason in pairs.skipped.values())
+
+
+class Stamped(FrameFile):
+    """Two frames with time stamps and a file beside them, as high-speed cameras write them."""
+
+    kinds = (FrameKind((64, 80), "uint8"),) * 2
+
+    def __init__(self, path):
+        self.times = np.array([0.0, float(path.read_bytes()[5:])])
+        self.companions = [path.with_suffix(".raw")]
+
+    def read(self, index):
+        return np.full((64, 80), index, np.uint8)
+
+
+@pytest.fixture
+def stamped(tmp_path, monkeypatch):
+    """A folder in which each camera has one file of two frames."""
+    entry = Format("stamped", (".st",), lambda path, head: head[:5] == b"STAMP", Stamped)
+    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, entry))
+    for name, step in (("one", "0.25"), ("two", "0.5")):
+        (tmp_path / f"{name}.st").write_text(f"STAMP{step}")
+        (tmp_path / f"{name}.raw").write_bytes(b"counts")
+    return tmp_path
+
+
+def test_times_of_the_header_are_those_of_camera_1(stamped):
+    pairs = pair_cameras(stamped, ("one.st", "two.st"), bit_depths=(8, 8))
+    assert list(pairs.times) == [0.0, 0.25]
+    assert pairs.companions == ((stamped / "one.raw",), (stamped / "two.raw",))
+
+
+@pytest.mark.parametrize("times", ["nan", "0.5"], ids=["not a number", "two files"])
+def test_times_that_do_not_belong_to_all_frames_are_left_out(stamped, times):
+    (stamped / "one.st").write_text(f"STAMP{times}")
+    (stamped / "one2.st").write_text("STAMP1")
+    found = find_pages(stamped, "one.st" if times == "nan" else "one*.st", "camera1")
+    assert found.times is None
