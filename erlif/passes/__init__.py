@@ -7,9 +7,10 @@ tests hold the passes to them.
 
 from erlif.passes.accumulation import PairSum
 from erlif.passes.drift import DriftSearch
-from erlif.passes.film import FilmMaps, FilmTables, measure_film, measure_pulse
+from erlif.passes.film import FilmMaps, measure_film, measure_pulse
 from erlif.passes.light import PairLight
 from erlif.passes.pair import PairRatio
+from erlif.passes.tables import FilmTables
 
 __all__ = [
     "DriftSearch",

@@ -10,7 +10,17 @@ import numpy as np
 
 from erlif.passes.buffers import empty_image
 from erlif.passes.pair import PairRatio
-from erlif.passes.rows import PAD, Place, Ring, across, add_rows, count, table_of
+from erlif.passes.rows import (
+    PAD,
+    STATES,
+    Part,
+    Place,
+    Ring,
+    across,
+    add_squares,
+    number_parts,
+    table_of,
+)
 
 _ZERO, _NONE, _NAN = np.float32(0), np.uint8(0), np.float32(np.nan)
 _BELOW_IMAGE = np.uint8(1)
@@ -18,25 +28,31 @@ _HALF = 4
 """Rows between a pixel and the end of the square whose mean variance gives its weight. [px]"""
 
 
-_STATES, _SINGLE, _SEVERAL = 18, 17, 9
+_SINGLE, _SEVERAL = 17, 9
 _NOISE, _NOISE_2, _NOISE_4 = Ring(0, _SINGLE), Ring(17, _SEVERAL), Ring(26, _SEVERAL)
-_PARTS = [Ring(35), Ring(36), Ring(37)]
+_SHARES = [Ring(35), Ring(36), Ring(37)]
 _PAIR, _DOWN = Ring(38), Ring(39)
 _COUNT_9, _PIXELS_9, _SPREAD, _ROWS = 40, 41, 42, 43
 """Rows of the buffer; `erlif.passes.rows` explains the rings."""
 
-_SUM_ROWS = [
-    (_NOISE_2, Place(_NOISE), Place(_NOISE, 16)),
-    (_NOISE_4, Place(_NOISE_2), Place(_NOISE_2, 7)),
+_PARTS = [
+    Part(
+        [
+            (_NOISE_2, Place(_NOISE), Place(_NOISE, 16)),
+            (_NOISE_4, Place(_NOISE_2), Place(_NOISE_2, 7)),
+        ]
+    ),
+    Part(across(Ring(_COUNT_9), 9, _SHARES, Ring(_PIXELS_9)), _COUNT_9, 9),
+    Part(
+        [
+            (_PAIR, Place(_NOISE_4), Place(_NOISE_4, 5)),
+            (_DOWN, Place(_PAIR), Place(_NOISE, 9)),
+            *across(_DOWN, 9, _SHARES, Ring(_SPREAD)),
+        ]
+    ),
 ]
-_SUM_PIXELS = across(Ring(_COUNT_9), 9, _PARTS, Ring(_PIXELS_9))
-_SUM_SQUARES = [
-    (_PAIR, Place(_NOISE_4), Place(_NOISE_4, 5)),
-    (_DOWN, Place(_PAIR), Place(_NOISE, 9)),
-    *across(_DOWN, 9, _PARTS, Ring(_SPREAD)),
-]
-_TABLE = table_of(_SUM_ROWS + _SUM_PIXELS + _SUM_SQUARES)
-_ENDS = np.cumsum([0, len(_SUM_ROWS), len(_SUM_PIXELS), len(_SUM_SQUARES)])
+_STEPS = number_parts(_PARTS)
+_TABLE = table_of([step for part in _PARTS for step in part.steps])
 
 
 class PairSum:
@@ -68,9 +84,9 @@ class PairSum:
         """Frames that were added."""
         self._correlation = 0.0
         # single precision adds 1e-7 of a variance a frame; the ratio itself is worth more digits
-        self._weight, self._var, self._fixed, self._shared = (empty_image(shape) for _ in range(4))
-        self._ratio = empty_image(shape, np.float64)
-        self._flags = empty_image(shape, np.uint8)
+        weight, var, fixed, shared = (empty_image(shape) for _ in range(4))
+        ratio, flags = empty_image(shape, np.float64), empty_image(shape, np.uint8)
+        self._sums = weight, ratio, var, fixed, shared, flags
 
     def add(self, pair: PairRatio) -> None:
         """Add a frame pair.
@@ -80,24 +96,10 @@ class PairSum:
         pair : PairRatio
         """
         width = self.shape[1]
-        state = np.ones((_STATES, width), np.uint8)
+        state = np.ones((STATES, width), np.uint8)
         rows = np.zeros((_ROWS, width + 2 * PAD), np.float32)
-        _add_frame(
-            pair.log_ratio,
-            pair.variance,
-            pair.variance_fixed,
-            pair.variance_shared,
-            pair.flags,
-            self.frames == 0,
-            state,
-            rows,
-            self._weight,
-            self._ratio,
-            self._var,
-            self._fixed,
-            self._shared,
-            self._flags,
-        )
+        images = pair.log_ratio, pair.variance, pair.variance_fixed, pair.variance_shared
+        _add_frame(images, pair.flags, self.frames == 0, state, rows, self._sums)
         self.frames += 1
         self._correlation += pair.noise_correlation
 
@@ -116,19 +118,7 @@ class PairSum:
                 image.fill(np.nan)
             flags.fill(0)
         else:
-            _average(
-                self._weight,
-                self._ratio,
-                self._var,
-                self._fixed,
-                self._shared,
-                self._flags,
-                log_ratio,
-                variance,
-                fixed,
-                shared,
-                flags,
-            )
+            _average(self._sums, (log_ratio, variance, fixed, shared), flags)
         unknown = np.broadcast_to(_NAN, self.shape)
         correlation = self._correlation / max(self.frames, 1)
         return PairRatio(log_ratio, variance, fixed, shared, flags, unknown, correlation)
@@ -144,23 +134,10 @@ def _enter(variance, fixed, flags, i, extra, state, s, rows, k):  # type: ignore
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _add_row(  # type: ignore[no-untyped-def]
-    log_ratio,
-    variance,
-    fixed,
-    shared,
-    flags,
-    i,
-    first,
-    rows,
-    weight,
-    ratio,
-    var,
-    total_fixed,
-    total_shared,
-    total_flags,
-):
+def _add_row(images, flags, i, first, rows, sums):  # type: ignore[no-untyped-def]
     """Add row i to the sums, or begin them with it."""
+    log_ratio, variance, fixed, shared = images
+    weight, ratio, var, total_fixed, total_shared, total_flags = sums
     for j in range(flags.shape[1]):
         sound = flags[i, j] == 0
         w = rows[_PIXELS_9, j] / rows[_SPREAD, j] if sound else _ZERO
@@ -178,67 +155,23 @@ def _add_row(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _add_frame(  # type: ignore[no-untyped-def]
-    log_ratio,
-    variance,
-    fixed,
-    shared,
-    flags,
-    first,
-    state,
-    rows,
-    weight,
-    ratio,
-    var,
-    total_fixed,
-    total_shared,
-    total_flags,
-):
-    """Add the first five images to the sums in the last six."""
-    bottom_row = log_ratio.shape[0] - 1
-    for u in range(log_ratio.shape[0] + _HALF):
-        s, k = u % _STATES, u % _SINGLE
+def _add_frame(images, flags, first, state, rows, sums):  # type: ignore[no-untyped-def]
+    """Add the images of a frame to the sums."""
+    _, variance, fixed, _ = images
+    bottom_row = flags.shape[0] - 1
+    for u in range(flags.shape[0] + _HALF):
         at, extra = min(u, bottom_row), _NONE if u <= bottom_row else _BELOW_IMAGE
-        _enter(variance, fixed, flags, at, extra, state, s, rows, k)
-        for part in range(2 if u < _HALF else 3):
-            changed = part != 1 or count(state, s, (u + 9) % _STATES, rows, _COUNT_9)
-            if changed:
-                add_rows(rows, _TABLE, _ENDS[part], _ENDS[part + 1], u)
-        if u < _HALF:
-            continue
-        _add_row(
-            log_ratio,
-            variance,
-            fixed,
-            shared,
-            flags,
-            u - _HALF,
-            first,
-            rows,
-            weight,
-            ratio,
-            var,
-            total_fixed,
-            total_shared,
-            total_flags,
-        )
+        _enter(variance, fixed, flags, at, extra, state, u % STATES, rows, u % _SINGLE)
+        add_squares(state, rows, _TABLE, _STEPS, u, u >= _HALF)
+        if u >= _HALF:
+            _add_row(images, flags, u - _HALF, first, rows, sums)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
-def _average(  # type: ignore[no-untyped-def]
-    weight,
-    ratio,
-    var,
-    total_fixed,
-    total_shared,
-    total_flags,
-    log_ratio,
-    variance,
-    fixed,
-    shared,
-    flags,
-):
-    """Fill the last five images."""
+def _average(sums, images, flags):  # type: ignore[no-untyped-def]
+    """Fill the images of the mean, and its flags."""
+    weight, ratio, var, total_fixed, total_shared, total_flags = sums
+    log_ratio, variance, fixed, shared = images
     for i in range(weight.shape[0]):
         for j in range(weight.shape[1]):
             w = weight[i, j]

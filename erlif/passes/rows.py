@@ -19,6 +19,9 @@ from erlif.core.arrays import AnyArray
 PAD = 8
 """Columns of a row beyond each border of the image: half of the widest square. [px]"""
 
+STATES = 18
+"""Rows of flags that are kept: those of the widest square, and the one that has left it."""
+
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
@@ -57,6 +60,27 @@ class Place(NamedTuple):
 
 Step = tuple[Ring, Place, Place]
 """A ring, and the two places whose sum enters it."""
+
+
+class Part(NamedTuple):
+    """Steps that are taken together.
+
+    Attributes
+    ----------
+    steps : list of Step
+    counts : int
+        The row that counts sound pixels down the columns of a square: the steps are taken where it
+        changes. Default: they are taken always.
+    side : int
+        Side of this square. [px]
+    ahead : int
+        Its newest row of flags, ahead of the one that is filled now.
+    """
+
+    steps: list[Step]
+    counts: int = -1
+    side: int = 0
+    ahead: int = 0
 
 
 def across(row: Ring, side: int, parts: list[Ring], out: Ring) -> list[Step]:
@@ -108,6 +132,33 @@ def table_of(steps: list[Step]) -> AnyArray:
     return np.array([(*out, *one.ring, *one[1:], *two.ring, *two[1:]) for out, one, two in steps])
 
 
+def number_parts(parts: list[Part]) -> AnyArray:
+    """Parts as the numbers that `add_squares` reads, for the table of all their steps.
+
+    Parameters
+    ----------
+    parts : list of Part
+
+    Returns
+    -------
+    array, (part, 5)
+        First step, the one after the last, row of counts, rows of flags that enter and leave.
+
+    Examples
+    --------
+    >>> step = Ring(2), Place(Ring(0)), Place(Ring(1))
+    >>> number_parts([Part([step, step]), Part([step], counts=3, side=9)]).tolist()
+    [[0, 2, -1, 0, 0], [2, 3, 3, 0, 9]]
+    """
+    ends = np.cumsum([0, *(len(part.steps) for part in parts)]).tolist()
+    return np.array(
+        [
+            (ends[n], ends[n + 1], part.counts, part.ahead, (part.ahead - part.side) % STATES)
+            for n, part in enumerate(parts)
+        ]
+    )
+
+
 @numba.njit(nogil=True, cache=True, error_model="numpy")
 def add_rows(rows, table, start, stop, u):  # type: ignore[no-untyped-def]
     """Take some steps of a table after row u of the image has entered."""
@@ -143,3 +194,19 @@ def count(state, new, old, rows, k):  # type: ignore[no-untyped-def]
         less = _ONE if state[leaving, x] == 0 else _ZERO
         rows[counts, _at(t + PAD)] += more - less
     return True
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy")
+def add_squares(state, rows, table, parts, u, complete):  # type: ignore[no-untyped-def]
+    """Take the steps of all parts of a table after row u of the image has entered.
+
+    The last part, the sums over squares, begins once a square is complete.
+    """
+    for n in range(parts.shape[0] if complete else parts.shape[0] - 1):
+        start, stop, counts = parts[n, 0], parts[n, 1], parts[n, 2]
+        changed = True
+        if counts >= 0:
+            new, old = (u + parts[n, 3]) % STATES, (u + parts[n, 4]) % STATES
+            changed = count(state, new, old, rows, counts)
+        if changed:
+            add_rows(rows, table, start, stop, u)
