@@ -106,7 +106,7 @@ def test_groups_are_added_to_a_file(tmp_path):
     write_netcdf(xr.Dataset({"speed": ("trigger", [0.5])}), path, mode="a")
     write_netcdf(fix_text(xr.Dataset({"file": ("frame", ["ä"])})), path, mode="a", group="frames")
     with open_netcdf(path) as root, open_netcdf(path, group="frames") as frames:
-        assert (float(root.load[0]), float(root.speed[0]), root.title) == (220.0, 0.5, "a")
+        assert (float(root["load"][0]), float(root["speed"][0]), root.title) == (220.0, 0.5, "a")
         assert frames.file.values.tolist() == ["ä"]
 
 
