@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from erlif.commands.compiling import announced_compiling
+from erlif.commands.ending import echo_aside
 from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SCHEDULER, SKIP_BAD_FRAMES, WORKERS
 from erlif.commands.progress import echo_above, show_progress
@@ -72,16 +73,16 @@ def batch(
                 progress=progress,
             )
     except KeyboardInterrupt:
-        click.echo("erlif: interrupted. The same command with --resume goes on.", err=True)
+        echo_aside("erlif: interrupted. The same command with --resume goes on.")
         raise click.exceptions.Exit(INTERRUPTED) from None
 
     failures = [outcome for outcome in outcomes if outcome.failed]
     if not failures:
         return
-    click.echo(f"erlif: {len(failures)} of {len(outcomes)} runs failed:", err=True)
+    echo_aside(f"erlif: {len(failures)} of {len(outcomes)} runs failed:")
     for failure in failures:
         message = failure.message.replace("\n", "\n  ")
-        click.echo(f"  {failure.run_dir}: {message}", err=True)
+        echo_aside(f"  {failure.run_dir}: {message}")
     defect = any(failure.state is RunState.DEFECT for failure in failures)
     raise click.exceptions.Exit(DEFECT if defect else BAD_INPUT)
 

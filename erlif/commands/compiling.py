@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import click
+from erlif.commands.ending import echo_aside
 
 ANNOUNCEMENT = "compiling, once per machine"
 """The line that is shown when the first kernel is compiled."""
@@ -59,4 +59,4 @@ def _announce(line: str) -> None:
     if tqdm is not None and sys.stderr.isatty():
         tqdm.tqdm.write(line, file=sys.stderr)
     else:
-        click.echo(line, err=True)
+        echo_aside(line)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import sys
+from contextlib import suppress
 
-import click
+from erlif.commands.ending import echo_aside
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 """Level for no ``-v``, one and two."""
@@ -20,10 +21,11 @@ class TerminalHandler(logging.Handler):
 
         # The bar stands on the last line of the terminal; tqdm moves it down for the new line.
         tqdm = sys.modules.get("tqdm")
-        if tqdm is not None and sys.stderr.isatty():
+        if tqdm is None or not sys.stderr.isatty():
+            echo_aside(line)
+            return
+        with suppress(OSError):  # a terminal that is closed by now
             tqdm.tqdm.write(line, file=sys.stderr)
-        else:
-            click.echo(line, err=True)
 
 
 class _ElapsedFormatter(logging.Formatter):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
 import traceback
 from typing import Any
@@ -14,6 +15,13 @@ from erlif.commands.batch import batch
 from erlif.commands.budget import budget
 from erlif.commands.calibrate import calibrate
 from erlif.commands.check import check
+from erlif.commands.ending import (
+    EndedBySignal,
+    echo_aside,
+    open_missing_streams,
+    signals_interrupt,
+    silence,
+)
 from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
@@ -21,7 +29,7 @@ from erlif.commands.process import process
 from erlif.commands.report import report
 from erlif.commands.simulate import simulate
 from erlif.commands.sources import sources
-from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
+from erlif.commands.status import BAD_INPUT, BY_SIGNAL, DEFECT, INTERRUPTED
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
 
@@ -33,34 +41,40 @@ class _Commands(click.Group):
         # numpy and scipy are not loaded yet; the matrices are small, so that threads of linear
         # algebra mostly wait for each other, and erlif has its own
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        open_missing_streams()
         try:
-            return super().invoke(ctx)
+            with signals_interrupt():
+                return super().invoke(ctx)
 
         # click reports wrong usage itself, with status 2
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except ErlifError as error:
-            click.echo(f"erlif: {error}", err=True)
+            echo_aside(f"erlif: {error}")
             ctx.exit(BAD_INPUT)
+        except EndedBySignal as error:
+            name = signal.Signals(error.number).name
+            echo_aside(
+                f"erlif: ended by {name}. The previous output is intact; the same command resumes."
+            )
+            ctx.exit(BY_SIGNAL + error.number)
         except KeyboardInterrupt:
-            click.echo(
-                "erlif: interrupted. The previous output is intact; the same command resumes.",
-                err=True,
+            echo_aside(
+                "erlif: interrupted. The previous output is intact; the same command resumes."
             )
             ctx.exit(INTERRUPTED)
 
         # a reader such as `head` has closed the pipe; nobody reads a message
         except BrokenPipeError:
+            silence("stdout")
             ctx.exit(1)
         except OSError as error:
             reason = f"{error.strerror or error}: {error.filename or ''}"
-            click.echo(f"erlif: {reason}. The previous output is intact.", err=True)
+            echo_aside(f"erlif: {reason}. The previous output is intact.")
             ctx.exit(BAD_INPUT)
         except Exception:
-            traceback.print_exc()
-            click.echo(
-                "erlif: this is a defect of erlif; please report it with the lines above.", err=True
-            )
+            echo_aside(traceback.format_exc())
+            echo_aside("erlif: this is a defect of erlif; please report it with the lines above.")
             ctx.exit(DEFECT)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import click
 
+from erlif.commands.ending import echo_aside
 from erlif.core.progress import Progress
 
 
@@ -24,9 +25,12 @@ def show_progress() -> Iterator[Progress]:
         if plain:
             if done == total and what not in bars:
                 bars[what] = None
-                click.echo(f"{what}: {total} done", err=True)
+                echo_aside(f"{what}: {total} done")
             return
+        with suppress(OSError):  # a terminal that is closed by now
+            advance(what, done, total)
 
+    def advance(what: str, done: int, total: int) -> None:
         # one bar at a time: the work is sequential
         if what not in bars:
             for bar in bars.values():
@@ -41,7 +45,8 @@ def show_progress() -> Iterator[Progress]:
     finally:
         for bar in bars.values():
             if bar is not None:
-                bar.close()
+                with suppress(OSError):
+                    bar.close()
 
 
 def echo_above(text: str) -> None:

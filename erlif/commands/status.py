@@ -6,5 +6,8 @@ BAD_INPUT = 2
 DEFECT = 1
 """Exit status where erlif is at fault."""
 
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells expect it: 128 and the number of the signal."""
+BY_SIGNAL = 128
+"""Exit status after a signal, as shells expect it, less the number of the signal."""
+
+INTERRUPTED = BY_SIGNAL + 2
+"""Exit status after Ctrl-C."""

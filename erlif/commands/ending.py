@@ -1,0 +1,106 @@
+"""How a command ends that does not reach its end: signals, and streams that are closed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+import click
+
+SIGNALS = ("SIGTERM", "SIGHUP")
+"""Signals that end a command as Ctrl-C does; a system may lack the second."""
+
+STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
+"""Standard streams in the order of their descriptors, and how each is opened."""
+
+
+class EndedBySignal(KeyboardInterrupt):
+    """A signal asked the process to end.
+
+    Parameters
+    ----------
+    number : int
+        Number of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+        """Number of the signal."""
+
+
+@contextmanager
+def signals_interrupt() -> Iterator[None]:
+    """Raise `EndedBySignal` where a signal would end the process at once.
+
+    Work in progress then ends as after Ctrl-C: finished triggers are kept and the lock is released.
+    A signal that the caller ignores, as under ``nohup``, stays ignored.
+    """
+    found = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
+    taken = [one for one in found if signal.getsignal(one) is signal.SIG_DFL]
+    if threading.current_thread() is not threading.main_thread():
+        taken = []  # Python delivers signals to the main thread alone
+
+    for one in taken:
+        signal.signal(one, _raise)
+    try:
+        yield
+    finally:
+        for one in taken:
+            signal.signal(one, signal.SIG_DFL)
+
+
+def _raise(number: int, frame: FrameType | None) -> None:
+    raise EndedBySignal(number)
+
+
+def open_missing_streams() -> None:
+    """Connect standard streams that are closed to the null device.
+
+    The first file that a program opens takes the lowest free descriptor. With standard error
+    closed, this would be the film, and every message of a library would be written into it.
+    """
+    for descriptor, (name, mode) in enumerate(STREAMS):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free descriptor, which is this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(descriptor, mode, encoding="utf-8", closefd=False))
+
+
+def echo_aside(text: str) -> None:
+    """Write a line to standard error; nothing happens where nobody can read it.
+
+    The terminal of a long run may be closed before its end. The run goes on.
+
+    Parameters
+    ----------
+    text : str
+        One line.
+    """
+    try:
+        click.echo(text, err=True)
+    except OSError:
+        silence("stderr")
+
+
+def silence(name: str) -> None:
+    """Connect a stream whose reader is gone to the null device.
+
+    Parameters
+    ----------
+    name : str
+        "stdout" or "stderr".
+    """
+    # Python writes what is left in the buffer of the old stream when the process ends; with its
+    # descriptor on the null device this does not fail
+    descriptor = [stream for stream, _ in STREAMS].index(name)
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, descriptor)
+    os.close(null)
