@@ -283,7 +283,7 @@ class Calibration:
         except (KeyError, AttributeError) as error:
             raise CalibrationError(
                 f"Expected a calibration as erlif calibrate writes it; {error} is missing from "
-                "this file."
+                "this file. Make one with: erlif calibrate FIXTURE_DIR"
             ) from error
 
 

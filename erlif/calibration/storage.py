@@ -7,17 +7,27 @@ import math
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from erlif.calibration.curve import Calibration
 from erlif.calibration.departure import Departure
+from erlif.calibration.soundness import (
+    check_displacements,
+    check_file,
+    check_numbers,
+    check_rise,
+    places,
+)
 from erlif.core.errors import CalibrationError, ErlifError, OutputError
+from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
 from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, write_dataset
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
+from erlif.settings import RunSettings
 
 
 def save_calibration(
@@ -61,6 +71,7 @@ def save_calibration(
         Conventions="CF-1.11",
         title="ERLIF calibration",
         erlif_version=__version__,
+        **{ATTRIBUTE: FORMAT_VERSION},
         **calibration.attributes,
     )
     groups = (
@@ -113,12 +124,7 @@ Make one with: erlif calibrate FIXTURE_DIR
         with warnings.catch_warnings():
             # the file format allows covariance (parameter, parameter), about which xarray warns
             warnings.filterwarnings("ignore", "Duplicate dimension names", UserWarning)
-            with open_netcdf(path) as dataset:
-                calibration = Calibration.from_dataset(dataset.load())
-        if not has_group(path, "registration"):
-            return calibration
-        with open_netcdf(path, group="registration") as dataset:
-            return replace(calibration, camera_map=CameraMap.from_dataset(dataset.load()))
+            return _read(path)
     except ErlifError:
         raise
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
@@ -126,6 +132,55 @@ Make one with: erlif calibrate FIXTURE_DIR
             f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something "
             f"else ({error}). Make one with: erlif calibrate FIXTURE_DIR"
         ) from error
+
+
+def _read(path: Path) -> Calibration:
+    """A calibration from its file, its numbers checked."""
+    with open_netcdf(path) as dataset:
+        check_file(dataset)
+        calibration = Calibration.from_dataset(dataset.load())
+    check_calibration(calibration)
+    if not has_group(path, "registration"):
+        return calibration
+    with open_netcdf(path, group="registration") as dataset:
+        check_file(dataset)
+        camera_map = CameraMap.from_dataset(dataset.load())
+    check_displacements(camera_map.displacement_x, camera_map.displacement_y)
+    return replace(calibration, camera_map=camera_map)
+
+
+def check_calibration(calibration: Calibration) -> None:
+    """Refuse a calibration whose numbers no fit gives.
+
+    Parameters
+    ----------
+    calibration : Calibration
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+
+    Examples
+    --------
+    >>> calibration = Calibration(
+    ...     0.65, 0.40, 0.25, -np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
+    ... )
+    >>> check_calibration(calibration)
+    Traceback (most recent call last):
+        ...
+    ValueError: covariance has a variance of -1, not a positive number
+    """
+    check_numbers(
+        calibration.parameters,
+        calibration.covariance,
+        thickness_range=calibration.thickness_range,
+        bands=calibration.bands,
+        curve=calibration.curve,
+        departure=calibration.departure,
+    )
+    films = places(calibration.thickness_range)
+    check_rise(calibration.slope(films), films)
 
 
 def record_calibration(calibration: Calibration) -> str:
@@ -188,7 +243,7 @@ def calibration_of(film: xr.Dataset) -> Calibration:
     Raises
     ------
     OutputError
-        If the film does not hold it.
+        If the film does not hold it, or holds numbers that no fit gives.
 
     Examples
     --------
@@ -203,9 +258,22 @@ erlif process writes it; there is none.
             "Expected the calibration among the attributes of the film, as erlif process writes "
             "it; there is none."
         )
-    kept = json.loads(str(film.attrs["calibration"]))
-    settings = settings_of(film)
+    try:
+        calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))
+        check_calibration(calibration)
+    except OutputError:
+        raise
+    except Exception as error:  # a damaged record has values of any type
+        raise OutputError(
+            "Expected the calibration among the attributes of the film, as erlif process writes "
+            f"it; the one there cannot be used: {str(error).rstrip('.')}. Make the film again with "
+            "erlif process RUN_DIR"
+        ) from error
+    return calibration
 
+
+def _read_record(kept: dict[str, Any], settings: RunSettings) -> Calibration:
+    """A calibration from the record that `record_calibration` writes."""
     # films written by earlier versions lack the covered range, the hashes and the departure
     low, high = kept["thickness_range"]
     covered = kept.get("covered_range", [low, high])

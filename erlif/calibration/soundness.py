@@ -1,0 +1,240 @@
+"""Whether the numbers of a calibration file can be those of a calibration.
+
+A file may have been edited, converted by another program, or damaged. A wrong number in it does
+not fail by itself: it gives wrong films, or error bars that are NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import xarray as xr
+
+from erlif.calibration.departure import Departure
+from erlif.core.arrays import Array, Image
+from erlif.core.format import is_later
+
+LARGEST = 2**30
+"""Largest size of the arrays of one group; a map of 25 megapixels has 425 MB. [byte]"""
+
+THICKEST = 1000.0
+"""Largest end of a calibrated range; published ranges of the method end at 400 um. [um]"""
+
+VISIBLE = (200.0, 2000.0)
+"""Wavelengths that cameras and filters cover. [nm]"""
+
+RATIOS = (1e-6, 1e6)
+"""Ratios that two 16-bit cameras can show, with margin. [1]"""
+
+UNITS = {
+    "attenuation_camera1": ("um-1", "1/um", "µm-1", "um^-1"),
+    "attenuation_camera2": ("um-1", "1/um", "µm-1", "um^-1"),
+    "thickness_range": ("um", "µm"),
+    "curve_thickness": ("um", "µm"),
+}
+"""Units of the variables that have one, in the spellings that are accepted."""
+
+_SYMMETRIC = 1e-6
+"""Largest difference of mirrored elements of a covariance, relative to the standard deviations."""
+
+_GRID = 1001
+"""Places over the calibrated range at which the slope of the ratio is checked."""
+
+
+def check_file(dataset: xr.Dataset) -> None:
+    """Refuse a group of a calibration file by its header: size, format version, units.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The group, opened and not read.
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+    """
+    if dataset.nbytes > LARGEST:
+        raise ValueError(f"its header claims {dataset.nbytes / 1e9:.1f} GB")
+    if is_later(dataset.attrs):
+        raise ValueError(
+            "it was written by a later version of erlif, "
+            f"{dataset.attrs.get('erlif_version', 'unknown')}"
+        )
+    for name, accepted in UNITS.items():
+        unit = dataset[name].attrs.get("units", accepted[0]) if name in dataset else accepted[0]
+        if unit not in accepted:
+            raise ValueError(f"{name} is in {unit}, not in {accepted[0]}")
+
+
+def check_numbers(
+    parameters: Array,
+    covariance: Array,
+    *,
+    thickness_range: tuple[float, float],
+    bands: tuple[float, float],
+    curve: xr.Dataset,
+    departure: Departure | None,
+) -> None:
+    """Refuse numbers that no fit gives.
+
+    Parameters
+    ----------
+    parameters : array, (3,)
+        K [1], p and q [1/um].
+    covariance : array, (3, 3)
+        Of the parameters.
+    thickness_range : (float, float)
+        Calibrated range. [um]
+    bands : (float, float)
+        Filter bands of camera 1 and 2. [nm]
+    curve : xarray.Dataset
+        The fitted points, (bin).
+    departure : Departure or None
+
+    Raises
+    ------
+    ValueError
+        With the bare reason, the first one found.
+
+    Examples
+    --------
+    >>> one = dict(bands=(580.0, 610.0), curve=xr.Dataset(), departure=None)
+    >>> check_numbers(
+    ...     np.array([0.6, 0.4, 0.2]), np.eye(3), thickness_range=(0.1, 12.0), **one
+    ... )
+    >>> check_numbers(np.array([0.6, 0.4, 0.2]), np.eye(3), thickness_range=(12.0, 0.1), **one)
+    Traceback (most recent call last):
+        ...
+    ValueError: thickness_range is 12 to 0.1 um, not rising within 0 to 1000 um
+    """
+    faults = [
+        *_parameter_faults(parameters),
+        *_covariance_faults("covariance", covariance, parameters.size),
+        *_range_faults(thickness_range, bands),
+        *_curve_faults(curve),
+    ]
+    if departure is not None:
+        faults += _departure_faults(departure)
+    if faults:
+        raise ValueError(faults[0])
+
+
+def check_rise(slope: Array, thickness: Array) -> None:
+    """Refuse a curve that falls within its range: one ratio would then have two films.
+
+    Parameters
+    ----------
+    slope : array, (place,)
+        Of the logarithm of the ratio. [1/um]
+    thickness : array, (place,)
+        [um]
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+    """
+    falling = ~(slope > 0)
+    if falling.any():
+        raise ValueError(
+            f"its ratio does not rise with thickness at {thickness[np.argmax(falling)]:.3g} um"
+        )
+
+
+def check_displacements(*components: Image) -> None:
+    """Refuse a stored camera map that is empty, or infinite anywhere; NaN marks unknown places.
+
+    Parameters
+    ----------
+    *components : array, (y, x)
+        Displacement of camera 2. [px]
+
+    Raises
+    ------
+    ValueError
+        With the bare reason.
+    """
+    for component in components:
+        if np.isinf(component).any() or np.isnan(component).all():
+            raise ValueError("its camera map has no finite displacements")
+
+
+def places(thickness_range: tuple[float, float]) -> Array:
+    """Thicknesses at which the slope is checked, (place,). [um]"""
+    return np.linspace(*thickness_range, _GRID)
+
+
+def _parameter_faults(parameters: Array) -> Iterator[str]:
+    names = ("ratio_at_zero", "attenuation_camera1", "attenuation_camera2")
+    for name, value in zip(names, parameters, strict=True):
+        if not (np.isfinite(value) and value > 0):
+            yield f"{name} is {value:g}, not a positive number"
+    K, p, q = parameters
+    if not RATIOS[0] < K < RATIOS[1]:
+        yield f"ratio_at_zero is {K:g}, outside {RATIOS[0]:g} to {RATIOS[1]:g}"
+
+    # dye 2 reabsorbs the light of camera 1, so this band is attenuated more
+    if p <= q:
+        yield (
+            f"attenuation_camera1 is {p:g}, below attenuation_camera2, {q:g}: the ratio would fall "
+            "with thickness, and the two look exchanged"
+        )
+
+
+def _covariance_faults(name: str, covariance: Array, count: int) -> Iterator[str]:
+    if covariance.shape != (count, count):
+        yield f"{name} has the shape {covariance.shape}, not ({count}, {count})"
+        return
+    if not np.isfinite(covariance).all():
+        yield f"{name} has values that are not finite"
+        return
+    variance = np.diag(covariance)
+    if (variance <= 0).any():
+        yield f"{name} has a variance of {variance.min():g}, not a positive number"
+        return
+
+    # in units of the standard deviations the elements are correlation coefficients
+    std = np.sqrt(variance)
+    correlation = covariance / std / std[:, None]
+    if np.abs(correlation - correlation.T).max() > _SYMMETRIC:
+        yield f"{name} is not symmetric"
+    elif np.linalg.eigvalsh(correlation)[0] < -_SYMMETRIC:
+        yield f"{name} is not positive definite"
+
+
+def _range_faults(
+    thickness_range: tuple[float, float], bands: tuple[float, float]
+) -> Iterator[str]:
+    low, high = thickness_range
+    if not 0 <= low < high <= THICKEST:
+        yield (f"thickness_range is {low:g} to {high:g} um, not rising within 0 to {THICKEST:g} um")
+    for band in bands:
+        if not VISIBLE[0] < band < VISIBLE[1]:
+            yield f"a band is at {band:g} nm, outside {VISIBLE[0]:g} to {VISIBLE[1]:g} nm"
+
+
+def _curve_faults(curve: xr.Dataset) -> Iterator[str]:
+    lengths = {str(name): curve[name].shape for name in curve.variables}
+    if len(set(lengths.values())) > 1 or any(len(shape) != 1 for shape in lengths.values()):
+        yield f"the variables of the curve have unlike shapes, {lengths}"
+        return
+    for name in lengths:
+        values = np.asarray(curve[name].values, float)
+        if not np.isfinite(values).all():
+            yield f"{name} has values that are not finite"
+        elif name in ("curve_ratio", "curve_ratio_std") and (values <= 0).any():
+            yield f"{name} has a value of {values.min():g}, not a positive number"
+
+
+def _departure_faults(departure: Departure) -> Iterator[str]:
+    knots, count = departure.knots, departure.coefficients.size
+    if not (knots.ndim == departure.coefficients.ndim == 1 and knots.size == count + 4 > 7):
+        yield f"the spline has {knots.size} knots and {count} coefficients, not 4 knots more"
+        return
+    if not np.isfinite(departure.coefficients).all():
+        yield "departure_coefficient has values that are not finite"
+    if not (np.isfinite(knots).all() and (np.diff(knots) >= 0).all() and knots[0] < knots[-1]):
+        yield "departure_knots are not in rising order"
+    yield from _covariance_faults("departure_covariance", departure.covariance, count)
