@@ -11,7 +11,6 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
-from erlif.files.compression import DEFLATE_LEVEL, MapVariable, encode_netcdf
+from erlif.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
 from erlif.files.netcdf import fix_text, write_netcdf
 from erlif.files.records import Record, read_record, write_record
 from erlif.files.replacing import remove
@@ -176,7 +175,7 @@ class NetcdfMaps:
         for name, target in self._targets.items():
             chunk = chunks[name]
             offset = self._write(target, (trigger, 0, 0), chunk)
-            found[name] = [offset, len(chunk), zlib.crc32(chunk)]
+            found[name] = [offset, len(chunk), checksum(chunk)]
 
         # the trigger is finished when its line is complete, and not before
         self._journal.write(write_record(trigger, numbers, found))
@@ -266,9 +265,9 @@ def _read_journal(path: Path) -> tuple[str, list[Record]] | None:
 def _read_chunks(file: Any, record: Record) -> dict[str, bytes] | None:
     """Chunks of a trigger from an unfinished file; None where one is damaged."""
     chunks = {}
-    for name, (offset, size, checksum) in record.chunks.items():
+    for name, (offset, size, expected) in record.chunks.items():
         file.seek(offset)
         chunks[name] = file.read(size)
-        if len(chunks[name]) != size or zlib.crc32(chunks[name]) != checksum:
+        if len(chunks[name]) != size or checksum(chunks[name]) != expected:
             return None
     return chunks

@@ -13,7 +13,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import AnyArray
-from erlif.files.compression import BLOSC_CODEC, BLOSC_LEVEL, MapVariable, encode_zarr
+from erlif.files.compression import (
+    BLOSC_CODEC,
+    BLOSC_LEVEL,
+    MapVariable,
+    checksum,
+    encode_zarr,
+)
 from erlif.files.records import Record, read_record, write_record
 from erlif.files.replacing import remove, write_error
 
@@ -71,20 +77,36 @@ class ZarrMaps:
         return True
 
     def create(self) -> None:
-        """Begin the store, in one step; one that exists is kept.
+        """Begin the store, in one step; the intact triggers of one that exists are kept.
 
         Raises
         ------
         OSError
             If it cannot be written.
         """
+        scratch = self.directory / "maps.unfinished"
+        remove(scratch)
+        self._create(scratch)
+        if not self.path.is_dir():
+            scratch.rename(self.path)
+            return
+
+        # descriptions are written again, whatever stands there; triggers are kept by their checksum
+        for description in sorted(scratch.rglob("zarr.json")):
+            kept = self.path / description.relative_to(scratch)
+            kept.parent.mkdir(exist_ok=True)
+            description.replace(kept)
+        remove(scratch)
+        for trigger in range(self.shape[0]):
+            if not self._is_intact(trigger):
+                for path in (self._record(trigger), *self._chunks(trigger).values()):
+                    remove(path)
+
+    def _create(self, scratch: Path) -> None:
+        """Write a store without triggers."""
         import zarr
         from zarr.codecs import BloscCodec
 
-        if self.path.is_dir():
-            return
-        scratch = self.directory / "maps.unfinished"
-        remove(scratch)
         root = zarr.open_group(scratch, mode="w", zarr_format=3)
         for variable in self.variables:
             root.create_array(
@@ -107,7 +129,6 @@ class ZarrMaps:
                     for key, value in variable.attrs.items()
                 },
             )
-        scratch.rename(self.path)
 
     def encode(self, maps: Mapping[str, AnyArray]) -> dict[str, bytes]:
         """Round and compress the maps (y, x) of one trigger; any thread may call it."""
@@ -117,7 +138,9 @@ class ZarrMaps:
         """Check whether a trigger is finished and its chunks have their sizes."""
         record = self._read(trigger)
         return record is not None and all(
-            chunk.is_file() and chunk.stat().st_size == record.chunks[name][0]
+            name in record.chunks
+            and chunk.is_file()
+            and chunk.stat().st_size == record.chunks[name][0]
             for name, chunk in self._chunks(trigger).items()
         )
 
@@ -140,13 +163,13 @@ class ZarrMaps:
         OutputError
             If they cannot be written; the triggers put before are intact.
         """
-        sizes = {name: [len(chunk)] for name, chunk in chunks.items()}
+        found = {name: [len(chunk), checksum(chunk)] for name, chunk in chunks.items()}
         try:
             if self.key and (self.directory / "key").read_text(encoding="utf-8") != self.key:
                 raise FileNotFoundError(errno.ENOENT, "the work has ended")
             for name, path in self._chunks(trigger).items():
                 self._write(path, chunks[name])
-            self._write(self._record(trigger), write_record(trigger, numbers, sizes))
+            self._write(self._record(trigger), write_record(trigger, numbers, found))
         except OSError as error:
             output = self.directory.with_name(self.directory.name.removesuffix(".partial"))
             raise write_error(output, error) from error
@@ -196,10 +219,25 @@ class ZarrMaps:
         return self.directory / f"trigger_{trigger:05d}.json"
 
     def _read(self, trigger: int) -> Record | None:
+        """Record of a trigger; None where it is missing, damaged or that of another trigger."""
         try:
-            return read_record(self._record(trigger).read_bytes())
-        except FileNotFoundError:
+            record = read_record(self._record(trigger).read_bytes())
+        except OSError:
             return None
+        return record if record is not None and record.trigger == trigger else None
+
+    def _is_intact(self, trigger: int) -> bool:
+        """Whether a trigger is finished and its chunks are those that were put."""
+        record = self._read(trigger)
+        if record is None or record.chunks.keys() != self._chunks(trigger).keys():
+            return False
+        try:
+            return all(
+                [len(content := chunk.read_bytes()), checksum(content)] == record.chunks[name]
+                for name, chunk in self._chunks(trigger).items()
+            )
+        except OSError:
+            return False
 
     def _write(self, path: Path, content: bytes) -> None:
         """Write a file under a name of its own and rename it: it is there as a whole or not."""

@@ -69,3 +69,58 @@ def test_a_failed_write_is_reported_with_the_output_and_leaves_no_scratch(tmp_pa
         put(store, 0)
     assert not list(store.directory.glob("*.unfinished"))
     assert not store.has(0)
+
+
+def flip_a_byte(path, place=-1):
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1
+    path.write_bytes(content)
+
+
+def exchange(one, other):
+    first, second = one.read_bytes(), other.read_bytes()
+    one.write_bytes(second)
+    other.write_bytes(first)
+
+
+def replace_by_a_directory(path):
+    path.unlink()
+    path.mkdir()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda chunk, record: flip_a_byte(chunk(1)),
+        lambda chunk, record: exchange(chunk(1), chunk(2)),
+        lambda chunk, record: exchange(record(1), record(2)),
+        lambda chunk, record: record(1).write_bytes(record(2).read_bytes()),
+        lambda chunk, record: flip_a_byte(record(1), 20),
+        lambda chunk, record: record(1).write_bytes(b"PK\x03\x04"),
+        lambda chunk, record: replace_by_a_directory(chunk(1)),
+        lambda chunk, record: flip_a_byte(chunk(1).with_name("zarr.json"), 30),
+        lambda chunk, record: chunk(1).with_name("zarr.json").unlink(),
+    ],
+    ids=[
+        "byte of a chunk",
+        "chunks exchanged",
+        "records exchanged",
+        "record of another trigger",
+        "byte of a record",
+        "foreign file",
+        "directory",
+        "description",
+        "no description",
+    ],
+)
+def test_damaged_triggers_are_put_again_to_the_same_bytes(tmp_path, whole, damage):
+    store = open_store("zarr", tmp_path / "left")
+    put(store, 0, 1, 2)
+    damage(
+        lambda trigger: store.path / "thickness" / f"c.{trigger}.0.0",
+        lambda trigger: store.directory / f"trigger_{trigger:05d}.json",
+    )
+    again = open_store("zarr", tmp_path / "left")
+    assert again.has(0)
+    put(again, *(trigger for trigger in range(4) if not again.has(trigger)))
+    assert contents(finish(again)) == whole
