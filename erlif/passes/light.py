@@ -69,7 +69,7 @@ class PairLight:
         shape : tuple of int
             Rows and columns.
         with_noise : bool
-            False where the variances are not read: both cameras then share their memory.
+            False where the variances are not read: all rows of both cameras then share one.
 
         Returns
         -------
@@ -78,9 +78,10 @@ class PairLight:
         height, width = shape
         half = (2, height // 2, width // 2)
         blocks = (2, -(-height // BLOCK), -(-width // BLOCK))
-        variance, fixed = (np.empty((1 + with_noise, *shape), np.float32) for _ in range(2))
+        noise = (2, height, width) if with_noise else (1, 1, width)
+        variance, fixed = (np.empty(noise, np.float32) for _ in range(2))
         if not with_noise:
-            variance, fixed = (_twice(image[0]) for image in (variance, fixed))
+            variance, fixed = _twice(variance[0]), _twice(fixed[0])
         return cls(
             np.empty((2, height, width), np.float32),
             variance,
@@ -109,7 +110,7 @@ class CameraTables:
     per_flat : Image
         One over the flat. [1]
     dark_var : Image
-        Variance of the light by the dark. [DN2]
+        Variance of the dark; one row where all rows are alike. [DN2]
     flat_var : Image
         Variance of the light by the flat, for light 1. [1]
     least : AnyArray
@@ -166,17 +167,19 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
     gain = float(reference.gain)
 
     per_flat = 1 / flat.astype(float)
-    dark_var, flat_var = (
-        (reference[name].values * per_flat**2).astype(np.float32)
-        for name in ("dark_var", "flat_var")
-    )
+    flat_var = (reference.flat_var.values * per_flat**2).astype(np.float32)
+
+    # a camera usually has one number for all pixels, for which a row is enough
+    dark_var = reference.dark_var.values
+    if (dark_var == dark_var[:1]).all():
+        dark_var = dark_var[:1]
 
     # counts are whole numbers, so that the comparison with a rounded threshold is exact
     least = np.ceil(dark.astype(float) + least_signal / gain)
     return CameraTables(
         np.ascontiguousarray(dark, np.float32),
         per_flat.astype(np.float32),
-        dark_var,
+        np.ascontiguousarray(dark_var, np.float32),
         flat_var,
         np.clip(least, 0, np.iinfo(np.uint16).max).astype(np.uint16),
         bad,
@@ -249,17 +252,22 @@ def _measure(  # type: ignore[no-untyped-def]
     fixed,
     flags,
 ):
-    """Fill the last four arguments; return the highest count."""
+    """Fill the last four arguments; return the highest count.
+
+    Images of the noise with fewer rows are used again from the first row on.
+    """
     highest = 0
     height, width = counts.shape
     for i in range(height):
+        m, n = i % dark_var.shape[0], i % variance.shape[0]
         for j in range(width):
             above = np.float32(counts[i, j]) - dark[i, j]
             scale = per_flat[i, j]
             value = above * scale
             light[i, j] = value
-            variance[i, j] = (max(above, _ZERO) * per_gain + read_var) * (scale * scale)
-            fixed[i, j] = dark_var[i, j] + value * value * flat_var[i, j]
+            per_flat_squared = scale * scale
+            variance[n, j] = (max(above, _ZERO) * per_gain + read_var) * per_flat_squared
+            fixed[n, j] = dark_var[m, j] * per_flat_squared + value * value * flat_var[i, j]
 
         # bits by comparisons alone: without branches the loop runs in vector registers
         most = counts[i, 0]

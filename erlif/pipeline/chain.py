@@ -53,6 +53,14 @@ class FrameCorrection(PickledByFields):
         """The references of both cameras as every frame needs them."""
         return tabulate(self.references, least_signal=self.least_signal)
 
+    def tabulated(self) -> FrameCorrection:
+        """The same with the tables alone; of the references only the numbers are kept."""
+        tabulated = replace(
+            self, references=References(self.references.drop_dims(["y", "x"], errors="ignore"))
+        )
+        tabulated.__dict__["tables"] = self.tables
+        return tabulated
+
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
         return measure_light(read_pair(self.pairs, frame).counts, self.tables, out=out)
@@ -157,9 +165,7 @@ class FrameChain(PickledByFields):
 
         It measures frames as before, in this process; it cannot be sent to another one.
         """
-        correct = replace(self.correct, references=References(xr.Dataset()))
-        correct.__dict__["tables"] = self.correct.tables
-        return replace(self, correct=correct)
+        return replace(self, correct=self.correct.tabulated())
 
     @cached_property
     def tables(self) -> MapTables:

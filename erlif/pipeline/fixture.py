@@ -69,7 +69,7 @@ def calibrate(
     fixture = open_fixture(Path(fixture_dir), skip_bad_frames=skip_bad_frames)
     settings = fixture.settings
     profile = read_profile(fixture.directory / settings.fixture.profile)
-    prepared = prepare_chain(fixture, progress)
+    prepared = prepare_chain(fixture, progress, tables_only=True)
 
     with stage("ratio", _logger):
         ratio, frames = combine_all(prepared.chain, progress)

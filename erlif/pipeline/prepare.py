@@ -25,7 +25,11 @@ _logger = logging.getLogger(__name__)
 
 
 def prepare_chain(
-    recording: Run | Fixture, progress: Progress, *, stored: CameraMap | None = None
+    recording: Run | Fixture,
+    progress: Progress,
+    *,
+    stored: CameraMap | None = None,
+    tables_only: bool = False,
 ) -> NoiseCompletion:
     """Characterise and register the cameras of a recording, so that its frames can be processed.
 
@@ -35,6 +39,9 @@ def prepare_chain(
     progress : callable
     stored : CameraMap, optional
         A map found before, to be used instead of a new one.
+    tables_only : bool
+        Whether the images of darks and flats may be dropped once they are in the tables of the
+        chain, which then cannot be sent to other processes.
 
     Returns
     -------
@@ -57,11 +64,13 @@ def prepare_chain(
             _logger.info("%s", note)
 
     # where nothing is left to be estimated, the references are all that is needed
+    correct = FrameCorrection(recording.pairs, cameras.references, settings.thickness.least_signal)
     if not find_unknowns(cameras.references).any:
         measured = ()
+        correct = correct.tabulated() if tables_only else correct
+        cameras = replace(cameras, references=correct.references)
     release_memory()
 
-    correct = FrameCorrection(recording.pairs, cameras.references, settings.thickness.least_signal)
     with stage("registration", _logger):
         camera_map = register_cameras(
             correct, settings.registration, stored=stored, progress=progress

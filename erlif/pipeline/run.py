@@ -50,7 +50,7 @@ from erlif.pipeline.register import stored_map
 from erlif.pipeline.results import describe_frame_notes, known_digests, mean_drift
 from erlif.pipeline.swap import refuse_swapped_cameras
 from erlif.pipeline.triggers import TriggerTask, run_triggers
-from erlif.registration import move_map
+from erlif.registration import MapNodes, move_map
 from erlif.settings import to_toml
 
 _logger = logging.getLogger(__name__)
@@ -172,14 +172,17 @@ def process_run(
     key = identify_start(run, calibration, digests)
     with PartialFilm(output, key, grid, MAPS) as unfinished:
         # cameras: references, map, sharpness and noise of the whole run
+        # of the map of the fixture a few points are kept, unless it is used for the run
         stored = stored_map(calibration.camera_map, settings.registration)
-        prepared = prepare_chain(run, progress, stored=stored)
+        own_map = calibration.camera_map
+        nodes = None if own_map is None else MapNodes.of(own_map)
+        calibration, own_map = replace(calibration, camera_map=None), None
+        prepared = prepare_chain(run, progress, stored=stored, tables_only=not engine.elsewhere)
         chain, notes_on_cameras = prepared.chain, prepared.notes
-        refuse_swapped_cameras(chain, calibration, prepared.sample)
+        refuse_swapped_cameras(chain, calibration, prepared.sample, stored=nodes)
 
-        # the frames need neither the sample nor the map of the fixture
+        # the frames need neither the sample nor the map that was stored
         del prepared, stored
-        calibration = replace(calibration, camera_map=None)
         chain = chain if engine.elsewhere else chain.tabulated()
         release_memory()
 

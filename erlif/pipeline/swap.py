@@ -13,7 +13,7 @@ from erlif.core.arrays import Image
 from erlif.core.errors import CalibrationError
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.sample import FrameSample
-from erlif.registration import compare_with_inverse
+from erlif.registration import MapNodes, compare_with_inverse
 
 _logger = logging.getLogger(__name__)
 
@@ -53,7 +53,11 @@ class RatioShares:
 
 
 def refuse_swapped_cameras(
-    chain: FrameChain, calibration: Calibration, sample: Sequence[FrameSample]
+    chain: FrameChain,
+    calibration: Calibration,
+    sample: Sequence[FrameSample],
+    *,
+    stored: MapNodes | None = None,
 ) -> None:
     """Refuse a run whose cameras are exchanged against its calibration.
 
@@ -67,20 +71,21 @@ def refuse_swapped_cameras(
     calibration : Calibration
     sample : sequence of FrameSample
         Parts of the frames whose ratios are compared.
+    stored : MapNodes, optional
+        The map that is stored with the calibration.
 
     Raises
     ------
     CalibrationError
         If the cameras are exchanged.
     """
-    _check_map(chain, calibration)
+    if stored is not None and not chain.camera_map.stored:
+        _check_map(chain, stored)
     _check_ratio(chain, calibration, sample)
 
 
-def _check_map(chain: FrameChain, calibration: Calibration) -> None:
-    if calibration.camera_map is None or chain.camera_map.stored:
-        return
-    comparison = compare_with_inverse(calibration.camera_map, chain.camera_map)
+def _check_map(chain: FrameChain, stored: MapNodes) -> None:
+    comparison = compare_with_inverse(stored, chain.camera_map)
     _logger.info(
         "map of the run: %.2f px from the calibration's, %.2f px from its inverse",
         comparison.misfit,

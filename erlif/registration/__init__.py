@@ -15,7 +15,7 @@ from erlif.registration.interpolation import (
     spline_coefficients,
     warp,
 )
-from erlif.registration.inverse import InverseComparison, compare_with_inverse
+from erlif.registration.inverse import InverseComparison, MapNodes, compare_with_inverse
 from erlif.registration.settings import RegistrationSettings, orient
 from erlif.registration.steepness import is_steep
 
@@ -24,6 +24,7 @@ __all__ = [
     "Drift",
     "InverseComparison",
     "MapKind",
+    "MapNodes",
     "RegistrationSettings",
     "align_frames",
     "check_map",

@@ -58,12 +58,60 @@ class InverseComparison:
     inverted: bool | None
 
 
-def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparison:
+@dataclass(frozen=True)
+class MapNodes:
+    """A stored map at the points where it is compared: the map itself need not be kept.
+
+    Attributes
+    ----------
+    shape : tuple[int, int]
+        Rows and columns of camera 1. [px]
+    orientation : str
+        Orientation of camera 2 in the settings of the map.
+    x : Array
+        Columns of the points, (row, column). [px]
+    y : Array
+        Rows of the points, (row, column). [px]
+    dx : Array
+        Displacement along x at the points. [px]
+    dy : Array
+        Displacement along y at the points. [px]
+    std : Array
+        Standard deviation of one component. [px]
+    known : Mask
+        True where the map can be used.
+    """
+
+    shape: tuple[int, int]
+    orientation: str
+    x: Array
+    y: Array
+    dx: Array
+    dy: Array
+    std: Array
+    known: Mask
+
+    @classmethod
+    def of(cls, camera_map: CameraMap) -> MapNodes:
+        """The points of a map."""
+        row, column = (np.unique(np.linspace(0, n - 1, NODES).round()) for n in camera_map.shape)
+        x, y = np.meshgrid(column, row)
+        at = np.ix_(row.astype(int), column.astype(int))
+        dx, dy, std = (
+            getattr(camera_map, f"displacement_{name}")[at].astype(float)
+            for name in ("x", "y", "std")
+        )
+        known = camera_map.overlap[at] & ~camera_map.poor[at] & np.isfinite(dx + dy + std)
+        shape, orientation = camera_map.shape, camera_map.settings.orientation
+        return cls(shape, orientation, x, y, dx, dy, std, known)
+
+
+def compare_with_inverse(stored: CameraMap | MapNodes, found: CameraMap) -> InverseComparison:
     """Decide whether a map found on a run is a stored map or the inverse of it.
 
     Parameters
     ----------
-    stored : CameraMap
+    stored : CameraMap or MapNodes
         The map of the calibration, from its camera 1 to its camera 2.
     found : CameraMap
         The map found on the run, from the run's camera 1 to the run's camera 2.
@@ -89,13 +137,12 @@ def compare_with_inverse(stored: CameraMap, found: CameraMap) -> InverseComparis
     >>> compare_with_inverse(magnify(1.02), magnify(1.02)).inverted
     False
     """
-    x, y = (np.unique(np.linspace(0, n - 1, NODES).round()) for n in stored.shape[::-1])
-    x, y = np.meshgrid(x, y)
-    own = _sample(_Field.of(stored), x, y)
-    same = _sample(_Field.of(found), x, y) if _may_be_the_same(stored, found) else None
+    own = MapNodes.of(stored) if isinstance(stored, CameraMap) else stored
+    x, y = own.x, own.y
+    same = _sample(_Field.of(found), x, y) if _may_be_the_same(own, found) else None
     exchanged = (
-        _sample(_Field.exchanged(found, stored.settings.orientation), x + own.dx, y + own.dy)
-        if _may_be_inverse(stored, found)
+        _sample(_Field.exchanged(found, own.orientation), x + own.dx, y + own.dy)
+        if _may_be_inverse(own, found)
         else None
     )
 
@@ -176,13 +223,13 @@ class _Field:
         return cls(turn[0, 0] * dx + turn[0, 1] * dy, turn[1, 0] * dx + turn[1, 1] * dy, std, known)
 
 
-def _may_be_the_same(stored: CameraMap, found: CameraMap) -> bool:
-    return stored.shape == found.shape and stored.settings.orientation == found.settings.orientation
+def _may_be_the_same(stored: MapNodes, found: CameraMap) -> bool:
+    return stored.shape == found.shape and stored.orientation == found.settings.orientation
 
 
-def _may_be_inverse(stored: CameraMap, found: CameraMap) -> bool:
+def _may_be_inverse(stored: MapNodes, found: CameraMap) -> bool:
     """Whether the turn of the run's camera 2 undoes that of the stored map's camera 2."""
-    both = _turn(stored.settings.orientation) @ _turn(found.settings.orientation)
+    both = _turn(stored.orientation) @ _turn(found.settings.orientation)
     return bool((both == np.eye(2)).all())
 
 
