@@ -66,7 +66,7 @@ def save_calibration(
     array([0.65, 0.4 , 0.25])
     """
     output = Path(output)
-    refuse_existing(output, overwrite=overwrite)
+    refuse_existing(output, overwrite=overwrite, holds="ratio_at_zero")
     dataset = calibration.to_dataset().assign_attrs(
         Conventions="CF-1.11",
         title="ERLIF calibration",

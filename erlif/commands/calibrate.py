@@ -12,7 +12,7 @@ from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
-from erlif.core.errors import CalibrationError, ErlifError, OutputError
+from erlif.core.errors import CalibrationError, ErlifError
 
 if TYPE_CHECKING:
     from erlif.calibration import Calibration
@@ -53,11 +53,8 @@ def calibrate(
     output = output or fixture_dir / "calibration.nc"
     picture = output.with_suffix(".png")
     expect_suffix(output, ".nc")
-    refuse_existing(output, overwrite=overwrite)
-    if picture.exists() and not overwrite:
-        raise OutputError(
-            f"{picture} exists already; use --overwrite to replace it, or -o for another name."
-        )
+    refuse_existing(output, overwrite=overwrite, holds="ratio_at_zero")
+    refuse_existing(picture, overwrite=overwrite)
     earlier = None if against is None else _open_comparable(against, fixture_dir)
     replaced = _open_replaced(output)
 

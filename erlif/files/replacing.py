@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Iterator
@@ -10,27 +11,34 @@ from pathlib import Path
 
 from erlif.core.errors import OutputError
 
-OWN_FORMATS = (
-    b"\x89HDF\r\n\x1a\n",
-    b"\x89PNG\r\n\x1a\n",
-    b"%PDF",
-    b"<?xml ve",  # SVG
-    b"<!DOCTYP",
-    b"<!doctyp",
-)
-"""First bytes of the formats that erlif writes."""
+MARK = b"erlif"
+"""Name of the program, which figures and pages hold among their first or last bytes."""
+
+STARTS = {
+    ".png": (b"\x89PNG\r\n\x1a\n",),
+    ".pdf": (b"%PDF",),
+    ".svg": (b"<?xml ve",),
+    ".html": (b"<!DOCTYP", b"<!doctyp"),
+}
+"""First bytes of figures and pages by their suffix."""
+
+_MARKED = 2**16
+"""Bytes at both ends of a file in which the mark is looked for."""
 
 
-def refuse_existing(output: Path, *, overwrite: bool) -> None:
-    """Refuse an output that exists, or that erlif cannot have written.
+def refuse_existing(output: Path, *, overwrite: bool, holds: str = "") -> None:
+    """Refuse an output that exists, or that erlif has not written.
 
     Parameters
     ----------
     output : Path
         File or directory to be written.
     overwrite : bool
-        Allow to replace an earlier output. A file of another format is refused all the same: a
+        Allow to replace an earlier output. A file of another program is refused all the same: a
         wrong name must not destroy the user's own data.
+    holds : str
+        Variable of the netCDF file or zarr store to be written, which an earlier one then has too:
+        a film does not replace a calibration.
 
     Raises
     ------
@@ -47,21 +55,48 @@ def refuse_existing(output: Path, *, overwrite: bool) -> None:
         raise OutputError(
             f"{output} exists already; use --overwrite to replace it, or -o for another name."
         )
-    if not _is_own(output):
+    if not _is_own(output, holds):
         raise OutputError(
-            f"Expected {output} to be an earlier output; it is something else, which --overwrite "
-            "does not replace. Use -o for another name."
+            f"Expected {output} to be an earlier output of the same command; it is something else, "
+            "which --overwrite does not replace. Use -o for another name, or move it away."
         )
 
 
-def _is_own(output: Path) -> bool:
-    """Whether an existing file or directory has a format that erlif writes, or is empty."""
+def _is_own(output: Path, holds: str) -> bool:
+    """Whether erlif has written an existing file or directory of this suffix, or it is empty."""
     if output.is_dir():
-        is_store = (output / "zarr.json").is_file() or not any(output.iterdir())
-        return output.suffix == ".zarr" and is_store
+        return output.suffix == ".zarr" and _is_own_store(output, holds)
+    if output.stat().st_size == 0:
+        return True
+    if output.suffix == ".nc":
+        return _is_own_netcdf(output, holds)
+
     with output.open("rb") as file:
-        start = file.read(8)
-    return not start or start.startswith(OWN_FORMATS)
+        first = file.read(_MARKED)
+        file.seek(max(output.stat().st_size - _MARKED, 0))
+        last = file.read()
+    starts = STARTS.get(output.suffix, ())
+    return first.startswith(starts) and (MARK in first or MARK in last)
+
+
+def _is_own_netcdf(output: Path, holds: str) -> bool:
+    import h5py
+
+    try:
+        with h5py.File(output, "r") as file:
+            return "erlif_version" in file.attrs and (not holds or holds in file)
+    except Exception:  # damaged bytes make HDF5 raise errors of any kind
+        return False
+
+
+def _is_own_store(output: Path, holds: str) -> bool:
+    if not any(output.iterdir()):
+        return True
+    try:
+        attributes = json.loads((output / "zarr.json").read_bytes()).get("attributes", {})
+    except (OSError, ValueError, AttributeError):
+        return False
+    return "erlif_version" in attributes and (not holds or (output / holds).is_dir())
 
 
 @contextmanager

@@ -144,7 +144,7 @@ def process_run(
 
     remove_remains(output)
     if not resume:
-        refuse_existing(output, overwrite=overwrite)
+        refuse_existing(output, overwrite=overwrite, holds="thickness")
     run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
     settings = run.settings
 
@@ -166,7 +166,7 @@ def process_run(
                 f"{output} exists already, made from other inputs or settings or by another "
                 "version; use --overwrite to make it again, or name another output."
             )
-        refuse_existing(output, overwrite=overwrite)
+        refuse_existing(output, overwrite=overwrite, holds="thickness")
 
     grid = describe_grid(settings, run.pairs.shape, len(frames_of))
     key = identify_start(run, calibration, digests)

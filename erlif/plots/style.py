@@ -98,7 +98,7 @@ _STYLE: Any = {
 
 # the same figure gives the same file on every day and machine
 _METADATA: dict[str, Mapping[str, Any]] = {
-    "png": {"Software": None},
+    "png": {"Software": "erlif"},
     "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": "erlif"},
     "svg": {"Date": None, "Creator": "erlif"},
 }

@@ -108,6 +108,7 @@ def _make_page(source: FigureSource) -> str:
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta name="generator" content="erlif">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{name}: oil-film thickness</title>
 <style>

@@ -1,10 +1,14 @@
 """Outputs that are either complete or still the previous ones."""
 
+import json
+
 import pytest
+import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.core.errors import OutputError
 from erlif.files import refuse_existing, replacing
+from erlif.plots import save_figure
 
 
 def test_a_failure_while_writing_leaves_the_old_file(tmp_path):
@@ -36,30 +40,76 @@ def test_an_output_that_does_not_exist_is_not_refused(tmp_path):
     refuse_existing(tmp_path / "film.nc", overwrite=False)
 
 
+def netcdf(path, variable="thickness", **attrs):
+    """A small netCDF file; that of erlif has its version among the attributes."""
+    xr.Dataset({variable: 1.0}, attrs=attrs).to_netcdf(path, engine="h5netcdf")
+    return path
+
+
 def test_an_existing_output_is_refused_unless_it_may_be_replaced(tmp_path):
-    path = tmp_path / "film.nc"
-    path.write_bytes(b"\x89HDF\r\n\x1a\nrest")
+    path = netcdf(tmp_path / "film.nc", erlif_version="0.1.0")
     with pytest.raises(OutputError, match="--overwrite"):
         refuse_existing(path, overwrite=False)
     refuse_existing(path, overwrite=True)
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
-def test_a_figure_of_every_format_may_be_replaced(tmp_path, suffix):
+def test_a_figure_of_erlif_may_be_replaced_and_that_of_another_program_not(tmp_path, suffix):
     path = tmp_path / f"figure.{suffix}"
-    Figure().savefig(path)
+    save_figure(Figure(), path)
     refuse_existing(path, overwrite=True)
-
-
-@pytest.mark.parametrize("name", ["data.csv", "folder"])
-def test_a_file_of_another_format_is_never_replaced(tmp_path, name):
-    path = tmp_path / name
-    if name == "folder":
-        (path / "inner").mkdir(parents=True)
-    else:
-        path.write_text("frame,angle_deg")
+    Figure().savefig(path)
     with pytest.raises(OutputError, match="something else"):
         refuse_existing(path, overwrite=True)
+
+
+def test_an_empty_file_may_be_replaced(tmp_path):
+    (tmp_path / "film.nc").touch()
+    refuse_existing(tmp_path / "film.nc", overwrite=True)
+
+
+def store(path, **attributes):
+    (path / "thickness").mkdir(parents=True)
+    (path / "zarr.json").write_text(json.dumps({"attributes": attributes}))
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("data.csv", lambda path: path.write_text("frame,angle_deg")),
+        ("film.nc", lambda path: netcdf(path, title="sea surface temperature")),
+        ("film.nc", lambda path: netcdf(path, "ratio_at_zero", erlif_version="0.1.0")),
+        ("film.nc", lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\nrest")),
+        ("film.zarr", lambda path: store(path, title="sea surface temperature")),
+        ("film.zarr", lambda path: (path / "letters").mkdir(parents=True)),
+        ("report.html", lambda path: path.write_text("<!DOCTYPE html><title>my page</title>")),
+        ("report.html", lambda path: netcdf(path, erlif_version="0.1.0")),
+        ("map.png", lambda path: path.write_text("erlif")),
+        ("folder", lambda path: (path / "inner").mkdir(parents=True)),
+    ],
+    ids=[
+        "text",
+        "other netCDF",
+        "calibration",
+        "damaged",
+        "other zarr",
+        "directory named zarr",
+        "somebody's page",
+        "film",
+        "text named png",
+        "directory",
+    ],
+)
+def test_what_the_command_has_not_written_is_never_replaced(tmp_path, name, write):
+    path = tmp_path / name
+    write(path)
+    with pytest.raises(OutputError, match="something else"):
+        refuse_existing(path, overwrite=True, holds="thickness")
+
+
+def test_an_earlier_store_may_be_replaced(tmp_path):
+    store(tmp_path / "film.zarr", erlif_version="0.1.0")
+    refuse_existing(tmp_path / "film.zarr", overwrite=True, holds="thickness")
 
 
 def test_the_old_directory_comes_back_where_the_exchange_fails(tmp_path, monkeypatch):

@@ -463,7 +463,6 @@ def process_and_die(lab, *, at, option=()):
     """Run `erlif process` in a process of its own that is killed when it reaches `at`."""
     script = f"""
 import os, signal
-import xarray as xr
 from erlif.files import netcdf_maps as store
 calls = 0
 def die(*arguments, **options):
@@ -478,12 +477,12 @@ if {at!r} == "third trigger":
         return write(*arguments)
     store.write_record = write_and_die
 else:
-    complete = xr.Dataset.to_netcdf
-    def complete_and_die(dataset, *arguments, group=None, **options):
+    complete = store.write_netcdf
+    def complete_and_die(*arguments, group=None, **options):
         if group is not None:
             die()
-        return complete(dataset, *arguments, **options)
-    xr.Dataset.to_netcdf = complete_and_die
+        return complete(*arguments, **options)
+    store.write_netcdf = complete_and_die
 from erlif.commands.main import main
 main({["process", str(lab.run), "--workers", "1", *option]!r})
 """
@@ -638,8 +637,8 @@ main(["process", {str(lab.run)!r}, "--workers", "1", "--overwrite"])
 
 def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
     output = lab.run / "film.zarr"
-    output.mkdir()
-    (output / "zarr.json").write_text("{}")
+    (output / "thickness").mkdir(parents=True)
+    (output / "zarr.json").write_text('{"attributes": {"erlif_version": "0.1.0"}}')
 
     def fill_up(*arguments, **options):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -648,7 +647,7 @@ def test_a_disk_too_full_for_a_zarr_leaves_the_previous_one(lab, monkeypatch):
     result = CliRunner().invoke(main, ["process", str(lab.run), "-o", str(output), "--overwrite"])
     assert result.exit_code == 2
     assert "could not be written: No space left on device" in result.stderr
-    assert [path.name for path in output.iterdir()] == ["zarr.json"]
+    assert {path.name for path in output.iterdir()} == {"zarr.json", "thickness"}
     assert not list(lab.run.glob("**/*.unfinished*"))
 
 

@@ -113,12 +113,26 @@ def test_page_does_not_depend_on_the_place_of_the_film(film_path, tmp_path):
 
 def test_existing_page_is_kept_without_overwrite(film_path, tmp_path):
     target = tmp_path / "report.html"
-    target.write_text("<!DOCTYPE html>mine")
+    earlier = '<!DOCTYPE html><meta name="generator" content="erlif">mine'
+    target.write_text(earlier)
     with pytest.raises(OutputError, match="--overwrite"):
         write_report(film_path, target)
-    assert target.read_text() == "<!DOCTYPE html>mine"
+    assert target.read_text() == earlier
     write_report(film_path, target, overwrite=True)
-    assert "mine" not in target.read_text(encoding="utf-8")[:30]
+    page = target.read_text(encoding="utf-8")
+    assert ">mine" not in page[:100]
+
+    # a page may be written again over itself
+    write_report(film_path, target, overwrite=True)
+    assert target.read_text(encoding="utf-8") == page
+
+
+def test_a_page_of_somebody_else_is_never_replaced(film_path, tmp_path):
+    target = tmp_path / "report.html"
+    target.write_text("<!DOCTYPE html>mine")
+    with pytest.raises(OutputError, match="something else"):
+        write_report(film_path, target, overwrite=True)
+    assert target.read_text() == "<!DOCTYPE html>mine"
 
 
 def test_missing_film_is_refused_and_nothing_is_written(tmp_path):
