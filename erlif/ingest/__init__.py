@@ -7,6 +7,7 @@ from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
 from erlif.ingest.reference_pages import read_reference_pages
 from erlif.ingest.run_table import RunEntry, read_run_table
+from erlif.ingest.selection import Selection, select_counts
 
 __all__ = [
     "Fixture",
@@ -15,6 +16,7 @@ __all__ = [
     "PairCounts",
     "Run",
     "RunEntry",
+    "Selection",
     "depth_warning",
     "hash_files_beside_frames",
     "hash_inputs",
@@ -26,6 +28,7 @@ __all__ = [
     "read_pair",
     "read_reference_pages",
     "read_run_table",
+    "select_counts",
     "sign_inputs",
     "skipped_notes",
 ]

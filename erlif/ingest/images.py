@@ -16,6 +16,8 @@ import numpy as np
 from erlif.core.arrays import AnyArray, Array, Counts
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note
+from erlif.ingest.counts import STORED_TYPES, align_right, convert_counts
+from erlif.ingest.selection import WHOLE, Selection
 from erlif.readers import FrameKind, borrow_frames, open_frames
 from erlif.readers.base import TRUNCATED, describe_shape
 from erlif.readers.plain_tiff import decode_plain_page, read_plain_page
@@ -39,12 +41,15 @@ class Page:
         Where its directory begins in a plain TIFF file; 0 where that is not known. [byte]
     alone : bool
         Whether the file is known to hold no other image.
+    selection : Selection
+        Part of the image that belongs to the camera.
     """
 
     path: Path
     index: int
     header: int = field(default=0, compare=False)
     alone: bool = field(default=False, compare=False)
+    selection: Selection = WHOLE
 
     @property
     def name(self) -> str:
@@ -128,7 +133,9 @@ def match_files(directory: Path, pattern: str) -> list[Path]:
     return sorted((path for path in paths if not path.is_dir()), key=natural_key)
 
 
-def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
+def find_pages(
+    directory: Path, pattern: str, what: str, selection: Selection = WHOLE
+) -> CameraFiles:
     """Find the pages that match a pattern and read their headers.
 
     Parameters
@@ -138,6 +145,8 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
         File name or glob, relative to `directory`.
     what : str
         Name of the pages in messages, such as "camera1 dark".
+    selection : Selection
+        Part of the files that belongs to the camera.
 
     Returns
     -------
@@ -160,23 +169,23 @@ def find_pages(directory: Path, pattern: str, what: str) -> CameraFiles:
     found = CameraFiles()
     for path in paths:
         try:
-            kinds, headers, times, companions = _read_headers(path)
+            read = _read_headers(path, selection)
         except FrameError as error:
             found.faults[len(found.pages)] = str(error)
-            found.pages.append(Page(path, 0))
+            found.pages.append(Page(path, 0, selection=selection))
             found.kinds.append(UNREADABLE)
             continue
 
-        for index, (kind, header) in enumerate(zip(kinds, headers, strict=True)):
+        for index, kind, header in zip(read.places, read.kinds, read.headers, strict=True):
             if kind == TRUNCATED:
                 kind = UNREADABLE
                 found.faults.setdefault(len(found.pages), "the file is truncated")
-            found.pages.append(Page(path, index, header, alone=len(kinds) == 1 and not companions))
+            found.pages.append(Page(path, index, header, read.alone, selection))
             found.kinds.append(kind)
 
         # the clocks of two files may have started at different times
-        found.times = times if len(paths) == 1 else None
-        found.companions += companions
+        found.times = read.times if len(paths) == 1 else None
+        found.companions += read.companions
     return found
 
 
@@ -237,34 +246,38 @@ def read_content(
         ) from error
 
     image = content.counts
-    if image.shape != shape or image.dtype not in (np.uint8, np.uint16):
+    if image.shape != shape or image.dtype.name not in STORED_TYPES:
         raise FrameError(
-            f"Expected grey counts of {describe_shape(shape)} pixels, 8 or 16-bit unsigned, in "
-            f"{name}; it is {image.dtype} of {describe_shape(image.shape)}. Record frames, darks "
-            "and flats with the same region of interest."
+            f"Expected grey counts of {describe_shape(shape)} pixels in {name}; it is "
+            f"{image.dtype} of {describe_shape(image.shape)}. Record frames, darks and flats with "
+            "the same region of interest."
         )
-    return content
+    try:
+        counts = align_right(convert_counts(image), page.selection.shift)
+    except FrameError as error:
+        raise FrameError(f"Expected counts in {name}; {error}") from error
+    return PageContent(counts, content.digest)
 
 
 def _decode(page: Page, *, digest: bool) -> PageContent:
-    """Counts of a page; the hash belongs to the bytes that are decoded."""
+    """Image of a page as it is stored; the hash belongs to the bytes that are decoded."""
     if not digest or not page.alone:
-        counts = read_plain_page(page.path, page.header) if page.header else None
-        return PageContent(_read_frame(page) if counts is None else counts)
+        image = read_plain_page(page.path, page.header) if page.header else None
+        return PageContent(page.selection.crop(_read_frame(page) if image is None else image))
 
     data = page.path.read_bytes()
     hashed = hashlib.sha256(data).hexdigest()
-    counts = decode_plain_page(data, page.header) if page.header else None
-    if counts is None:
+    image = decode_plain_page(data, page.header) if page.header else None
+    if image is None:
         # this reader opens the file again: it must find the same bytes
-        counts = _read_frame(page)
+        image = _read_frame(page)
         if page.path.read_bytes() != data:
             raise FrameError("the file has changed while it was read")
-    return PageContent(counts, hashed)
+    return PageContent(page.selection.crop(image), hashed)
 
 
 def _read_frame(page: Page) -> AnyArray:
-    with borrow_frames(page.path) as file:
+    with borrow_frames(page.path, dataset=page.selection.dataset) as file:
         return file.read(page.index)
 
 
@@ -299,11 +312,16 @@ def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:
     unused = (set_bits & -set_bits).bit_length() - 1  # low bits that are 0 in all counts
 
     if unused >= 2 and np.unique(counts).size > _FEW_LEVELS:
-        depth = (16 if top > full_scale else bit_depth) - unused
+        container = 16 if top > full_scale else bit_depth
+        depth = container - unused
+        todo = (
+            f'Set alignment = "left" and bit_depth = {depth}.'
+            if container == 16
+            else f"Divide the counts by {1 << unused}, save them again and set bit_depth = {depth}."
+        )
         raise FrameError(
             f"Expected counts of {bit_depth} bits; {name} holds multiples of {1 << unused} up to "
-            f"{top}: {depth}-bit counts, left-aligned. Divide the counts by {1 << unused}, save "
-            f"them again and set bit_depth = {depth}."
+            f"{top}: {depth}-bit counts, left-aligned. {todo}"
         )
     if top > full_scale:
         raise FrameError(
@@ -348,22 +366,40 @@ def depth_warning(highest: int, *, bit_depth: int, camera: int) -> Note | None:
 
 
 class _Headers(NamedTuple):
-    """What the headers of one file state."""
+    """What the header of a file states about the pages of one camera."""
 
+    places: Sequence[int]
     kinds: Sequence[FrameKind]
     headers: Sequence[int]
+    alone: bool
     times: Array | None
     companions: Sequence[Path]
 
 
-def _read_headers(path: Path) -> _Headers:
-    """Kinds of the images in a file, and more; FrameError with the bare reason."""
-    file = open_frames(path)
+def _read_headers(path: Path, selection: Selection) -> _Headers:
+    """Pages of a file that belong to a camera; FrameError with the bare reason."""
+    file = open_frames(path, dataset=selection.dataset)
     try:
+        places = selection.pages(file)
         headers = file.headers if isinstance(file, TiffFrames) else []
+        kinds = [file.kinds[k] for k in places]
+        crops = {kind: _crop_kind(kind, selection) for kind in set(kinds)}
+
+        # time stamps with gaps are as good as none
         times = file.times
         if times is not None and (len(times) != len(file.kinds) or not np.isfinite(times).all()):
-            times = None  # time stamps with gaps are as good as none
-        return _Headers(file.kinds, headers or [0] * len(file.kinds), times, file.companions)
+            times = None
+        return _Headers(
+            places,
+            [crops[kind] for kind in kinds],
+            [headers[k] for k in places] if headers else [0] * len(places),
+            len(file.kinds) == 1 and not file.companions,
+            None if times is None else times[places] - times[places[0]],
+            file.companions,
+        )
     finally:
         file.close()
+
+
+def _crop_kind(kind: FrameKind, selection: Selection) -> FrameKind:
+    return FrameKind(selection.crop_shape(kind.shape), kind.dtype)

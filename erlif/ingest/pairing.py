@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from erlif.core.errors import FrameError
+from erlif.ingest.counts import STORED_TYPES
 from erlif.ingest.frames import FramePairs
 from erlif.ingest.images import (
     UNREADABLE,
@@ -18,6 +19,7 @@ from erlif.ingest.images import (
     read_page,
     with_advice,
 )
+from erlif.ingest.selection import WHOLE, Selection, may_share_files
 from erlif.readers import FrameKind
 from erlif.readers.base import describe_shape
 
@@ -30,6 +32,7 @@ def pair_cameras(
     patterns: tuple[str, str],
     *,
     bit_depths: tuple[int, int],
+    selections: tuple[Selection, Selection] = (WHOLE, WHOLE),
     skip_bad_frames: bool = False,
 ) -> FramePairs:
     """Find the frames of both cameras and pair them.
@@ -42,6 +45,8 @@ def pair_cameras(
         File name or glob of camera 1 and camera 2, relative to `directory`.
     bit_depths : (int, int)
         Bits per pixel of camera 1 and camera 2.
+    selections : (Selection, Selection)
+        Part of the files that belongs to camera 1 and camera 2.
     skip_bad_frames : bool
         Leave out pairs with an unreadable file instead of refusing the recording.
 
@@ -55,8 +60,10 @@ def pair_cameras(
         If frames are missing, unreadable, of different size or type, or not counts of one channel.
     """
     one, two = (
-        find_pages(directory, pattern, f"camera{n}") for n, pattern in enumerate(patterns, 1)
+        find_pages(directory, pattern, f"camera{n}", selection)
+        for n, (pattern, selection) in enumerate(zip(patterns, selections, strict=True), 1)
     )
+    _check_files_differ(one.pages, two.pages)
     if skip_bad_frames:
         _pad_truncated((one, two))
 
@@ -121,11 +128,11 @@ def _check_kinds(cameras: Sequence[CameraFiles], good: Sequence[int]) -> tuple[i
                 )
 
     first = cameras[0].pages[good[0]].name
-    if len(usual.shape) != 2 or usual.dtype not in ("uint8", "uint16"):
+    if len(usual.shape) != 2 or usual.dtype not in STORED_TYPES:
         colour = f" in {usual.shape[2]} colours" if len(usual.shape) == 3 else ""
         raise FrameError(
-            f"Expected grey frames of 8 or 16-bit unsigned counts; {first} holds "
-            f"{usual.dtype}{colour}. Save the raw counts of the cameras, one channel each."
+            f"Expected grey frames of whole counts; {first} holds {usual.dtype}{colour}. Save the "
+            "raw counts of the cameras, one channel each."
         )
     if min(usual.shape) < _SMALLEST:
         raise FrameError(
@@ -152,13 +159,21 @@ def _find_undecodable(
     return faults
 
 
+def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
+    """Refuse cameras that share files without parts that exclude one another."""
+    shared = {page.path for page in one} & {page.path for page in two}
+    if not shared or may_share_files(one[0].selection, two[0].selection):
+        return
+    name = next(page.path.name for page in one if page.path in shared)
+    raise FrameError(
+        f"Expected frames of two cameras; both [camera1] and [camera2] name {name}. Correct files "
+        "in one of them. Where one file holds both cameras, give both tables their part, for "
+        'example part = "left" and part = "right".'
+    )
+
+
 def _check_pairs(one: Sequence[Page], two: Sequence[Page]) -> None:
     """Refuse cameras whose frames do not pair, naming the first frame without a partner."""
-    if {page.path for page in one} & {page.path for page in two}:
-        raise FrameError(
-            "Expected frames of two cameras; both [camera1] and [camera2] name "
-            f"{one[0].path.name}. Correct files in one of them."
-        )
     unmatched = _first_unmatched(one, two)
     if unmatched:
         raise FrameError(
@@ -200,9 +215,10 @@ def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:
         last = files.pages[-1]
         is_single_file = last.path == files.pages[0].path
         if len(files.pages) - 1 in files.faults and is_single_file:
+            reason = files.faults[len(files.pages) - 1]
             for n in range(len(files.pages), most):
-                files.faults[n] = files.faults[last.index]
-                files.pages.append(Page(last.path, n))
+                files.faults[n] = reason
+                files.pages.append(Page(last.path, n, selection=last.selection))
                 files.kinds.append(UNREADABLE)
 
 

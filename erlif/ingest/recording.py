@@ -10,6 +10,7 @@ from erlif.core.products import EncoderLog
 from erlif.ingest.encoder_log import check_rows, read_encoder_log
 from erlif.ingest.frames import FramePairs
 from erlif.ingest.pairing import pair_cameras
+from erlif.ingest.selection import select_counts
 from erlif.settings import (
     CameraSettings,
     FixtureSettings,
@@ -148,5 +149,6 @@ def _open_pairs(
         directory,
         (one.files, two.files),
         bit_depths=(one.bit_depth, two.bit_depth),
+        selections=(select_counts(one), select_counts(two)),
         skip_bad_frames=skip_bad_frames,
     )

@@ -8,10 +8,17 @@ from pathlib import Path
 from erlif.core.arrays import Counts
 from erlif.core.errors import FrameError
 from erlif.ingest.images import check_depth, find_pages, read_page
+from erlif.ingest.selection import WHOLE, Selection
 
 
 def read_reference_pages(
-    directory: Path, pattern: str, *, what: str, bit_depth: int, shape: tuple[int, int]
+    directory: Path,
+    pattern: str,
+    *,
+    what: str,
+    bit_depth: int,
+    shape: tuple[int, int],
+    selection: Selection = WHOLE,
 ) -> Iterator[Counts]:
     """Read the pages of a dark or flat recording.
 
@@ -26,6 +33,8 @@ def read_reference_pages(
         Bits per pixel of the camera.
     shape : (rows, columns)
         Shape of the frames they belong to. [px]
+    selection : Selection
+        Part of the files that belongs to the camera.
 
     Yields
     ------
@@ -47,7 +56,7 @@ def read_reference_pages(
     (256, 320)
     """
     # headers of all pages first: a fault in the last one is reported before any work
-    found = find_pages(directory, pattern, what)
+    found = find_pages(directory, pattern, what, selection)
     if found.faults:
         first = min(found.faults)
         raise FrameError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +17,14 @@ from erlif.correction import (
     measure_camera,
 )
 from erlif.correction.saturation import Histogram
-from erlif.ingest import Fixture, FramePairs, Run, read_pair, read_reference_pages
+from erlif.ingest import (
+    Fixture,
+    FramePairs,
+    Run,
+    read_pair,
+    read_reference_pages,
+    select_counts,
+)
 
 _FRAMES_SEARCHED = 8
 """Frame pairs searched for saturation below full scale."""
@@ -83,13 +91,14 @@ def _measure(recording: Run | Fixture, number: int, histogram: Histogram) -> Cam
     settings = recording.cameras[number - 1]
     camera, shape = f"camera{number}", recording.pairs.shape
 
-    def read(pattern: str, kind: str) -> Iterator[Counts]:
+    def read(pattern: str, kind: Literal["dark", "flat"]) -> Iterator[Counts]:
         return read_reference_pages(
             recording.directory,
             pattern,
             what=f"{camera} {kind}",
             bit_depth=settings.bit_depth,
             shape=shape,
+            selection=select_counts(settings, kind),
         )
 
     # the settings hold either a file of darks or a level

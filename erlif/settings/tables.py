@@ -128,6 +128,37 @@ class CameraSettings(Settings):
         description="Bits of a count: full scale is 2^bit_depth - 1. The data sheet of the camera "
         "states it.",
     )
+    alignment: Literal["right", "left"] = Field(
+        "right",
+        description="Bits of a 16-bit word that hold the count: the low ones (right) or the high "
+        "ones (left), as in counts that are multiples of 16 at 12 bits.",
+    )
+    part: (
+        Literal["left", "right", "top", "bottom", "odd", "even", "channel 1", "channel 2"] | None
+    ) = Field(
+        None,
+        description="Part of the files that belongs to this camera where one file holds both: half "
+        "of the sensor, odd or even pages (the first page is odd), or a channel of an OME or "
+        "ImageJ file. Darks and flats have the same part. Default: the whole file.",
+    )
+    dataset: Text | None = Field(
+        None,
+        description="Path of the frames in an HDF5 or netCDF file. Default: its only dataset of "
+        "three dimensions.",
+        examples=["/camera1/counts"],
+    )
+    dark_dataset: Text | None = Field(
+        None,
+        description="Path of the dark frames in an HDF5 or netCDF file. Default: that of the "
+        "frames.",
+        examples=["/camera1/dark"],
+    )
+    flat_dataset: Text | None = Field(
+        None,
+        description="Path of the flat frames in an HDF5 or netCDF file. Default: that of the "
+        "frames.",
+        examples=["/camera1/flat"],
+    )
     dark: FileName | None = Field(
         None,
         description="Dark frames: lens capped, exposure time and camera gain as in the run. Either "
@@ -158,6 +189,20 @@ class CameraSettings(Settings):
     def full_scale(self) -> int:
         """The largest count the camera can give [DN]."""
         return (1 << self.bit_depth) - 1
+
+    @model_validator(mode="after")
+    def _references_differ_from_frames(self) -> Self:
+        # one HDF5 file may hold all; the same dataset for two purposes is a slip
+        for key, file, dataset in (
+            ("dark", self.dark, self.dark_dataset),
+            ("flat", self.flat, self.flat_dataset),
+        ):
+            if file == self.files and (dataset or self.dataset) == self.dataset:
+                raise ValueError(
+                    f"{key} and files name the same frames; correct {key}, or give {key}_dataset "
+                    "where one HDF5 file holds both"
+                )
+        return self
 
     @model_validator(mode="after")
     def _dark_or_offset(self) -> Self:

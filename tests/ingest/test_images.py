@@ -1,6 +1,8 @@
 """Image files against what tifffile and imageio wrote, byte by byte where a file is damaged."""
 
+import hashlib
 import os
+from dataclasses import replace
 from pathlib import Path, PurePath
 
 import imageio.v3 as iio
@@ -18,8 +20,10 @@ from erlif.ingest.images import (
     check_depth,
     find_pages,
     match_files,
+    read_content,
     read_page,
 )
+from erlif.ingest.selection import Selection
 from erlif.readers.base import FrameKind, describe_shape
 
 RNG = np.random.default_rng(5)
@@ -108,7 +112,7 @@ def test_colours_are_a_third_axis_of_the_kind(tmp_path):
         ("b.tif", b"not an image", "damaged or not a TIFF"),
         ("b.tif", b"II*\x00" + bytes(4), "the file holds no image"),
         ("b.png", b"not an image", "the file is damaged"),
-        ("b.dat", b"not an image", "its format is none of those that are read: TIFF, PNG"),
+        ("b.dat", b"not an image", "its format is none of those that are read: TIFF, "),
     ],
     ids=["empty", "text", "no directory", "png", "unknown"],
 )
@@ -187,8 +191,7 @@ def test_other_formats_are_read_too(tmp_path):
     [
         (GREY[:, :60], "uint16 of 60 x 64"),
         (GREY.T, "uint16 of 64 x 80"),
-        (GREY.astype(np.float32), "float32 of 80 x 64"),
-        (GREY.astype(np.int16), "int16 of 80 x 64"),
+        (GREY.astype(np.complex64), "complex64 of 80 x 64"),
     ],
 )
 def test_another_shape_or_type_is_refused_with_both(tmp_path, save_pages, image, found):
@@ -214,6 +217,43 @@ def test_data_that_cannot_be_decoded_are_refused_with_the_way_out(tmp_path):
         read_page(Page(path, 0), tmp_path, (64, 80))
 
 
+@pytest.mark.parametrize("dtype", [np.int16, np.int32, np.float32, np.float64])
+def test_counts_in_another_type_are_read_as_counts(tmp_path, dtype):
+    tifffile.imwrite(tmp_path / "a.tif", GREY.astype(dtype))
+    (page,) = find_pages(tmp_path, "a.tif", "camera1").pages
+    counts = read_page(page, tmp_path, (64, 80))
+    assert counts.dtype == np.uint16
+    np.testing.assert_array_equal(counts, GREY)
+
+
+def test_corrected_values_are_refused_with_the_first_of_them(tmp_path):
+    image = GREY.astype(np.float32)
+    image[3, 7] = -0.25
+    tifffile.imwrite(tmp_path / "a.tif", image)
+    with pytest.raises(
+        FrameError, match=r"a\.tif; its float32 .*: -0.25 in row 3, column 7\. Save"
+    ):
+        read_page(Page(tmp_path / "a.tif", 0), tmp_path, (64, 80))
+
+
+def test_left_aligned_counts_are_shifted(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", GREY << 4)
+    (page,) = find_pages(tmp_path, "a.tif", "camera1", Selection(shift=4)).pages
+    np.testing.assert_array_equal(read_page(page, tmp_path, (64, 80)), GREY)
+    with pytest.raises(FrameError, match=r"a\.tif; its counts are not left-aligned"):
+        read_page(replace(page, selection=Selection(shift=6)), tmp_path, (64, 80))
+
+
+@pytest.mark.parametrize("part", ["top", "right"])
+def test_the_hash_of_a_part_is_that_of_the_file(tmp_path, part):
+    tifffile.imwrite(tmp_path / "a.tif", GREY)
+    (page,) = find_pages(tmp_path, "a.tif", "camera1", Selection(part)).pages
+    shape = Selection(part).crop_shape((64, 80))
+    content = read_content(page, tmp_path, shape, digest=True)
+    assert content.digest == hashlib.sha256((tmp_path / "a.tif").read_bytes()).hexdigest()
+    assert content.counts.shape == shape
+
+
 # bit depth
 
 
@@ -230,16 +270,20 @@ def test_counts_above_full_scale_are_refused_with_the_depth_that_fits(top, fits)
 
 
 @pytest.mark.parametrize(
-    ("own", "shift", "bit_depth"), [(12, 4, 12), (12, 4, 16), (14, 2, 16), (10, 6, 12), (8, 4, 12)]
+    ("own", "shift", "bit_depth", "advice"),
+    [
+        *((12, 4, 12, 'Set alignment = "left" and'), (12, 4, 16, 'Set alignment = "left" and')),
+        *((14, 2, 16, 'Set alignment = "left" and'), (10, 6, 12, 'Set alignment = "left" and')),
+        (8, 4, 12, "Divide the counts by 16, save them again and set"),
+    ],
 )
-def test_left_aligned_counts_are_refused_with_their_own_depth(own, shift, bit_depth):
+def test_left_aligned_counts_are_refused_with_their_own_depth(own, shift, bit_depth, advice):
     counts = np.arange((1 << own) - 32, 1 << own).astype(np.uint16) << shift
     with pytest.raises(FrameError) as refused:
         check_depth(counts, bit_depth=bit_depth, name="a.tif")
     assert f"multiples of {1 << shift} up to {counts.max()}" in str(refused.value)
     assert f"{own}-bit counts, left-aligned" in str(refused.value)
-    assert f"Divide the counts by {1 << shift}" in str(refused.value)
-    assert f"set bit_depth = {own}." in str(refused.value)
+    assert f"{advice} bit_depth = {own}." in str(refused.value)
 
 
 def test_a_single_unused_bit_is_chance_and_few_levels_are_not_judged():

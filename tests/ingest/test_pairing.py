@@ -8,6 +8,7 @@ from erlif.core.errors import FrameError
 from erlif.ingest import Page, read_frames
 from erlif.ingest.images import find_pages
 from erlif.ingest.pairing import frame_numbers, pair_cameras
+from erlif.ingest.selection import Selection
 from erlif.readers import Format, FrameFile, FrameKind, registry
 
 SHAPE = (64, 80)
@@ -157,8 +158,7 @@ def test_the_odd_file_is_named_not_the_others(record, camera, image, kind):
     ("image", "found"),
     [
         (np.zeros((*SHAPE, 3), np.uint8), "f_0.tif holds uint8 in 3 colours"),
-        (GREY.astype(np.float32), "f_0.tif holds float32."),
-        (GREY.astype(np.int16), "f_0.tif holds int16."),
+        (GREY.astype(np.complex64), "f_0.tif holds complex64."),
     ],
 )
 def test_images_that_are_not_counts_of_one_channel_are_refused(record, image, found):
@@ -291,3 +291,73 @@ def test_times_that_do_not_belong_to_all_frames_are_left_out(stamped, times):
     (stamped / "one2.st").write_text("STAMP1")
     found = find_pages(stamped, "one.st" if times == "nan" else "one*.st", "camera1")
     assert found.times is None
+
+
+# two cameras in one file
+
+PARTS = [("left", "right"), ("top", "bottom"), ("odd", "even")]
+
+
+def write_both(path, part, one, two):
+    """One file in which each part holds the frames of its camera."""
+    if part == "odd":
+        pages = [page for pair in zip(one, two, strict=True) for page in pair]
+    else:
+        stack = np.hstack if part == "left" else np.vstack
+        pages = [stack(pair) for pair in zip(one, two, strict=True)]
+    tifffile.imwrite(path, np.stack(pages), photometric="minisblack")
+
+
+@pytest.mark.parametrize("mirrored", [False, True], ids=["in order", "exchanged"])
+@pytest.mark.parametrize("parts", PARTS, ids=" ".join)
+def test_each_camera_has_its_part_of_a_shared_file(tmp_path, parts, mirrored):
+    rng = np.random.default_rng(3)
+    counts = rng.integers(0, 4096, (2, 3, *SHAPE), dtype=np.uint16)
+    write_both(tmp_path / "both.tif", parts[0], *counts)
+    parts, counts = (parts[::-1], counts[::-1]) if mirrored else (parts, counts)
+    selections = tuple(Selection(part) for part in parts)
+    pairs = pair(tmp_path, patterns=("both.tif", "both.tif"), selections=selections)
+    np.testing.assert_array_equal(read_frames(pairs, [0, 1, 2]).counts, counts)
+    found = read_frames(pairs, [2], digests=True)
+    assert str(found.digest_camera1[0].values) == ""  # other frames share the file
+
+
+@pytest.mark.parametrize(
+    "parts", [("", ""), ("left", ""), ("left", "left"), ("left", "top"), ("odd", "right")]
+)
+def test_the_same_files_without_parts_that_exclude_one_another_are_refused(tmp_path, parts):
+    write_both(tmp_path / "both.tif", "left", [GREY, GREY], [GREY, GREY])
+    message = refusal(
+        tmp_path,
+        patterns=("both.tif", "*.tif"),
+        selections=tuple(Selection(part) for part in parts),
+    )
+    assert "both [camera1] and [camera2] name both.tif" in message
+    assert 'part = "left" and part = "right"' in message
+
+
+def test_alternating_pages_without_a_partner_are_refused(tmp_path):
+    tifffile.imwrite(tmp_path / "both.tif", np.stack([GREY] * 5), photometric="minisblack")
+    message = refusal(
+        tmp_path,
+        patterns=("both.tif", "both.tif"),
+        selections=(Selection("odd"), Selection("even")),
+    )
+    assert "camera1 has 3, camera2 has 2. The first unmatched one is camera1/both.tif" in message
+
+
+def test_lost_pages_of_one_camera_are_left_out_with_their_partners(tmp_path, save_pages):
+    """Both files have six pages, every other one a frame; the file of camera 2 is cut off."""
+    for name in ("one.tif", "two.tif"):
+        save_pages(tmp_path / name, [GREY] * 6)
+    path = tmp_path / "two.tif"
+    with tifffile.TiffFile(path) as file:
+        start = file.pages[3].dataoffsets[0]
+    path.write_bytes(path.read_bytes()[: start + 10])
+    pairs = pair(
+        tmp_path,
+        patterns=("one.tif", "two.tif"),
+        selections=(Selection("odd"), Selection("even")),
+        skip_bad_frames=True,
+    )
+    assert pairs.usable == [0]

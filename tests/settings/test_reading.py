@@ -99,6 +99,12 @@ def test_a_key_left_out_has_the_documented_default(lab):
         ('"33.36 mm"', '"34 mm"', ["joint", "smaller than bushing_radius", "34 mm in 33.59 mm"]),
         ('dark = "camera1_dark.tif"', "", ["camera1", "offset"]),
         ('dark = "camera1_dark.tif"', 'dark = "a.tif"\noffset = "64 DN"', ["camera1", "not both"]),
+        (
+            'dark = "camera1_dark.tif"',
+            'dark = "camera1/*.tif"',
+            ["camera1", "dark and files name the same frames", "dark_dataset"],
+        ),
+        ("bit_depth = 12", 'part = "middle"', ["[camera1] part", "channel 2", "middle"]),
         ('viscosity = "0.12 Pa s"', "", ["oil", "vogel"]),
         ('files = "camera1/*.tif"', 'files = ""', ["[camera1] files", "file name"]),
         (

@@ -40,7 +40,10 @@ cameras = st.one_of(
         flat=name,
         gain=quantity("electron/DN"),
         read_noise=quantity("electron"),
-    )
+        alignment=st.sampled_from(["left", "right"]),
+        part=st.sampled_from(["top", "odd", "channel 2"]),
+        dataset=name,
+    ).filter(lambda camera: camera["files"] not in (camera.get("dark"), camera.get("flat")))
     for level, value in (("dark", name), ("offset", quantity("DN")))
 )
 materials = table(
