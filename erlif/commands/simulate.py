@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
 
 from erlif.rig.settings import RigSettings
+
+_SIDE = re.compile("[0-9]{1,6}")
+"""Digits of one side of a picture; other alphabets have digits that are no numbers."""
 
 DEFAULT = RigSettings()
 """The options show the defaults of the rig itself."""
@@ -24,7 +28,7 @@ class PictureSize(click.ParamType[tuple[int, int]]):
         if isinstance(value, tuple):
             return value
         width, _, height = str(value).lower().partition("x")
-        if not (width.isdigit() and height.isdigit()):
+        if not (_SIDE.fullmatch(width) and _SIDE.fullmatch(height)):
             self.fail(
                 f"{value!r} is not a picture size; write columns x rows, for example 320x256.",
                 param,

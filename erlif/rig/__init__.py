@@ -3,6 +3,7 @@
 It shares no code with the stages that measure the film.
 """
 
+import re
 import shutil
 import tempfile
 from collections.abc import Callable
@@ -15,6 +16,17 @@ __all__ = ["RigSettings", "simulate"]
 
 WRITTEN = ("fixture", "run", "truth.nc")
 """Names that a simulation writes into its directory."""
+
+_OWN = re.compile(
+    r"truth\.nc"
+    r"|(run|fixture)/camera[12]/frame_\d+\.tif"
+    r"|(run|fixture)/camera[12]_(dark|flat|background)\.tif"
+    r"|run/(run\.toml|encoder\.\w+)|fixture/(fixture\.toml|profile\.csv)"
+    r"|run/(\.?film\.(nc|zarr)[^/]*(/.*)?|figures/.*|report\.html)|fixture/calibration\.\w+"
+)
+"""Files that a simulation writes, and those that the commands write beside them by default."""
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def simulate(
@@ -74,6 +86,7 @@ def simulate(
             f"{out} holds {', '.join(existing)} already; choose another directory or pass "
             "--overwrite."
         )
+    _refuse_foreign(out, existing)
 
     # the old directories stay until the new ones are complete
     try:
@@ -92,3 +105,21 @@ def simulate(
     except OSError as error:
         raise OutputError(f"{out} could not be written: {error.strerror or error}.") from error
     return out
+
+
+def _refuse_foreign(out: Path, existing: list[str]) -> None:
+    """Refuse to replace a directory with a file in it that no command has written."""
+    places = [path for name in existing for path in (out / name, *(out / name).rglob("*"))]
+    files = [path for path in places if path.is_symlink() or not path.is_dir()]
+    foreign = [path for path in files if not _OWN.fullmatch(path.relative_to(out).as_posix())]
+
+    truth = out / "truth.nc"
+    if truth in files:
+        with truth.open("rb") as file:
+            foreign += [truth] if file.read(len(_HDF5)) != _HDF5 else []
+    if foreign:
+        raise OutputError(
+            f"Expected nothing but an earlier simulation in {out}; "
+            f"{foreign[0].relative_to(out).as_posix()} is something else, which --overwrite does "
+            "not remove. Move it away, or choose another directory."
+        )

@@ -15,6 +15,49 @@ LARGEST_ROTATION = 10.0
 """Largest rotation of camera 2. [degree]"""
 LARGEST_DISTORTION = 10.0
 """Largest distortion of camera 2. [pixel]"""
+MOST_FRAMES = 1_000_000
+"""Largest number of frame pairs of a run; a week of simulation at 320 x 256."""
+SWING = 24.0
+"""Angle through which the rocker of the thesis turns; the default one differs little. [degree]"""
+LIMITS = {
+    "width": (SMALLEST_PICTURE, 16384),
+    "height": (SMALLEST_PICTURE, 16384),
+    "field_width": (0.01, 1000),
+    "crank_speed": (0.001, 1e5),
+    "load": (1e-6, 1e9),
+    "load_swing": (0, 0.99),
+    "film_reference": (1e-3, 1000),
+    "film_floor": (1e-3, 1000),
+    "exponent": (-10, 10),
+    "tilt": (-100, 100),
+    "marks": (0, 10),
+    "bubbles": (0, 10_000),
+    "light": (1e-6, 1000),
+    "pulse_jitter": (0, 0.3),
+    "speckle_fixed": (0, 1),
+    "speckle_new": (0, 1),
+    "speckle_size": (0.1, 100),
+    "gain": (1e-3, 1e6),
+    "read_noise": (0, 1e6),
+    "offset": (0, 4095),
+    "column_pattern": (0, 1000),
+    "response_spread": (0, 0.3),
+    "hot_fraction": (0, 1),
+    "dead_pixels": (0, 1_000_000),
+    "dust": (0, 10_000),
+    "background": (0, 10),
+    "background_beam": (0, 10),
+    "background_pages": (0, 10_000),
+    "reference": (0, 1000),
+    "vibration": (0, 20),
+    "fixture_frames": (1, 100_000),
+    "wedge_form": (0, 100),
+    "cmm_noise": (0, 100),
+    "dark_pages": (1, 10_000),
+    "flat_pages": (1, 10_000),
+}
+"""Smallest and largest value of the settings that are single numbers, in their units; beyond them
+random numbers, memory or the search for object points fail."""
 
 
 @dataclass(frozen=True)
@@ -225,9 +268,29 @@ class RigSettings:
     flat_levels: tuple[float, ...] = (0.25, 0.5, 0.8)
 
     def __post_init__(self) -> None:
+        self._check_numbers()
         self._check_picture()
         self._check_motion()
         self._check_optics()
+
+    def _check_numbers(self) -> None:
+        """Refuse numbers that are not finite or that no rig has."""
+        for name, value in vars(self).items():
+            numbers = value if isinstance(value, tuple) else (value,)
+            finite = all(math.isfinite(one) for one in numbers if isinstance(one, int | float))
+            low, high = LIMITS.get(name, (-math.inf, math.inf))
+            if not finite or (name in LIMITS and not low <= value <= high):
+                among = f" from {low:g} to {high:g}" if name in LIMITS else ""
+                raise ModelError(
+                    f"Expected {name} of the virtual rig as a number{among}; got {value}. "
+                    "Choose another value."
+                )
+        if 2 * SWING / max(self.spacing, 1e-12) * self.cycles > MOST_FRAMES:
+            raise ModelError(
+                f"Expected a run of at most {MOST_FRAMES} frame pairs; a spacing of "
+                f"{self.spacing:g} degrees and {self.cycles} cycles have more. Choose a larger "
+                "spacing or fewer cycles."
+            )
 
     def _check_picture(self) -> None:
         """Refuse a picture or a session that is too small."""

@@ -1,6 +1,8 @@
 """``erlif simulate``."""
 
+import pytest
 from click.testing import CliRunner
+from conftest import snapshot
 
 from erlif.commands.main import main
 
@@ -18,3 +20,57 @@ def test_a_picture_size_that_cannot_be_read_is_refused_with_an_example(tmp_path)
     result = CliRunner().invoke(main, ["simulate", str(tmp_path / "out"), "--size", "wide"])
     assert result.exit_code == 2
     assert "320x256" in result.output
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--bubbles", "-1", "Expected bubbles"),
+        ("--cycles", "1000000000", "at most 1000000 frame pairs"),
+        ("--cycles", "-3", "at least one cycle"),
+        ("--exponent", "inf", "Expected exponent"),
+        ("--film", "nan", "Expected film_reference"),
+        ("--film", "-2", "Expected film_reference"),
+        ("--light", "nan", "Expected light"),
+        ("--light", "0", "Expected light"),
+        ("--size", "²x²", "is not a picture size"),
+        ("--size", "0x0", "Expected width"),
+        ("--size", "99999999x5", "is not a picture size"),
+        ("--size", "99999x64", "Expected width"),
+        ("--spacing", "1e-9", "at most 1000000 frame pairs"),
+        ("--vibration", "1e9", "Expected vibration"),
+        ("--vibration", "-1", "Expected vibration"),
+        ("--marks", "1e300", "Expected marks"),
+        ("--cmm-noise", "nan", "Expected cmm_noise"),
+        ("--fixture-frames", "0", "Expected fixture_frames"),
+        ("--seed", "-1", "Invalid value"),
+    ],
+)
+def test_a_rig_that_cannot_be_is_refused_and_nothing_is_written(tmp_path, option, value, words):
+    result = CliRunner().invoke(main, ["simulate", str(tmp_path / "out"), option, value])
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert "Traceback" not in result.output
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("precious", ["run/thesis.txt", "fixture/camera1/my.tif", "truth.nc"])
+def test_overwriting_spares_what_the_rig_has_not_written(tmp_path, precious):
+    out = tmp_path / "out"
+    assert CliRunner().invoke(main, ["simulate", str(out), *SMALL]).exit_code == 0
+    (out / precious).write_text("years of work")
+    before = snapshot(out)
+    result = CliRunner().invoke(main, ["simulate", str(out), *SMALL, "--overwrite"])
+    assert result.exit_code == 2
+    assert precious in result.stderr
+    assert snapshot(out) == before
+
+
+def test_overwriting_replaces_a_rehearsal_with_its_products(tmp_path):
+    out = tmp_path / "out"
+    for option in ((), ("--overwrite",)):
+        assert CliRunner().invoke(main, ["simulate", str(out), *SMALL, *option]).exit_code == 0
+        (out / "run" / "film.nc").touch()
+        (out / "run" / "figures").mkdir(exist_ok=True)
+        (out / "fixture" / "calibration.nc").touch()
+    assert not (out / "run" / "camera3").exists()

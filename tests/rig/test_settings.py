@@ -1,5 +1,8 @@
 """Settings of the rig: derived quantities and refusals."""
 
+import dataclasses
+import math
+
 import numpy as np
 import pytest
 
@@ -60,8 +63,29 @@ def test_middle_and_corner_are_in_pixel_centres():
     assert rig.half_diagonal == pytest.approx(np.hypot(20, 16))
 
 
+NUMBERS = [
+    field
+    for field in dataclasses.fields(RigSettings)
+    if isinstance(field.default, int | float | tuple) and not isinstance(field.default, bool)
+]
+
+
+@pytest.mark.parametrize("field", NUMBERS, ids=lambda field: field.name)
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
+def test_a_number_that_is_not_finite_is_refused_by_name(field, wrong):
+    given = (wrong,) * len(field.default) if isinstance(field.default, tuple) else wrong
+    with pytest.raises(ModelError, match=f"Expected {field.name} of the virtual rig"):
+        RigSettings(**{field.name: given})
+
+
+@pytest.mark.parametrize("wrong", [{"spacing": 1e-9}, {"cycles": 10**9}])
+def test_a_run_longer_than_a_disk_is_refused(wrong):
+    with pytest.raises(ModelError, match="at most 1000000 frame pairs"):
+        RigSettings(**wrong)
+
+
 def test_a_refusal_names_the_limit():
-    with pytest.raises(ModelError, match="at least 32 x 32 pixels, got 16 x 64"):
+    with pytest.raises(ModelError, match="Expected width of the virtual rig as a number from 32"):
         RigSettings(width=16, height=64)
     with pytest.raises(ModelError, match=r"at most at 10 degrees, got 12\."):
         RigSettings(spacing=12.0)
