@@ -14,6 +14,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from erlif.core.products import AlignedFrames, RatioImages
+
 _LONGEST = 120.0
 """Time after which the first process compiles by itself; the second takes about five. [s]"""
 
@@ -47,8 +49,14 @@ def compile_aside() -> None:
 
 
 def wait_for_kernels() -> None:
-    """Wait until the second process has finished, where there is one."""
+    """Wait until the second process has finished, where there is one.
+
+    Until then the first one compiles what it needs next by itself.
+    """
     if _Second.process is not None:
+        for compile_next in (_compile_plain_ratio, _compile_sum):
+            if _Second.process.poll() is None:
+                compile_next()
         try:
             _Second.process.wait(_LONGEST)
         except subprocess.TimeoutExpired:
@@ -66,6 +74,27 @@ def second_compiler() -> Iterator[None]:
             _Second.process.kill()
             _Second.process.wait()
             _Second.process = None
+
+
+def _compile_plain_ratio() -> RatioImages:
+    """Take the ratio of a small frame pair, as sharpness and order of the cameras need it."""
+    from erlif.passes import PairLight
+    from erlif.pipeline.chain import as_frames
+    from erlif.ratio import BlurDifference, compute_ratio
+
+    light = PairLight.empty((_SIDE, _SIDE))
+    light.light[:], light.variance[:], light.variance_fixed[:], light.flags[:] = 1000, 1, 1, 0
+    light.light[:, _SIDE // 2, _SIDE // 2] = 1  # a bubble
+    std = np.zeros((_SIDE, _SIDE), np.float32)
+    frames = AlignedFrames(as_frames(light).assign(displacement_std=(("y", "x"), std)))
+    return compute_ratio(frames, blur=BlurDifference(0.1, 0.1))
+
+
+def _compile_sum() -> None:
+    """Add a ratio to a sum, as the frames of a fixture are added."""
+    from erlif.ratio import RatioSum
+
+    RatioSum((_SIDE, _SIDE)).add(_compile_plain_ratio())
 
 
 def compile_film_kernels() -> None:

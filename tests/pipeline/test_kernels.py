@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from numba.types import BaseNamedTuple
 
+from erlif.core.flags import Flag
 from erlif.pipeline import kernels
 
 
@@ -53,6 +54,29 @@ def test_the_film_waits_for_it(monkeypatch):
         kernels.compile_aside()  # there is only one
         kernels.wait_for_kernels()
         assert [process.returncode for process in sleeper.made] == [0]
+
+
+@pytest.mark.parametrize(("seconds", "parts"), [(0.5, 2), (0.0, 0)])
+def test_meanwhile_the_first_process_compiles_what_comes_next(monkeypatch, seconds, parts):
+    sleeper, done = Sleeper(seconds), []
+    monkeypatch.setattr(kernels.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(kernels.subprocess, "Popen", sleeper)
+    for name in ("_compile_plain_ratio", "_compile_sum"):
+        monkeypatch.setattr(kernels, name, lambda name=name: done.append(name))
+    with kernels.second_compiler():
+        kernels.compile_aside()
+        if not seconds:
+            sleeper.made[0].wait()
+        kernels.wait_for_kernels()
+    assert len(done) == parts
+
+
+def test_the_small_ratio_takes_every_way_of_a_large_one():
+    """Equal light of both cameras but for a bubble: log ratio 0, and no film there."""
+    ratio = kernels._compile_plain_ratio()
+    assert float(ratio.log_ratio[0, 4, 4]) == 0
+    assert int(ratio.flags[0, 16, 16]) & Flag.NO_FILM
+    kernels._compile_sum()
 
 
 def test_it_ends_with_the_command(monkeypatch):
