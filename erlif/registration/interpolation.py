@@ -59,27 +59,33 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
     period = 2 * n - 2
 
     # the causal filter starts with the sum over the mirrored samples before the first
-    for x in range(start, stop):
-        out[m, x + m] = image[0, x]
+    for t in range(start, stop):
+        out[_at(m), _at(t + m)] = image[_at(0), _at(t)]
     power = z
     for k in range(1, _START):
         j = k % period
         if j >= n:
             j = period - j
-        for x in range(start, stop):
-            out[m, x + m] += power * image[j, x]
+        for t in range(start, stop):
+            out[_at(m), _at(t + m)] += power * image[_at(j), _at(t)]
         power *= z
-    for y in range(1, n):
-        for x in range(start, stop):
-            out[m + y, x + m] = image[y, x] + z * out[m + y - 1, x + m]
+    for row in range(1, n):
+        y, at, before = _at(row), _at(m + row), _at(m + row - 1)
+        for t in range(start, stop):
+            x = _at(t + m)
+            out[at, x] = image[y, _at(t)] + z * out[before, x]
 
     # the anticausal filter runs back; the gain of 6 makes the sum of the weights 1
     gain = z / (z * z - np.float32(1))
-    for x in range(start + m, stop + m):
-        out[m + n - 1, x] = np.float32(6) * gain * (out[m + n - 1, x] + z * out[m + n - 2, x])
-    for y in range(n - 2, -1, -1):
-        for x in range(start + m, stop + m):
-            out[m + y, x] = z * (out[m + y + 1, x] - np.float32(6) * out[m + y, x])
+    last, before = _at(m + n - 1), _at(m + n - 2)
+    for t in range(start, stop):
+        x = _at(t + m)
+        out[last, x] = np.float32(6) * gain * (out[last, x] + z * out[before, x])
+    for row in range(n - 2, -1, -1):
+        at, after = _at(m + row), _at(m + row + 1)
+        for t in range(start, stop):
+            x = _at(t + m)
+            out[at, x] = z * (out[after, x] - np.float32(6) * out[at, x])
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
