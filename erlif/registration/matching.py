@@ -10,9 +10,9 @@ cameras cancels in the first-order bias).
 from collections.abc import Sequence
 from typing import Final
 
+import cv2
 import numpy as np
 from numba import njit
-from scipy import ndimage
 
 from erlif.core.arrays import AnyArray, Array, Image
 from erlif.registration.bands import in_bands
@@ -64,28 +64,10 @@ SINGULAR: Final = 1e-6
 """Below this part of the squared trace the determinant leaves one direction open. [1]"""
 
 
-# Rows of the factors of which the sums are products, each along a row of the image.
-
-_GX, _GY, _E, _A, _B, _CROSS, _W, _SLOPE, _ONE = range(9)
-_FACTORS: Final = 9
-_PRODUCTS: Final = np.array(
-    [
-        (_SLOPE, _GX, _GX),
-        (_SLOPE, _GX, _GY),
-        (_SLOPE, _GY, _GY),
-        (_W, _GX, _E),
-        (_W, _GY, _E),
-        (_W, _E, _E),
-        (_W, _ONE, _ONE),
-        (_W, _A, _B),
-        (_W, _A, _A),
-        (_W, _B, _B),
-        (_SLOPE, _CROSS, _ONE),
-    ]
-)
-"""The three factors of each of the sums."""
-_LANES: Final = 32
-"""Rows of factors are filled up to a multiple of this, so that no loop has a remainder."""
+_STRIP: Final = 256
+"""Pixels of a row that are summed together: their lines stay in the fast memory of a core. [px]"""
+_AX, _AY, _BX, _BY, _LINES = (n * _STRIP for n in range(5))
+"""First places of the lines of a strip: half the gradients of both cameras, then the sums."""
 
 
 # an unsigned index cannot count from the end; each step stands in `_cell_sums` once, without a call
@@ -93,56 +75,70 @@ _at = np.uint64
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
-def _gradient(image: AnyArray, row: int, half: AnyArray, k: int) -> None:
-    """Half the five-point derivative along x and y of a row into rows k and k + 1."""
+def _gradient(image: AnyArray, row: int, left: int, width: int, strip: AnyArray, k: int) -> None:
+    """Half the five-point derivative of a part of a row, along x from place k and then along y."""
     c1 = np.float32(1.0 / 24.0)
     c8 = np.float32(8.0 / 24.0)
     y0, y1, y2, y3, y4 = _at(row - 2), _at(row - 1), _at(row), _at(row + 1), _at(row + 2)
-    along_x, along_y = _at(k), _at(k + 1)
-    for i in range(image.shape[1] - 2 * EDGE):
-        x, m, n = _at(i), _at(i + 1), _at(i + 2)
-        p, q = _at(i + 3), _at(i + 4)
-        half[along_x, x] = c8 * (image[y2, p] - image[y2, m]) - c1 * (image[y2, q] - image[y2, x])
-        half[along_y, x] = c8 * (image[y3, n] - image[y1, n]) - c1 * (image[y4, n] - image[y0, n])
+    for i in range(width):
+        x, m, n = _at(left + i - 2), _at(left + i - 1), _at(left + i)
+        p, q = _at(left + i + 1), _at(left + i + 2)
+        along_x, along_y = _at(k + i), _at(k + _STRIP + i)
+        strip[along_x] = c8 * (image[y2, p] - image[y2, m]) - c1 * (image[y2, q] - image[y2, x])
+        strip[along_y] = c8 * (image[y3, n] - image[y1, n]) - c1 * (image[y4, n] - image[y0, n])
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
-def _join(
-    a: AnyArray, b: AnyArray, weight: AnyArray, row: int, half: AnyArray, factors: AnyArray
+def _add_products(
+    a: AnyArray,
+    b: AnyArray,
+    weight: AnyArray,
+    row: int,
+    left: int,
+    width: int,
+    limit: AnyArray,
+    cell: int,
+    strip: AnyArray,
 ) -> None:
-    """Factors of a row from the gradients of both images."""
-    zero = np.float32(0)
-    y = _at(row)
-    for i in range(a.shape[1] - 2 * EDGE):
-        k, n = _at(i), _at(i + EDGE)
-        ax, ay, bx, by = half[0, k], half[1, k], half[2, k], half[3, k]
-        gx = ax + bx
-        gy = ay + by
-        d = a[y, n] - b[y, n]
+    """Add the products of a part of a row to the lines, pixel by pixel."""
+    zero, one, four = np.float32(0), np.float32(1), np.float32(4)
+    y, z = _at(row), _at(cell)
+    for i in range(width):
+        x = _at(left + i)
+        ax, ay = strip[_at(_AX + i)], strip[_at(_AY + i)]
+        bx, by = strip[_at(_BX + i)], strip[_at(_BY + i)]
+        gx, gy = ax + bx, ay + by
+        one_a, one_b = a[y, x], b[y, x]
+        e = one_a - one_b
 
         # one NaN of the warped image among the neighbours takes the pixel out
-        ok = abs(gx) + abs(gy) + abs(d) < np.float32(KNOWN)
-        factors[_GX, k] = gx if ok else zero
-        factors[_GY, k] = gy if ok else zero
-        factors[_E, k] = d if ok else zero
-        factors[_A, k] = a[y, n] if ok else zero
-        factors[_B, k] = b[y, n] if ok else zero
-        # each is half a gradient
-        factors[_CROSS, k] = np.float32(4) * (ax * bx + ay * by) if ok else zero
-        factors[_W, k] = weight[y, n] if ok else zero
+        ok = abs(gx) + abs(gy) + abs(e) < np.float32(KNOWN)
+        gx = gx if ok else zero
+        gy = gy if ok else zero
+        e = e if ok else zero
+        one_a = one_a if ok else zero
+        one_b = one_b if ok else zero
+        cross = four * (ax * bx + ay * by) if ok else zero  # each is half a gradient
+        w = weight[y, x] if ok else zero
 
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
-def _bound(factors: AnyArray, limit: AnyArray, row: int) -> None:
-    """Lower the weight of large differences; the slope is that of weight times difference."""
-    one = np.float32(1)
-    for i in range(limit.shape[1] - 2 * EDGE):
-        k = _at(i)
-        t = factors[_E, k] * factors[_E, k] * limit[_at(row), _at(i + EDGE)]
+        # large differences lose weight; the score is w e share, so its slope is w (1 - t) share^2
+        t = e * e * limit[z, x]
         share = one / (one + t)
-        # the score is w e share, so its slope is w (1 - t) share^2
-        factors[_SLOPE, k] = factors[_W, k] * max(one - t, np.float32(0)) * share * share
-        factors[_W, k] = factors[_W, k] * share
+        slope = w * max(one - t, zero) * share * share
+        w = w * share
+
+        # the lines lie in one array at known distances, so that the loop runs on vectors
+        strip[_at(_LINES + GXX * _STRIP + i)] += slope * gx * gx
+        strip[_at(_LINES + GXY * _STRIP + i)] += slope * gx * gy
+        strip[_at(_LINES + GYY * _STRIP + i)] += slope * gy * gy
+        strip[_at(_LINES + BX * _STRIP + i)] += w * e * gx
+        strip[_at(_LINES + BY * _STRIP + i)] += w * e * gy
+        strip[_at(_LINES + EE * _STRIP + i)] += w * e * e
+        strip[_at(_LINES + WEIGHT * _STRIP + i)] += w
+        strip[_at(_LINES + AB * _STRIP + i)] += w * one_a * one_b
+        strip[_at(_LINES + AA * _STRIP + i)] += w * one_a * one_a
+        strip[_at(_LINES + BB * _STRIP + i)] += w * one_b * one_b
+        strip[_at(_LINES + CROSS * _STRIP + i)] += slope * cross
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -156,42 +152,34 @@ def _cell_sums(
     start: int,
     stop: int,
 ) -> None:
-    """Fill the sums of the cell rows ``start`` to ``stop``; ``limit`` is (cell row, x) or empty."""
+    """Add to the sums of the cell rows ``start`` to ``stop``; ``limit`` is (cell row or 1, x)."""
     h, w = a.shape
     cols = sums.shape[1]
-    bounded = limit.size > 0
-    width = -(-(w - 2 * EDGE) // _LANES) * _LANES
-    line = np.empty((SUMS, width), np.float32)
-    half = np.empty((4, width), np.float32)
-    factors = np.zeros((_FACTORS, width), np.float32)
-    factors[_ONE] = np.float32(1)
+    strip = np.empty(_LINES + SUMS * _STRIP, np.float32)
 
     for r in range(start, stop):
-        # first along the columns of one row of cells: short loops of few arrays run on vectors
-        line[:] = np.float32(0)
-        for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
-            for k in range(2):
-                _gradient(b if k == 1 else a, y, half, 2 * k)
-            _join(a, b, weight, y, half, factors)
-            if bounded:
-                _bound(factors, limit, r)
-            for k in range(SUMS):
-                first = _PRODUCTS[k, 0]
-                f1 = _at(first if bounded or first != _SLOPE else _W)
-                f2, f3 = _at(_PRODUCTS[k, 1]), _at(_PRODUCTS[k, 2])
-                for t in range(width):
-                    i = _at(t)
-                    line[k, i] += factors[f1, i] * factors[f2, i] * factors[f3, i]
+        for left in range(EDGE, w - EDGE, _STRIP):
+            width = min(_STRIP, w - EDGE - left)
 
-        # then across each cell; the last one takes the columns that are left over
-        for c in range(cols):
-            x0 = max(c * step - EDGE, 0)
-            x1 = w - 2 * EDGE if c == cols - 1 else (c + 1) * step - EDGE
-            for k in range(SUMS):
-                total = np.float32(0)
-                for x in range(x0, x1):
-                    total += line[k, x]
-                sums[r, c, k] = total
+            # first along the columns of one row of cells
+            for i in range(_LINES, strip.size):
+                strip[i] = np.float32(0)
+            for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
+                _gradient(a, y, left, width, strip, _AX)
+                _gradient(b, y, left, width, strip, _BX)
+                cell = min(r, limit.shape[0] - 1)
+                _add_products(a, b, weight, y, left, width, limit, cell, strip)
+
+            # then across each cell; the last one takes the columns that are left over
+            first, last = min(left // step, cols - 1), min((left + width - 1) // step, cols - 1)
+            for c in range(first, last + 1):
+                x0 = max(c * step - left, 0)
+                x1 = width if c == cols - 1 else min((c + 1) * step - left, width)
+                for k in range(SUMS):
+                    total = np.float32(0)
+                    for x in range(x0, x1):
+                        total += strip[_LINES + k * _STRIP + x]
+                    sums[r, c, k] += total
 
 
 def cell_sums(
@@ -243,7 +231,7 @@ def cell_sums(
 
     # the limit of each cell, spread to columns and repeated for the pixels that are left over
     if scale is None:
-        limit = np.zeros((0, 0), np.float32)
+        limit = np.zeros((1, w), np.float32)
     else:
         inverse = (1 / (ROBUST * np.maximum(scale, LEAST_RMS)) ** 2).astype(np.float32)
         limit = np.repeat(inverse, step, axis=1)
@@ -299,8 +287,10 @@ def without_noise(sums: Array, slope: float = 1.0) -> Array:
     array, (row, column, 11)
         The sums with their gradient products scaled.
     """
-    total = ndimage.uniform_filter(sums[..., GXX] + sums[..., GYY], NOISE_CELLS, mode="constant")
-    cross = ndimage.uniform_filter(sums[..., CROSS], NOISE_CELLS, mode="constant")
+    total, cross = (
+        cv2.blur(cells, (NOISE_CELLS, NOISE_CELLS), borderType=cv2.BORDER_CONSTANT)
+        for cells in (sums[..., GXX] + sums[..., GYY], np.ascontiguousarray(sums[..., CROSS]))
+    )
 
     # the small terms only keep empty regions from dividing by zero
     ratio = np.clip(
