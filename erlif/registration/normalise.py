@@ -34,6 +34,9 @@ LARGEST: Final = 1e6
 BRIGHTER_PARTS: Final = 98
 """Percentile of the local means that stands for the brighter parts of the frame."""
 
+EVERY: Final = 5
+"""Of so many cells one is looked at for that percentile."""
+
 DARK: Final = 0.02
 """Light below this part of the brighter parts is too dark for a texture."""
 
@@ -87,6 +90,9 @@ def binned(image: AnyArray, weight: AnyArray | None, factor: int) -> tuple[Image
     return np.where(ok, total / np.where(ok, sound, 1), np.float32(0)), ok.astype(np.float32)
 
 
+_at = np.uint64  # an index that cannot count from the end
+
+
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST, inline="always")
 def _add_moments(
     row: AnyArray,
@@ -121,7 +127,7 @@ def _cell_statistics(
     for r in range(start, stop):
         # deviations from one pixel of the cell, so that single precision holds their squares
         y0, y1 = r * size, min((r + 1) * size, h)
-        for c in range(sums.shape[1]):
+        for c in range(sums.shape[2]):
             x0, x1 = c * size, min((c + 1) * size, w)
             one = np.float32(image[(y0 + y1) // 2, (x0 + x1) // 2])
             pivot[x0:x1] = one if abs(one) < np.float32(FINITE) else np.float32(0)
@@ -132,7 +138,7 @@ def _cell_statistics(
         s2[:] = np.float32(0)
         for y in range(y0, y1):
             _add_moments(image[y], weight[y], pivot, s0, s1, s2)
-        for c in range(sums.shape[1]):
+        for c in range(sums.shape[2]):
             x0, x1 = c * size, min((c + 1) * size, w)
             total, first, second = s0[x0], s1[x0], s2[x0]
             for x in range(x0 + 1, x1):
@@ -140,10 +146,10 @@ def _cell_statistics(
                 first += s1[x]
                 second += s2[x]
 
-            sums[r, c, 0] = total
+            sums[0, r, c] = total
             mean = first / total if total > 0 else np.float32(0)
-            sums[r, c, 1] = pivot[x0] + mean if total > 0 else np.float32(0)
-            sums[r, c, 2] = max(second / total - mean * mean, 0.0) if total > 0 else 0.0
+            sums[1, r, c] = pivot[x0] + mean if total > 0 else np.float32(0)
+            sums[2, r, c] = max(second / total - mean * mean, 0.0) if total > 0 else 0.0
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
@@ -155,18 +161,30 @@ def _flatten(
     floor: float,
     out: AnyArray,
     out_weight: AnyArray,
+    start: int,
+    stop: int,
 ) -> None:
-    """(I / mean - 1) times ``scale``, which is 1/rms, for pixels in one row.
+    """(I / mean - 1) times ``scale``, which is 1/rms, in the rows ``start`` to ``stop``.
 
-    ``floor`` is the light below which a pixel gets weight and texture 0.
+    ``mean`` and ``scale`` are (cell row, x), linear between the middles of the cells. ``floor`` is
+    the light below which a pixel gets weight and texture 0.
     """
-    zero = np.float32(0)
+    zero, one = np.float32(0), np.float32(1)
     low = np.float32(floor)
-    for x in range(out.size):
-        value = (np.float32(light[x]) / mean[x] - np.float32(1)) * scale[x]
-        ok = (mean[x] > low) & (weight[x] > zero) & (abs(value) < np.float32(LARGEST))
-        out[x] = value if ok else zero
-        out_weight[x] = weight[x] if ok else zero
+    last = mean.shape[0] - 1
+    for row in range(start, stop):
+        place = (row + 0.5) / CELL - 0.5
+        above = int(np.floor(place))
+        part = np.float32(place - above)
+        y, y0, y1 = _at(row), _at(max(above, 0)), _at(min(above + 1, last))
+        for t in range(out.shape[1]):
+            x = _at(t)
+            level = mean[y0, x] + part * (mean[y1, x] - mean[y0, x])
+            per_rms = scale[y0, x] + part * (scale[y1, x] - scale[y0, x])
+            value = (np.float32(light[y, x]) / level - one) * per_rms
+            ok = (level > low) & (weight[y, x] > zero) & (abs(value) < np.float32(LARGEST))
+            out[y, x] = value if ok else zero
+            out_weight[y, x] = weight[y, x] if ok else zero
 
 
 def normalise(
@@ -217,13 +235,13 @@ def normalise(
         weight = np.ones((h, w), np.float32)
     weight = np.ascontiguousarray(weight)
     rows, cols = -(-h // CELL), -(-w // CELL)
-    sums = np.empty((rows, cols, 3), np.float32)
+    sums = np.empty((3, rows, cols), np.float32)
     in_bands(lambda a, b: _cell_statistics(image, weight, CELL, sums, a, b), rows, threads)
-    sound, level, square = sums[..., 0], sums[..., 1], sums[..., 2]
+    sound, level, square = sums
 
     # cells that are too dark keep no weight
-    lit = sound > 0
-    bright = float(np.percentile(level[lit], BRIGHTER_PARTS)) if lit.any() else 0.0
+    lit = level.ravel() if sound.all() else level[sound > 0]
+    bright = float(np.percentile(lit[::EVERY], BRIGHTER_PARTS)) if lit.size else 0.0
     if bright <= 0:
         return np.zeros((h, w), np.float32), np.zeros((h, w), np.float32)
     floor = DARK * bright
@@ -231,30 +249,21 @@ def normalise(
 
     # variance within the cells and between them, both over the mean
     mean = _average(level, sound, reach / CELL)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(sound > 0, (square + (level - mean) ** 2) / mean**2, 0)
+    relative = np.zeros_like(mean)
+    np.divide(square + (level - mean) ** 2, mean * mean, out=relative, where=sound > 0)
     rms = np.sqrt(np.maximum(_average(relative, sound, REACH_OF_RMS * reach / CELL), 0))
     least = max(LEAST_CONTRAST * float(rms.max()), LEAST_RMS)
     scale = (1 / np.maximum(rms, least)).astype(np.float32)
 
     # mean and scale are linear between the cell centres, and constant beyond the outer ones
-    size = (cols * CELL, rows * CELL)
-    dense_mean, dense_scale = (
-        np.ascontiguousarray(cv2.resize(cells, size, interpolation=cv2.INTER_LINEAR)[:h, :w])
-        for cells in (mean, scale)
+    size = (cols * CELL, rows)
+    wide_mean, wide_scale = (
+        cv2.resize(cells, size, interpolation=cv2.INTER_LINEAR) for cells in (mean, scale)
     )
     out = np.empty((h, w), np.float32)
     out_weight = np.empty((h, w), np.float32)
     in_bands(
-        lambda a, b: _flatten(
-            image[a:b].ravel(),
-            weight[a:b].ravel(),
-            dense_mean[a:b].ravel(),
-            dense_scale[a:b].ravel(),
-            floor,
-            out[a:b].ravel(),
-            out_weight[a:b].ravel(),
-        ),
+        lambda a, b: _flatten(image, weight, wide_mean, wide_scale, floor, out, out_weight, a, b),
         h,
         threads,
     )

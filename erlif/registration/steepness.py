@@ -68,6 +68,5 @@ def steep_blocks(light: Image, *, limit: float = LIMIT) -> Mask:
     blocks = np.log(np.maximum(light, DARKEST))
 
     # a median over 3 by 3 blocks, so that a single scratch or speck is not taken for the film
-    smooth = cv2.medianBlur(blocks, 3)
-    rise = np.hypot(*np.gradient(smooth)) / BLOCK
-    return np.asarray(rise > limit)
+    down, along = np.gradient(cv2.medianBlur(blocks, 3))
+    return np.asarray(down * down + along * along > (limit * BLOCK) ** 2)
