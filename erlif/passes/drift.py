@@ -152,6 +152,8 @@ def _halve(texture: Image, weight: Image) -> tuple[Image, Image]:
     size = texture.shape[1] // 2, texture.shape[0] // 2
     texture, weight = (image[: 2 * size[1], : 2 * size[0]] for image in (texture, weight))
     total = cv2.resize(texture, size, interpolation=cv2.INTER_AREA)
+    if weight.min() > MOST:
+        return np.asarray(total), np.ones_like(total)
     sound = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
 
     # the texture is 0 where the weight is

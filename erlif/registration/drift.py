@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from scipy import fft
 
-from erlif.core.arrays import AnyArray, Array, Image
+from erlif.core.arrays import AnyArray, Array, Image, Mask
 from erlif.core.errors import RegistrationError
 from erlif.core.statistics import robust_rms
 from erlif.registration import local
@@ -54,6 +54,11 @@ FARTHEST: Final = 8
 LARGE: Final = 400
 """Frames with both sides above this are binned by 2 in the last steps too: they have texture enough
 for a translation. [px]"""
+LARGEST_UNFOLDED: Final = 200
+"""Coarse images with both sides above this have texture enough for the search in their sum of
+quarters. [binned px]"""
+FEWEST_ROWS: Final = 16
+"""Rows of cells from which every other one is enough for the coarse steps."""
 COARSE_STEPS: Final = 2
 """Gauss-Newton steps on the coarse images; they converge from one coarse pixel to below 0.02."""
 COARSE_PASSES: Final = 3
@@ -322,12 +327,17 @@ def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: i
     views = coarse.views
     spline = views.spline(threads)
     b = laid_over(spline, coarse.dx, coarse.dy, (0.0, 0.0), threads)
-    shift = whole_pixels(views.a, b)
+    shift = whole_pixels(*(fold_quarters(image) for image in (views.a, b)))
+
+    # in large images every other row of cells is enough for the start of the fine step
+    rows = max(len(views.a) // STEP, 1)
+    part = range(0, rows, 1 if rows < FEWEST_ROWS else 2)
     step = np.zeros(2)
     for count in range(COARSE_STEPS):
-        b = laid_over(spline, coarse.dx, coarse.dy, (shift[0], shift[1]), threads)
-        before, step = step, _step(cell_sums(views.a, views.weight, b, STEP, threads=threads))
-        shift += step / _step_ratio(before, before - step) if count else step
+        if shift.any():
+            b = _parts_laid_over(spline, coarse, shift, part, threads)
+        before, step = step, _step(cell_sums(views.a, views.weight, b, STEP, only=part)[part])
+        shift = shift + (step / _step_ratio(before, before - step) if count else step)
 
     views, shift = fine.views, 2 * shift
     spline = views.spline(threads)
@@ -342,9 +352,7 @@ def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: i
     sums = without_noise(sums)
     step = np.array(solve_shift(sums))
     part = range(min(PART // 2, len(sums) - 1), max(len(sums) - 1, 1), PART)
-    bands = [(max(r * STEP - EDGE, 0), min((r + 1) * STEP + EDGE, len(views.a))) for r in part]
-    x, y = shift + step
-    b = laid_over(spline, fine.dx, fine.dy, (x, y), threads, only=bands)
+    b = _parts_laid_over(spline, fine, shift + step, part, threads)
     after = sums.copy()
     after[..., SCORES] = cell_sums(views.a, views.weight, b, STEP, only=part)[..., SCORES]
     moved = np.subtract(solve_shift(sums[part]), solve_shift(after[part]))
@@ -354,6 +362,18 @@ def match_textures(coarse: Matching, fine: Matching, binning: int, *, threads: i
     shift = binning * (shift + step + (step - moved) / ratio)
     std_dx, std_dy = np.multiply(binning / ratio, shift_std(move_sums(sums, *step)))
     return Drift(float(shift[0]), float(shift[1]), float(std_dx), float(std_dy), quality)
+
+
+def _parts_laid_over(
+    spline: tuple[Image, Mask], textures: Matching, shift: Array, part: range, threads: int
+) -> Image:
+    """The texture of camera 2 for the sums of some rows of cells; other rows are not set."""
+    height = len(textures.dx)
+    drift = float(shift[0]), float(shift[1])
+    if part.step == 1:  # the bands would overlap
+        return laid_over(spline, textures.dx, textures.dy, drift, threads)
+    bands = [(max(r * STEP - EDGE, 0), min((r + 1) * STEP + EDGE, height)) for r in part]
+    return laid_over(spline, textures.dx, textures.dy, drift, threads, only=bands)
 
 
 def _step(sums: Array) -> Array:
@@ -433,6 +453,21 @@ def whole_pixels(a: Image, b: Image) -> Array:
     value = fft.irfft(fft.ifft(product, axis=0)[near], size[1])[:, near]
     j, i = np.unravel_index(int(np.argmax(value)), value.shape)
     return np.array([near[i], near[j]], float)
+
+
+def fold_quarters(image: Image) -> Image:
+    """The sum of the quarters of a large image; a small one as it is.
+
+    A translation is common to the quarters. What they do not have in common is noise to each other:
+    it leaves half the significance, with a quarter of the pixels.
+    """
+    if min(image.shape) <= LARGEST_UNFOLDED:
+        return image
+    h, w = image.shape[0] // 2, image.shape[1] // 2
+    image = np.where(np.isfinite(image), image, np.float32(0))
+    return np.asarray(
+        image[:h, :w] + image[:h, w : 2 * w] + image[h : 2 * h, :w] + image[h : 2 * h, w : 2 * w]
+    )
 
 
 def binned_field(field: Image, binning: int) -> Image:
