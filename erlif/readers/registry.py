@@ -15,11 +15,20 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.readers.phantom import PHANTOM
 from erlif.readers.photron import PHOTRON
 from erlif.readers.pictures import BMP, LOSSY, PGM, PNG
 from erlif.readers.tiff import TIFF
 
-FORMATS: tuple[Format, ...] = (TIFF, PHOTRON, PNG, BMP, PGM, LOSSY)
+FORMATS: tuple[Format, ...] = (
+    TIFF,
+    PHOTRON,
+    PHANTOM,
+    PNG,
+    BMP,
+    PGM,
+    LOSSY,
+)
 """The formats of erlif, in the order in which a file is compared with them."""
 
 ENTRY_POINTS = "erlif.readers"

@@ -5,6 +5,9 @@ Packed counts are written and decoded bit by bit, so that they are an independen
 
 from __future__ import annotations
 
+import json
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -110,4 +113,262 @@ def write_mraw(
     ).encode()
     preamble = b"!!! This file can not be edited. !!!\0\0\0\0CIHX\0\0\0\0"
     path.with_suffix(".cihx").write_bytes(preamble + xml)
+    return path
+
+
+def write_cine(
+    path: Path,
+    frames: np.ndarray,
+    *,
+    stored="16",
+    height_sign=1,
+    depth=12,
+    rate=1000,
+    times: np.ndarray | None = None,
+    decimation=1,
+    compression=0,
+    padded_rows=False,
+    gap=0,
+    note=b"",
+) -> Path:
+    """A Phantom recording; `stored` is "8", "16", "packed 10" or "packed 12".
+
+    Frames packed to 10 bits are given as the 10-bit values. `gap` bytes lie before the first frame,
+    `note` is the annotation of each frame, `times` are in seconds since 1970.
+    """
+    count, rows, columns = frames.shape
+    packing = {"packed 10": (256, "HIGH_10"), "packed 12": (1024, "HIGH_12")}
+    bitmap_compression, order = packing.get(stored, (0, ""))
+    bits = 8 if stored == "8" else 16
+
+    def encode(frame: np.ndarray) -> bytes:
+        if order:  # packed frames begin with the highest row
+            return pack_counts(frame, order)
+        lines = frame[::-1] if height_sign > 0 else frame
+        data = [line.astype(f"<u{bits // 8}").tobytes() for line in lines]
+        if padded_rows:
+            data = [line + b"\x55" * (-len(line) % 4) for line in data]
+        return b"".join(data)
+
+    images = [encode(frame) for frame in frames]
+    bitmap = struct.pack(
+        "<IiiHHIIiiII", 40, columns, height_sign * rows, 1, bits, bitmap_compression,
+        len(images[0]), 45454, 45454, 0, 1 << depth,
+    )  # fmt: skip
+
+    setup = bytearray(5692)
+    struct.pack_into("<H", setup, 0, min(rate, 65535))
+    struct.pack_into("<2sH", setup, 140, b"ST", len(setup))
+    struct.pack_into("<I", setup, 768, rate)
+    struct.pack_into("<I", setup, 896, depth)
+    struct.pack_into("<I", setup, 1556, decimation)
+
+    tags = b""
+    if times is not None:
+        stamps = [(int(t) << 32) + round((t % 1) * 2**32) for t in times]
+        block = struct.pack(f"<{count}Q", *stamps)
+        tags += struct.pack("<IHH", 8 + len(block), 1002, 1) + block
+    tags += struct.pack("<IHH", 8 + 4 * count, 1003, 0) + bytes(4 * count)  # exposures
+
+    offset_table = 44 + 40 + len(setup) + len(tags)
+    place, places = offset_table + 8 * count + gap, []
+    for image in images:
+        places.append(place)
+        place += 8 + len(note) + len(image)
+
+    header = struct.pack(
+        "<2sHHHiIiIIIIQ", b"CI", 44, compression, 1, -100, 5000, -50, count, 44, 84, offset_table,
+        1 << 62,
+    )  # fmt: skip
+    with path.open("wb") as file:
+        file.write(header + bitmap + setup + tags + struct.pack(f"<{count}Q", *places))
+        for start, image in zip(places, images, strict=True):
+            file.seek(start)
+            file.write(struct.pack("<I", 8 + len(note)) + note + struct.pack("<I", len(image)))
+            file.write(image)
+    return path
+
+
+def write_seq(
+    path: Path,
+    frames: np.ndarray,
+    *,
+    version=5,
+    bits=16,
+    significant=12,
+    image_format=100,
+    rate=100.0,
+    times: np.ndarray | None = None,
+    align=512,
+    claimed: int | None = None,
+    compression=0,
+    row_padding=0,
+) -> Path:
+    """A NorPix sequence with time stamps behind the counts, each frame at a multiple of `align`."""
+    count, rows, columns = frames.shape
+    order = ">" if image_format == 114 else "<"
+    images = []
+    for frame in frames:
+        lines = frame.astype(f"{order}u{bits // 8}")
+        images.append(b"".join(line.tobytes() + b"\x77" * row_padding for line in lines))
+    step = -(-(len(images[0]) + 8) // align) * align
+
+    start = 8192 if version >= 5 else 1024
+    header = bytearray(start)
+    struct.pack_into("<I", header, 0, 0xFEED)
+    header[4:28] = "Norpix seq\n\0".encode("utf-16-le")
+    struct.pack_into("<ii", header, 28, version, 1024)
+    struct.pack_into(
+        "<9Id", header, 548, columns, rows, bits, significant, len(images[0]), image_format,
+        count if claimed is None else claimed, 0, step, rate,
+    )  # fmt: skip
+    struct.pack_into("<I", header, 620, compression)
+
+    data = bytes(header)
+    for number, image in enumerate(images):
+        stamp = bytes(8)
+        if times is not None:
+            micro = round(times[number] * 1e6)
+            rest = micro % 1_000_000
+            stamp = struct.pack("<IHH", micro // 1_000_000, rest // 1000, rest % 1000)
+            stamp = stamp if version >= 5 else stamp[:6] + b"\xff\xff"
+        data += (image + stamp).ljust(step, b"\x99")
+    path.write_bytes(data)
+    return path
+
+
+def write_genicam(
+    path: Path,
+    images: np.ndarray,
+    pixel_format: str,
+    *,
+    sidecar="toml",
+    header: bytes = b"",
+    **entries: object,
+) -> Path:
+    """Raw frames and their description."""
+    packings = {
+        "Mono10p": "LOW_10",
+        "Mono12p": "LOW_12",
+        "Mono10Packed": "SPLIT_10",
+        "Mono12Packed": "SPLIT_12",
+        "Mono10pmsb": "HIGH_10",
+        "Mono12pmsb": "HIGH_12",
+    }
+    if pixel_format in packings:
+        data = b"".join(pack_counts(frame, packings[pixel_format]) for frame in images)
+    else:
+        data = images.astype("|u1" if pixel_format == "Mono8" else "<u2").tobytes()
+    path.write_bytes(header + data)
+
+    _, rows, columns = images.shape
+    keys = {"width": columns, "height": rows, "pixel_format": pixel_format, **entries}
+    if sidecar == "toml":
+        lines = [f"{key} = {json.dumps(value)}" for key, value in keys.items()]
+        path.with_suffix(".toml").write_text("\n".join(lines))
+    else:
+        path.with_suffix(".json").write_text(json.dumps(keys))
+    return path
+
+
+def write_b16(path: Path, frame: np.ndarray, *, start=512, colour=0) -> Path:
+    """A PCO frame."""
+    rows, columns = frame.shape
+    header = struct.pack(
+        "<4s6i", b"PCO-", start + frame.size * 2, start, columns, rows, -1, colour
+    ).ljust(start, b"\0")
+    path.write_bytes(header + frame.astype("<u2").tobytes())
+    return path
+
+
+def write_spe2(path: Path, frames: np.ndarray, *, kind=3, resolution=16, regions=1) -> Path:
+    """A WinView recording; `kind` is the number of the type of its counts."""
+    count, rows, columns = frames.shape
+    header = bytearray(4100)
+    struct.pack_into("<H", header, 42, columns)
+    struct.pack_into("<h", header, 108, kind)
+    struct.pack_into("<H", header, 194, resolution)
+    struct.pack_into("<H", header, 656, rows)
+    struct.pack_into("<i", header, 1446, count)
+    struct.pack_into("<h", header, 1510, regions)
+    struct.pack_into("<f", header, 1992, 2.5)
+    struct.pack_into("<h", header, 4098, 0x5555)
+    types = {0: "<f4", 1: "<i4", 2: "<i2", 3: "<u2", 5: "<f8", 6: "|u1", 8: "<u4"}
+    path.write_bytes(bytes(header) + frames.astype(types[kind]).tobytes())
+    return path
+
+
+def write_spe3(path: Path, frames: np.ndarray, *, stamp=8, regions=1) -> Path:
+    """A LightField recording with `stamp` bytes of data behind each frame."""
+    count, rows, columns = frames.shape
+    data = b"".join(frame.astype("<u2").tobytes() + b"\xaa" * stamp for frame in frames)
+    size = frames[0].size * 2
+    region = (
+        f'<DataBlock type="Region" count="1" width="{columns}" height="{rows}" size="{size}" />'
+    )
+    text = (
+        '<SpeFormat version="3.0" xmlns="http://www.princetoninstruments.com/spe/2009"><DataFormat>'
+        f'<DataBlock type="Frame" count="{count}" pixelFormat="MonochromeUnsigned16" '
+        f'size="{size}" stride="{size + stamp}">{region * regions}</DataBlock></DataFormat>'
+        "</SpeFormat>"
+    )
+    header = bytearray(4100)
+    struct.pack_into("<Q", header, 678, 4100 + len(data))
+    struct.pack_into("<f", header, 1992, 3.0)
+    path.write_bytes(bytes(header) + data + text.encode())
+    return path
+
+
+def encode_imx(counts: np.ndarray) -> bytes:
+    """Compress counts as the description in ReadIMX.cpp has it, with every kind of code."""
+    values = counts.reshape(-1).astype(int).tolist()
+    out, place = bytearray(), 0
+
+    def difference(n: int) -> int:
+        return values[n] - (values[n - 1] if n else 0)
+
+    while place < len(values):
+        run = 0
+        while place + run < len(values) and abs(difference(place + run)) <= 7:
+            run += 1
+        run -= 1 - run % 2  # the pair with the end has one value: an odd number of them
+        if run >= 3:
+            halves = [difference(place + n) & 15 for n in range(run)] + [8]
+            out.append(0x81)
+            out += bytes(a << 4 | b for a, b in zip(halves[::2], halves[1::2], strict=True))
+            place += run
+        elif abs(difference(place)) <= 126:
+            out.append(difference(place) & 0xFF)
+            place += 1
+        else:
+            run = 1
+            while place + run < len(values) and run < 255 and abs(difference(place + run)) > 126:
+                run += 1
+            out += b"\x80" if run == 1 else bytes([0x7F, run])
+            out += struct.pack(f"<{run}H", *values[place : place + run])
+            place += run
+    return bytes(out)
+
+
+def write_im7(path: Path, frames: np.ndarray, *, packing=0, buffer=-4, preview=(3, 2)) -> Path:
+    """A LaVision image: packing 0 plain, 1 IMX, 2 zlib, 3 in 12 bits."""
+    count, rows, columns = frames.shape
+    header = struct.pack("<4h4i", 0, packing, buffer, 0, columns, rows, 1, count).ljust(256, b"\0")
+    types = {-2: "|u1", -3: "<f4", -4: "<u2"}
+    plain = frames.astype(types[buffer]).tobytes()
+    if packing == 0:
+        data = plain
+    elif packing == 1:
+        data = bytes(preview) + bytes(preview[0] * preview[1]) + encode_imx(frames)
+    elif packing == 2:
+        stream = zlib.compress(plain)
+        data = struct.pack("<i", len(stream)) + stream
+    else:
+        head = columns // 4 * 4
+        lines = frames.reshape(-1, columns)
+        data = b"".join(
+            pack_counts(line[:head], "LOW_12") + line[head:].astype("<u2").tobytes()
+            for line in lines
+        )
+    path.write_bytes(header + data + b"\x06\0\0\0\x0b\0\0\0Signal0=LIF\0\0\0\0\0\0\0\0")
     return path
