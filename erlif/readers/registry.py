@@ -15,6 +15,8 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.readers.genicam import GENICAM
+from erlif.readers.norpix import NORPIX
 from erlif.readers.phantom import PHANTOM
 from erlif.readers.photron import PHOTRON
 from erlif.readers.pictures import BMP, LOSSY, PGM, PNG
@@ -24,6 +26,8 @@ FORMATS: tuple[Format, ...] = (
     TIFF,
     PHOTRON,
     PHANTOM,
+    NORPIX,
+    GENICAM,
     PNG,
     BMP,
     PGM,
