@@ -16,6 +16,7 @@ from pathlib import Path
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile
 from erlif.readers.genicam import GENICAM
+from erlif.readers.lavision import IM7, SET
 from erlif.readers.norpix import NORPIX
 from erlif.readers.phantom import PHANTOM
 from erlif.readers.photron import PHOTRON
@@ -28,6 +29,8 @@ FORMATS: tuple[Format, ...] = (
     PHANTOM,
     NORPIX,
     GENICAM,
+    IM7,
+    SET,
     PNG,
     BMP,
     PGM,
