@@ -18,9 +18,11 @@ from erlif.readers.base import MOST_FRAMES, Format, FrameFile
 from erlif.readers.genicam import GENICAM
 from erlif.readers.lavision import IM7, SET
 from erlif.readers.norpix import NORPIX
+from erlif.readers.pco import PCO
 from erlif.readers.phantom import PHANTOM
 from erlif.readers.photron import PHOTRON
 from erlif.readers.pictures import BMP, LOSSY, PGM, PNG
+from erlif.readers.princeton import PRINCETON
 from erlif.readers.tiff import TIFF
 
 FORMATS: tuple[Format, ...] = (
@@ -31,6 +33,8 @@ FORMATS: tuple[Format, ...] = (
     GENICAM,
     IM7,
     SET,
+    PCO,
+    PRINCETON,
     PNG,
     BMP,
     PGM,
