@@ -18,7 +18,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Thi
 from erlif.core.progress import Progress, silent
 from erlif.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
-from erlif.pipeline.film import choose_region, group_frames, pixel_positions
+from erlif.pipeline.film import choose_region, group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.prepare import prepare_chain
@@ -149,14 +149,11 @@ def budget(
             "flagged. Name another trigger."
         )
 
-    x, y = pixel_positions(settings, run.pairs.shape)
     region = choose_region(settings, run.pairs.shape)
     statistics = summarise_film(
         sources.ratio,
         maps,
         calibration,
-        x=x,
-        y=y,
         region=region,
         sliding_along_x=settings.optics.x_axis == "sliding",
     )

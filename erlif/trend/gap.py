@@ -72,8 +72,6 @@ def fit_gap_minimum(
     ratios: RatioImages,
     calibration: Calibration,
     *,
-    x: Array,
-    y: Array,
     region: Region,
     sliding_along_x: bool,
 ) -> GapMinimum:
@@ -84,8 +82,6 @@ def fit_gap_minimum(
     ratios : RatioImages
         log_ratio, log_ratio_var and flags (y, x).
     calibration : Calibration
-    x, y : array
-        Pixel positions. [mm]
     region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.
@@ -113,9 +109,7 @@ def fit_gap_minimum(
     ...     "flags": (("y", "x"), flags),
     ... }))
     >>> whole = Region(slice(0, 64), slice(0, 64))
-    >>> minimum = fit_gap_minimum(
-    ...     ratios, calibration, x=position, y=position, region=whole, sliding_along_x=True
-    ... )
+    >>> minimum = fit_gap_minimum(ratios, calibration, region=whole, sliding_along_x=True)
     >>> round(minimum.value, 2)
     2.8
     """

@@ -73,8 +73,6 @@ def summarise_film(
     maps: ThicknessMaps,
     calibration: Calibration,
     *,
-    x: Array,
-    y: Array,
     region: Region,
     sliding_along_x: bool = True,
 ) -> FilmStatistics:
@@ -90,8 +88,6 @@ def summarise_film(
     maps : ThicknessMaps
         The maps that `measure_thickness` made of them.
     calibration : Calibration
-    x, y : array
-        Pixel positions. [mm]
     region : Region
     sliding_along_x : bool
         Whether image x is the sliding direction.
@@ -115,7 +111,7 @@ def summarise_film(
     >>> from erlif.plots import example_calibration
     >>> from erlif.thickness import measure_thickness
     >>> from erlif.trend import Region
-    >>> calibration, position = example_calibration(), 0.1 * np.arange(64)
+    >>> calibration = example_calibration()
     >>> ratios = RatioImages(xr.Dataset({
     ...     "log_ratio": (("y", "x"), np.full((64, 64), calibration.predict_log(3.0))),
     ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
@@ -126,8 +122,6 @@ def summarise_film(
     ...     ratios,
     ...     measure_thickness(ratios, calibration),
     ...     calibration,
-    ...     x=position,
-    ...     y=position,
     ...     region=Region(slice(0, 64), slice(0, 64)),
     ... )
     >>> round(found.mean, 2), round(found.minimum, 2), found.beyond_range

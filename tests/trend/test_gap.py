@@ -26,8 +26,6 @@ def fit(ratios, *, calibration=None, region=WHOLE):
     return fit_gap_minimum(
         ratios,
         calibration or known_calibration(),
-        x=X,
-        y=Y,
         region=region,
         sliding_along_x=True,
     )
@@ -171,8 +169,6 @@ def test_image_with_x_and_y_exchanged_gives_the_same_minimum():
     found = fit_gap_minimum(
         turned,
         known_calibration(),
-        x=Y,
-        y=X,
         region=Region(slice(0, X.size), slice(0, Y.size)),
         sliding_along_x=False,
     )

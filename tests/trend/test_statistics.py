@@ -25,7 +25,7 @@ EVEN = np.full((Y.size, X.size), 6.0)
 def summarise(ratios, *, calibration=None, region=WHOLE):
     calibration = calibration or known_calibration()
     maps = measure_thickness(ratios, calibration)
-    return summarise_film(ratios, maps, calibration, x=X, y=Y, region=region)
+    return summarise_film(ratios, maps, calibration, region=region)
 
 
 def test_mean_of_an_even_film_is_its_thickness():
@@ -80,7 +80,7 @@ def test_error_of_the_displacement_is_correlated_over_a_block():
 def test_minimum_is_that_of_the_smooth_gap():
     ratios = noisy_ratios(known_gap(3.0), 0.01, np.random.default_rng(6))
     calibration = known_calibration()
-    gap = fit_gap_minimum(ratios, calibration, x=X, y=Y, region=WHOLE, sliding_along_x=True)
+    gap = fit_gap_minimum(ratios, calibration, region=WHOLE, sliding_along_x=True)
     found = summarise(ratios)
     assert (found.minimum, found.minimum_random_std) == (gap.value, gap.random_std)
     assert found.minimum_surface_std == gap.surface_std
@@ -130,7 +130,7 @@ def test_mean_is_that_of_the_valid_pixels_where_much_lies_beyond_the_range(minim
     for seed in range(20):
         ratios = noisy_ratios(film, noise, np.random.default_rng([9, seed]))
         maps = measure_thickness(ratios, calibration)
-        found = summarise_film(ratios, maps, calibration, x=X, y=Y, region=WHOLE)
+        found = summarise_film(ratios, maps, calibration, region=WHOLE)
         errors.append((found.mean - film[maps.flags.values == 0].mean()) / found.mean_random_std)
     assert found.beyond_range > 0.05
     assert abs(np.mean(errors)) < 4 / np.sqrt(20)
@@ -165,8 +165,6 @@ def test_image_with_x_and_y_exchanged_gives_the_same_statistics():
         turned,
         measure_thickness(turned, calibration),
         calibration,
-        x=Y,
-        y=X,
         region=Region(slice(0, X.size), slice(0, Y.size)),
         sliding_along_x=False,
     )
@@ -178,4 +176,4 @@ def test_missing_variance_is_refused_by_name():
     maps = measure_thickness(ratios, known_calibration())
     without = RatioImages(ratios.drop_vars("log_ratio_var"))
     with pytest.raises(ErlifError, match="log_ratio_var"):
-        summarise_film(without, maps, known_calibration(), x=X, y=Y, region=WHOLE)
+        summarise_film(without, maps, known_calibration(), region=WHOLE)
