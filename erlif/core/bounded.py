@@ -1,0 +1,64 @@
+"""Files that are read whole: regular ones only, and up to a size."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+_KINDS = {
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+def read_bounded(path: Path, *, largest: int) -> bytes:
+    """Read a whole file, if it is a regular one of limited size.
+
+    A pipe or a device has no end and would block the program or fill its memory.
+
+    Parameters
+    ----------
+    path : Path
+    largest : int
+        Size above which the file is not read. [byte]
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read, is not a regular file or is too large; ``strerror`` holds the
+        reason.
+
+    Examples
+    --------
+    >>> read_bounded(Path("/dev/zero"), largest=100)
+    Traceback (most recent call last):
+    OSError: [Errno 22] it is a device, not a regular file: '/dev/zero'
+    """
+    # opening a pipe without this would wait for its other end
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    found = os.fstat(handle)
+    if not stat.S_ISREG(found.st_mode):
+        os.close(handle)
+        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "something else")
+        raise OSError(errno.EINVAL, f"it is {kind}, not a regular file", str(path))
+
+    with os.fdopen(handle, "rb") as file:
+        # a file may grow while it is read, and some of no size have contents without end
+        content = file.read(largest + 1)
+        if len(content) > largest:
+            size = max(found.st_size, len(content)) / 1e6
+            raise OSError(
+                errno.EFBIG,
+                f"it holds {size:.1f} MB or more; at most {largest / 1e6:.0f} MB are read",
+                str(path),
+            )
+    return content
