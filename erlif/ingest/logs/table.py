@@ -1,0 +1,112 @@
+"""The table in the file of a data logger: named columns of numbers, with what is not a number."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+
+LARGEST_FILE = 256 * 2**20
+"""Size above which the file of a log is not read: an hour of four columns at 2 kHz. [byte]"""
+
+MOST_CELLS = 32_000_000
+"""Values above which a table is not read; they take 256 MB."""
+
+MOST_TEXTS = 2_000_000
+"""Cells without a number above which a file is no table of numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class LogColumn:
+    """One column of a log.
+
+    Attributes
+    ----------
+    name : str
+        As in the header, or the path in a binary file.
+    unit : str
+        From a unit row or an attribute, else from brackets in the name; empty where unknown.
+    values : Array
+        NaN where a cell holds no number. (row,)
+    texts : Mapping[int, str]
+        Cells that hold no finite number, by their place from 0.
+    """
+
+    name: str
+    unit: str
+    values: Array
+    texts: Mapping[int, str] = field(default_factory=dict)
+
+    def free(self) -> AnyArray:
+        """Numbers where all cells that are not empty are numbers, text otherwise."""
+        if not any(text and not _is_number(text) for text in self.texts.values()):
+            return self.values
+        texts = [f"{value:.15g}" for value in self.values]
+        for place, text in self.texts.items():
+            texts[place] = text
+        return np.array(texts)
+
+
+@dataclass(frozen=True)
+class LogTable:
+    """The table in the file of a data logger.
+
+    Attributes
+    ----------
+    file : str
+        Name of the file, for messages.
+    columns : tuple[LogColumn, ...]
+        In the order of the file, all of one length.
+    rows : Sequence[int]
+        Number of each row in the file, counted from 1.
+    remarks : tuple[str, ...]
+        How the file was read, where that was not plain.
+    """
+
+    file: str
+    columns: tuple[LogColumn, ...]
+    rows: Sequence[int]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+        return [column.name for column in self.columns]
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Part the name of a column from the unit in it.
+
+    Parameters
+    ----------
+    name : str
+        ``"Encoder [deg]"``, ``"Force (N)"``, ``"Kraft / N"`` or a plain name.
+
+    Returns
+    -------
+    (str, str)
+        Name and unit; the unit is empty where there is none.
+
+    Examples
+    --------
+    >>> split_unit("Encoder [deg]"), split_unit("Kraft / N"), split_unit("note")
+    (('Encoder', 'deg'), ('Kraft', 'N'), ('note', ''))
+    """
+    if match := re.fullmatch(r"(.*\S)\s*[\[(<]\s*([^\[\]()<>]*?)\s*[\])>]", name):
+        return match[1].rstrip(" _"), match[2]
+    if match := re.fullmatch(r"(.*\S)\s+(?:/|in)\s+(\S{1,8})", name):
+        return match[1], match[2]
+    return name, ""
+
+
+def _is_number(text: str) -> bool:
+    """Whether a text is a number, finite or not; "1_000" is none, though Python reads it."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text
