@@ -1,0 +1,122 @@
+"""Binary logs, written by the packages of their makers or by scipy and h5py."""
+
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from erlif.core.errors import EncoderError
+from erlif.ingest.logs.binary import is_binary_log, read_binary_table
+
+TIME = np.arange(5) * 0.1
+ANGLE = np.array([10.0, 11, 12, 13.5, 14])
+
+
+def columns(path):
+    table = read_binary_table(path)
+    return {column.name: (column.unit, column.values.tolist()) for column in table.columns}
+
+
+def write_tdms(path, *channels):
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as file:
+        file.write_segment(
+            [nptdms.ChannelObject("run", name, data, props) for name, data, props in channels]
+        )
+
+
+def test_channels_of_tdms_have_their_units(tmp_path):
+    path = tmp_path / "log.tdms"
+    write_tdms(path, ("Time", TIME, {"unit_string": "s"}), ("Enc", ANGLE, {"unit_string": "deg"}))
+    assert columns(path) == {"Time": ("s", TIME.tolist()), "Enc": ("deg", ANGLE.tolist())}
+
+
+def test_a_waveform_of_tdms_gives_the_times(tmp_path):
+    path = tmp_path / "log.tdms"
+    wave = {"wf_increment": 0.1, "wf_start_offset": 2.0}
+    write_tdms(path, ("Enc [deg]", ANGLE, wave))
+    found = columns(path)
+    np.testing.assert_allclose(found["time"][1], 2 + TIME)
+    assert found["Enc [deg]"] == ("deg", ANGLE.tolist())
+
+
+def test_a_missing_package_is_named_with_the_command_that_installs_it(tmp_path, monkeypatch):
+    path = tmp_path / "log.tdms"
+    path.write_bytes(b"TDSm" + bytes(24))
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(EncoderError, match=r'pip install "erlif\[logs\]"'):
+        read_binary_table(path)
+
+
+def test_vectors_matrices_and_structures_of_matlab_5_are_columns(tmp_path):
+    path = tmp_path / "log.mat"
+    data = np.column_stack([TIME, ANGLE])
+    savemat(
+        path, {"t": TIME[:, None], "log": {"angle": ANGLE}, "data": data, "name": "x", "n": 3.0}
+    )
+    found = {name: values for name, (_, values) in columns(path).items()}
+    assert found == {
+        "t": TIME.tolist(),
+        "log/angle": ANGLE.tolist(),
+        "data(1)": TIME.tolist(),
+        "data(2)": ANGLE.tolist(),
+    }
+
+
+@pytest.mark.parametrize("header", [0, 512])
+def test_datasets_of_hdf5_and_matlab_7_are_columns(tmp_path, header):
+    path = tmp_path / "log.mat"
+    with h5py.File(path, "w", userblock_size=header) as file:
+        file["log/angle"] = ANGLE[None]  # MATLAB stores a column as one row
+        file["log/angle"].attrs["units"] = "deg"
+        file["log/t [s]"] = TIME
+        file["#refs#/a"] = TIME
+        file["label"] = "text"
+    assert columns(path) == {
+        "log/angle": ("deg", ANGLE.tolist()),
+        "log/t [s]": ("s", TIME.tolist()),
+    }
+
+
+def test_columns_of_another_length_are_left_out_with_a_remark(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"], file["other"] = ANGLE, ANGLE[:3]
+    table = read_binary_table(path)
+    assert table.names == ["angle"]
+    assert "columns of another length left out: 'other'" in table.remarks
+
+
+def test_values_that_are_not_finite_are_kept_as_text(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = np.array([1.0, np.nan, np.inf])
+    assert read_binary_table(path).columns[0].texts == {1: "nan", 2: "inf"}
+
+
+@pytest.mark.parametrize(
+    "head", [b"TDSm", b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file, made by nobody"]
+)
+def test_a_damaged_file_is_refused_by_its_name(tmp_path, head):
+    path = tmp_path / "log.bin"
+    path.write_bytes(head + bytes(range(200)))
+    assert is_binary_log(path)
+    with pytest.raises(EncoderError, match=r"log\.bin"):
+        read_binary_table(path)
+
+
+def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("angle", (10**9,), "f8", chunks=(1000,))
+    assert path.stat().st_size < 10_000
+    with pytest.raises(EncoderError, match="its header states 1000000000"):
+        read_binary_table(path)
+
+
+def test_text_and_directories_are_not_binary(tmp_path):
+    (tmp_path / "a.csv").write_text("frame,angle_deg\n")
+    assert not is_binary_log(tmp_path / "a.csv")
+    assert not is_binary_log(tmp_path)
