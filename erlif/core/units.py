@@ -19,8 +19,12 @@ if TYPE_CHECKING:
 _ONLY = {
     "rad/s": ("rpm", "rad/s", "deg/s", "rev/s"),
     "rad": ("deg", "degree", "degrees", "°", "rad", "mrad", "arcmin", "turn", "rev"),
+    "Hz": ("Hz", "kHz", "1/s", "1/min", "rpm"),
 }
 """Accepted units of rotation: pint reads 1 Hz as 1 rad/s and any pure number as an angle."""
+
+_KINDS = {"rad/s": "a speed of rotation", "rad": "an angle", "Hz": "a frequency"}
+"""What is measured in these units."""
 
 _PI = Fraction(math.pi)
 
@@ -40,6 +44,9 @@ _USUAL: dict[str, dict[str, Fraction | int]] = {
     "Pa s": {"Pa s": 1, "mPa s": Fraction(1, 10**3), "cP": Fraction(1, 10**3)},
     "rad/s": {"rad/s": 1, "rpm": _PI / 30},
     "rad": {"rad": 1, "deg": _PI / 180},
+    # a cycle is one turn: pint would count 1 rpm as 0.105 Hz
+    "Hz": {"Hz": 1, "kHz": 10**3, "1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
+    "s": {"s": 1, "ms": Fraction(1, 10**3), "us": Fraction(1, 10**6)},
     "electron/DN": {"electron/DN": 1},
     "electron": {"electron": 1},
     "DN": {"DN": 1},
@@ -143,8 +150,7 @@ def parse_quantity(text: object, unit: str) -> float:
     # units that pint would convert to something else than meant
     name = match[2].strip()
     if unit in _ONLY and name.replace(" ", "") not in _ONLY[unit]:
-        kind = "a speed of rotation" if unit == "rad/s" else "an angle"
-        raise ValueError(f"{kind} is given in {', '.join(_ONLY[unit])}; got {text!r}")
+        raise ValueError(f"{_KINDS[unit]} is given in {', '.join(_ONLY[unit])}; got {text!r}")
     if re.search(r"\b(px|pixels?)\b", name):
         raise ValueError(f"{expected}; got {text!r}, and a pixel is not a unit of length here")
 

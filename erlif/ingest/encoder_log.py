@@ -1,88 +1,60 @@
-"""The encoder log, checked row by row."""
+"""The encoder log of a run: one row for each frame, or a log in time."""
 
 from __future__ import annotations
 
-import csv
-import math
-import re
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
-from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import EncoderError
+from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
 from erlif.ingest.images import Page
+from erlif.ingest.logs.binary import is_binary_log, read_binary_table
+from erlif.ingest.logs.checks import check_frame_numbers, check_values
+from erlif.ingest.logs.columns import (
+    ColumnChoice,
+    convert_columns,
+    find_columns,
+    missing_column,
+)
+from erlif.ingest.logs.resample import FEWEST_SAMPLES, ContinuousLog, unwrap_angle
+from erlif.ingest.logs.table import LogTable
+from erlif.ingest.logs.text import read_text_table
 from erlif.ingest.pairing import frame_numbers
 
-_KNOWN_COLUMNS = {
-    "angle_deg": ("angle", "degree", "encoder angle"),
-    "time_s": ("time", "s", "time of the trigger"),
-    "load_N": ("load", "N", "load on the joint"),
-    "temperature_C": ("temperature", "degree_Celsius", "temperature of the oil"),
-}
+
+class ReadLog(NamedTuple):
+    """What the file of a log holds.
+
+    Attributes
+    ----------
+    log : EncoderLog | ContinuousLog
+        One row for each frame, or a log in time.
+    notes : list[Note]
+        What was taken for what.
+    """
+
+    log: EncoderLog | ContinuousLog
+    notes: list[Note]
 
 
-_FURTHER_COLUMN = re.compile(r"[^\W_][^/\x00-\x1f\x7f]*")
-"""Names that netCDF and zarr both accept."""
-
-
-_RESERVED = frozenset(
-    [
-        "number",
-        "angle",
-        "time",
-        "load",
-        "temperature",
-        "trigger",
-        "x",
-        "y",
-        "thickness",
-        "thickness_std",
-        "thickness_std_shared",
-        "flags",
-        "frames_used",
-        "valid_pixels",
-        "flagged_pixels",
-        "flag",
-        "encoder_angle",
-        "stroke",
-        "crank_angle",
-        "rocker_speed",
-        "sliding_speed",
-        "film_mean",
-        "film_mean_std",
-        "film_min",
-        "film_min_std",
-        "film_hamrock_dowson",
-        "film_theory",
-        "film_parameter",
-        "speed_exponent",
-        "speed_exponent_std",
-        "speed_exponent_mean",
-        "speed_exponent_mean_std",
-    ]
-)
-"""Names of the film's own variables, which no further column of the log may have."""
-
-
-_FEWEST_ROWS = 2
-"""A header and one row."""
-
-_LARGEST_EXACT = 2**53
-"""Whole numbers above this are not exact in double precision."""
-
-
-def read_encoder_log(path: Path) -> EncoderLog:
-    """Read an encoder log: ``frame,time_s,angle_deg,load_N,temperature_C`` and further columns.
+def read_encoder_log(
+    path: Path, choice: ColumnChoice | None = None, *, needs_angle: bool = True
+) -> EncoderLog:
+    """Read an encoder log with one row for each frame.
 
     Parameters
     ----------
     path : Path
-        CSV file in UTF-8; ``frame`` and ``angle_deg`` are required.
+        Text file of a logger: ``frame,time_s,angle_deg,load_N,temperature_C`` and further columns,
+        of which ``frame`` and ``angle_deg`` are required; or another header with a choice.
+    choice : ColumnChoice, optional
+        Columns and units of a header of another form.
+    needs_angle : bool
+        Whether a log without an angle is refused.
 
     Returns
     -------
@@ -92,8 +64,9 @@ def read_encoder_log(path: Path) -> EncoderLog:
     Raises
     ------
     EncoderError
-        If the file or a required column is missing, a value is not a finite number, or frames are
-        repeated or missing. Each message names row and column; the header is row 1.
+        If the file or a required column is missing, a value is not a finite number or impossible,
+        or frames are repeated or missing. Each message names row and column; the first row of the
+        file is row 1.
 
     Examples
     --------
@@ -104,35 +77,82 @@ def read_encoder_log(path: Path) -> EncoderLog:
     >>> log.angle.values, log.angle.units
     (array([10.5, 11.5]), 'degree')
     """
-    table = _read_table(path)
-    header = [cell.strip() for cell in table[0][1]]
-    rows = [number for number, _ in table[1:]]
-    _check_header(header, path)
-    _check_row_lengths(table, header, path)
+    choice = choice or ColumnChoice()
+    table = read_table(path, choice)
+    found, _ = find_columns(table, choice)
+    if "frame" not in found:
+        missing_column("frame", table)
+    return _by_frame(table, choice, needs_angle=needs_angle)[0]
 
-    columns = dict(zip(header, zip(*(row for _, row in table[1:]), strict=True), strict=True))
-    numbers = _number_column(columns.pop("frame"), rows, "frame", path)
-    _check_frame_numbers(numbers, rows, path)
 
-    # known columns get their short names and units, others keep the name in the header
-    log = xr.Dataset({"number": ("frame", numbers.astype(np.int64))})
-    for name, cells in columns.items():
-        if name in _KNOWN_COLUMNS:
-            short, unit, meaning = _KNOWN_COLUMNS[name]
-            values = _number_column(cells, rows, name, path)
-            log[short] = ("frame", values, {"units": unit, "long_name": meaning})
-        elif name:
-            log[name] = ("frame", _free_column(cells))
+def read_log(
+    path: Path,
+    choice: ColumnChoice,
+    *,
+    frames: int,
+    in_time: bool = False,
+    needs_angle: bool = True,
+) -> ReadLog:
+    """Read the log of a run, by frame or in time.
 
-    # theory divides by the load
-    if "load" in log and log["load"].values.min() <= 0:
-        n = int(np.argmin(log["load"].values))
-        raise EncoderError(
-            f"Expected a positive load in row {rows[n]}, column load_N of {path.name}; got "
-            f"{log['load'].values[n]:g} N. Correct the zero of the load cell, or leave the column "
-            "out and give the load in [joint] of run.toml."
-        )
-    return EncoderLog(log)
+    A log with a column of frame numbers, or with as many rows as there are frames, has one row for
+    each frame. Any other log with a column of times is continuous.
+
+    Parameters
+    ----------
+    path : Path
+    choice : ColumnChoice
+    frames : int
+        Number of frame pairs.
+    in_time : bool
+        Whether the settings state how the frames lie in time, so that the log is continuous.
+    needs_angle : bool
+        Whether a log without an angle is refused.
+
+    Returns
+    -------
+    ReadLog
+
+    Raises
+    ------
+    EncoderError
+        As `read_encoder_log`.
+    """
+    table = read_table(path, choice)
+    found, _ = find_columns(table, choice)
+    in_time = in_time or "pulse" in found
+    by_frame = "frame" in found or len(table.rows) == frames or "time" not in found
+    if by_frame and not in_time:
+        if "frame" not in found and len(table.rows) != frames:
+            missing_column("frame", table)
+        log, remarks = _by_frame(table, choice, needs_angle=needs_angle)
+        return ReadLog(log, _describe(table, remarks))
+
+    continuous, remarks = _in_time(table, choice, needs_angle=needs_angle)
+    return ReadLog(continuous, _describe(table, remarks))
+
+
+def read_table(path: Path, choice: ColumnChoice) -> LogTable:
+    """Read the table in the file of a log, of any format.
+
+    Parameters
+    ----------
+    path : Path
+    choice : ColumnChoice
+        Names by which the header is recognised.
+
+    Returns
+    -------
+    LogTable
+
+    Raises
+    ------
+    EncoderError
+        If the file cannot be read or is no table.
+    """
+    if is_binary_log(path):
+        return read_binary_table(path)
+    return read_text_table(path, choice.wanted)
 
 
 def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
@@ -156,12 +176,7 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
         return
 
     if rows > frames:
-        # where file names carry the numbers of the log, the gap in the names is the missing frame
-        numbers = frame_numbers(pages)
-        logged = log.number.values.tolist()
-        missing = [number for number in logged if number not in numbers]
-        row = logged.index(missing[0]) if missing and set(numbers) <= set(logged) else frames
-        extra = f"frame {logged[row]} of {name} is the first without a file"
+        extra = _first_without_file(log.number.values.tolist(), frame_numbers(pages), name)
     else:
         extra = f"{pages[rows].name} is the first without a row"
 
@@ -173,128 +188,76 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
     )
 
 
-def _read_table(path: Path) -> list[tuple[int, list[str]]]:
-    """Row numbers and cells of a CSV file; empty rows are left out."""
-    # "utf-8-sig" also reads the byte order mark that spreadsheets write
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = enumerate(csv.reader(file), 1)
-            table = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
-    except OSError as error:
-        raise EncoderError(
-            f"Expected the encoder log {path.name}; it cannot be read: {error.strerror}. Correct "
-            "file in [encoder] of run.toml."
-        ) from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise EncoderError(
-            f"Expected {path.name} to be a CSV text file; it is not: {error}. Save the log as CSV "
-            "in UTF-8."
-        ) from error
-
-    if len(table) < _FEWEST_ROWS:
-        raise EncoderError(
-            f"Expected a header and one row per trigger in {path.name}; it has {len(table)} "
-            "row(s). Export the whole log."
+def _first_without_file(logged: list[int], numbers: list[int], name: str) -> str:
+    """The row of a missing frame, where the numbers in the file names show it."""
+    # names may carry the numbers of the log, or count from another first frame
+    shift = logged[0] - numbers[0] if not set(numbers) <= set(logged) else 0
+    shifted = {number + shift for number in numbers}
+    missing = [number for number in logged if number not in shifted]
+    if shifted <= set(logged) and missing:
+        at_end = missing == logged[-len(missing) :]
+        first = f"frame {missing[0]} of {name} is the first without a file"
+        return (
+            f"{first}; the names of the files show no gap, so a frame that was missed earlier "
+            "cannot be excluded"
+            if at_end and shift
+            else first
         )
-    return table
+    return (
+        f"frame {logged[len(numbers)]} of {name} is the first without a file, if no frame was "
+        "missed earlier; the numbers in the names of the files do not show it"
+    )
 
 
-def _check_row_lengths(
-    table: Sequence[tuple[int, Sequence[str]]], header: Sequence[str], path: Path
-) -> None:
-    for number, row in table[1:]:
-        if len(row) == len(header):
-            continue
-        comma = (
-            " A decimal comma makes two values of one: write decimal points."
-            if len(row) > len(header)
-            else ""
-        )
+def _by_frame(
+    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+) -> tuple[EncoderLog, list[str]]:
+    """A log with one row for each frame."""
+    found, remarks = find_columns(table, choice)
+    if needs_angle and "angle" not in found:
+        missing_column("angle", table)
+    log, more = convert_columns(table, found, choice, dim="frame")
+    if "frame" in found:
+        check_frame_numbers(log["number"].values.tolist(), found["frame"].name, table)
+    else:
+        log["number"] = ("frame", np.arange(len(table.rows)))
+        remarks.append(f"no column of frame numbers; row k of {len(table.rows)} is frame k")
+    check_values(log, found, table)
+    return EncoderLog(log), [*table.remarks, *remarks, *more]
+
+
+def _in_time(
+    table: LogTable, choice: ColumnChoice, *, needs_angle: bool
+) -> tuple[ContinuousLog, list[str]]:
+    """A log in time."""
+    found, remarks = find_columns(table, choice)
+    for quantity in ("time", "angle") if needs_angle else ("time",):
+        if quantity not in found:
+            missing_column(quantity, table)
+    if len(table.rows) < FEWEST_SAMPLES:
         raise EncoderError(
-            f"Expected {len(header)} values in row {number} of {path.name}, as in its header; it "
-            f"has {len(row)}.{comma} Correct the row."
+            f"Expected a log over the time of the frames in {table.file}; it has "
+            f"{len(table.rows)} rows. Export the whole log."
         )
 
+    # a count of frames is no quantity to interpolate
+    found = {quantity: column for quantity, column in found.items() if quantity != "frame"}
+    samples, more = convert_columns(table, found, choice, dim="sample")
+    check_values(samples, found, table)
+    if "angle" in samples:
+        angle = unwrap_angle(samples["angle"].values, table.file)
+        if not np.array_equal(angle, samples["angle"].values):
+            remarks.append("the encoder starts again after a turn; its angle is counted on")
+        samples["angle"] = ("sample", angle, samples["angle"].attrs)
 
-def _check_header(header: list[str], path: Path) -> None:
-    known = f"frame, {', '.join(_KNOWN_COLUMNS)}"
-    for required in ("frame", "angle_deg"):
-        if required not in header:
-            comma = (
-                ""
-                if len(header) > 1
-                else " Separate the columns with commas, and write decimal points."
-            )
-            raise EncoderError(
-                f"Expected a column {required} in {path.name}; its header is "
-                f"{','.join(header)}.{comma} Columns erlif knows: {known}."
-            )
-
-    # the rest of the header: names must be distinct, and usable in the file of the result
-    for place, (name, count) in enumerate(Counter(header).items(), 1):
-        if count > 1 and name:
-            raise EncoderError(
-                f"Expected each column of {path.name} once; {name} comes {count} times. Rename one."
-            )
-        if name in _RESERVED or (name and not _FURTHER_COLUMN.fullmatch(name)):
-            reason = (
-                "which erlif uses itself" if name in _RESERVED else "which a film file cannot hold"
-            )
-            raise EncoderError(
-                f"Expected a column of {path.name} to be one of {known} or to have a name of its "
-                f"own that begins with a letter or digit; column {place} is {name!r}, {reason}. "
-                "Rename it."
-            )
+    time = samples["time"].values
+    step = float(np.median(np.diff(time)))
+    remarks.append(
+        f"a log in time, {time.size} rows from {time[0]:.6g} to {time[-1]:.6g} s, "
+        f"{1 / step:.6g} per second"
+    )
+    return ContinuousLog(table.file, samples), [*table.remarks, *remarks, *more]
 
 
-def _number_column(cells: Sequence[str], rows: Sequence[int], name: str, path: Path) -> Array:
-    values = np.empty(len(cells))
-    for n, (row, cell) in enumerate(zip(rows, cells, strict=True)):
-        try:
-            # float() reads "1_000", which no logger means
-            values[n] = float(cell) if "_" not in cell else math.nan
-        except ValueError:
-            values[n] = math.nan
-
-        if not math.isfinite(values[n]):
-            raise EncoderError(
-                f"Expected a finite number in row {row}, column {name} of {path.name}; got "
-                f"{cell.strip() or 'nothing'!r}. Correct the value, or take the row and its frame "
-                "of both cameras out and number the rows anew."
-            )
-    return values
-
-
-def _check_frame_numbers(numbers: Array, rows: Sequence[int], path: Path) -> None:
-    """Frame numbers must be whole, distinct and consecutive."""
-    # a repeated number is reported as such, before the gap that it leaves behind
-    seen: dict[float, int] = {}
-    for n, (row, number) in enumerate(zip(rows, numbers, strict=True)):
-        where = f"row {row}, column frame"
-        if number != round(number) or abs(number) > _LARGEST_EXACT:
-            raise EncoderError(
-                f"Expected a whole number in {where} of {path.name}; got {number:g}. Number the "
-                "rows 0, 1, 2, ..."
-            )
-        if number in seen:
-            raise EncoderError(
-                f"Expected each frame once in {path.name}; {where}, repeats frame {number:g} of "
-                f"row {seen[number]}. Delete one of the two rows."
-            )
-        seen[number] = row
-
-        expected = numbers[0] + n
-        if number != expected:
-            raise EncoderError(
-                f"Expected frame {expected:g} in {where} of {path.name}; got {number:g}: a frame "
-                "is missing. Put its row back, or, if its frame files are missing too, number the "
-                "rows anew."
-            )
-
-
-def _free_column(cells: Sequence[str]) -> AnyArray:
-    """Numbers where all cells that are not empty are numbers, text otherwise."""
-    try:
-        return np.array([float(cell) if cell.strip() else math.nan for cell in cells])
-    except ValueError:
-        return np.array([cell.strip() for cell in cells], dtype=object).astype(str)
+def _describe(table: LogTable, remarks: Sequence[str]) -> list[Note]:
+    return [Note(Level.NOTE, table.file, "; ".join(remarks))] if remarks else []

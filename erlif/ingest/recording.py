@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from erlif.core.errors import FrameError
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError, FrameError
+from erlif.core.notes import Note
 from erlif.core.products import EncoderLog
-from erlif.ingest.encoder_log import check_rows, read_encoder_log
+from erlif.ingest.encoder_log import check_rows, read_log
 from erlif.ingest.frames import FramePairs
+from erlif.ingest.logs.columns import MEANINGS, ColumnChoice
+from erlif.ingest.logs.resample import ContinuousLog, find_pulses, sample_log
 from erlif.ingest.pairing import pair_cameras
 from erlif.ingest.selection import select_counts
 from erlif.settings import (
     CameraSettings,
+    EncoderSettings,
     FixtureSettings,
     RunSettings,
     read_fixture_settings,
@@ -34,12 +42,15 @@ class Run:
         Frames of camera 1 and camera 2.
     log : EncoderLog
         Row k belongs to frame pair k.
+    log_notes : list[Note]
+        What was taken for what in the log.
     """
 
     directory: Path
     settings: RunSettings
     pairs: FramePairs
     log: EncoderLog
+    log_notes: list[Note] = field(default_factory=list)
 
     @property
     def cameras(self) -> tuple[CameraSettings, CameraSettings]:
@@ -71,7 +82,14 @@ class Fixture:
         return self.settings.camera1, self.settings.camera2
 
 
-def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Run:
+FindStart = Callable[[RunSettings, FramePairs, ContinuousLog, Array], tuple[float, Note]]
+"""From a continuous log and the times of the frames after the first one to the time of the first
+one on the clock of the log [s], with a note on how it was found."""
+
+
+def open_run(
+    run_dir: Path, *, skip_bad_frames: bool = False, find_start: FindStart | None = None
+) -> Run:
     """Open a run directory: settings, files of both cameras and encoder log, checked together.
 
     Parameters
@@ -80,6 +98,8 @@ def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Run:
         Directory with ``run.toml``.
     skip_bad_frames : bool
         Leave out frame pairs with an unreadable file instead of refusing the run.
+    find_start : callable, optional
+        Finds the time of the first frame in a continuous log where the settings ask for it.
 
     Returns
     -------
@@ -99,9 +119,95 @@ def open_run(run_dir: Path, *, skip_bad_frames: bool = False) -> Run:
     settings = read_run_settings(run_dir)
     pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
 
-    log = read_encoder_log(run_dir / settings.encoder.file)
-    check_rows(log, pairs.pages[0], settings.encoder.file)
-    return Run(run_dir, settings, pairs, log)
+    log, notes = _open_log(run_dir, settings, pairs, find_start)
+    return Run(run_dir, settings, pairs, log, notes)
+
+
+def choose_columns(encoder: EncoderSettings) -> ColumnChoice:
+    """Columns and units of the log, as the settings choose them.
+
+    Parameters
+    ----------
+    encoder : EncoderSettings
+
+    Returns
+    -------
+    ColumnChoice
+
+    Examples
+    --------
+    >>> from erlif.settings import EncoderSettings
+    >>> choose_columns(EncoderSettings(file="log.csv", angle="Winkel")).names
+    {'angle': 'Winkel'}
+    """
+    names = {quantity: getattr(encoder, quantity) for quantity in MEANINGS}
+    return ColumnChoice(
+        {quantity: name for quantity, name in names.items() if name is not None},
+        encoder.units.model_dump(exclude_none=True),
+        encoder.ticks_per_turn,
+    )
+
+
+def _open_log(
+    run_dir: Path, settings: RunSettings, pairs: FramePairs, find_start: FindStart | None
+) -> tuple[EncoderLog, list[Note]]:
+    """The log with one row for each frame pair, and what was taken for what in it."""
+    encoder = settings.encoder
+    in_time = encoder.start is not None
+    log, notes = read_log(
+        run_dir / encoder.file,
+        choose_columns(encoder),
+        frames=len(pairs.pages[0]),
+        in_time=in_time,
+    )
+    if not isinstance(log, ContinuousLog):
+        check_rows(log, pairs.pages[0], encoder.file)
+        return log, notes
+
+    if "pulse" in log.samples:
+        times = find_pulses(log, log.samples["pulse"].values, len(pairs.pages[0]))
+        bare = ContinuousLog(log.file, log.samples.drop_vars("pulse"))
+        return sample_log(bare, times), notes
+
+    since = _times_after_first(encoder, pairs, log)
+    start = encoder.start
+    if start == "fit":
+        if find_start is None:
+            raise EncoderError(
+                'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
+                "found by the commands alone."
+            )
+        start, note = find_start(settings, pairs, log, since)
+        notes = [*notes, note]
+    if start is None:
+        first, last = log.span
+        raise EncoderError(
+            f"Expected the time of the first frame on the clock of {log.file}, which runs from "
+            f'{first:.6g} to {last:.6g} s; got none. Add start = "{first:.6g} s" to [encoder] of '
+            'run.toml, or start = "fit" to find it from the motion.'
+        )
+    return sample_log(log, since + float(start)), notes
+
+
+def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: ContinuousLog) -> Array:
+    """Time of each frame pair after the first one. [s]"""
+    if encoder.frame_rate is not None:
+        return np.asarray(np.arange(len(pairs.pages[0])) / encoder.frame_rate)
+    if pairs.times is None:
+        raise EncoderError(
+            f"Expected the times of the frames, because {log.file} is a log in time, "
+            f"{log.samples.sizes['sample']} rows for {len(pairs.pages[0])} frames; the camera "
+            'files have none. Add to [encoder] of run.toml pulse = "column of the trigger", or '
+            'frame_rate = "500 Hz" and start = "0.25 s".'
+        )
+    if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
+        k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))
+        raise EncoderError(
+            f"Expected the times in the headers of the camera files to rise; frame {k + 1} has "
+            f"{pairs.times[min(k + 1, pairs.times.size - 1)]:.9g} s after {pairs.times[k]:.9g} s. "
+            'Give the rate of the frames: frame_rate = "500 Hz" in [encoder] of run.toml.'
+        )
+    return pairs.times
 
 
 def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture:

@@ -138,6 +138,7 @@ def _check_references(recording: Run | Fixture) -> Iterator[Note]:
 
 def _check_log(run: Run) -> Iterator[Note]:
     """Triggers, cycles and top speed as log and mechanism give them."""
+    yield from run.log_notes
     located = locate_run(run)
     describe_triggers(run, located)
 

@@ -203,7 +203,7 @@ def process_run(
         # the whole: statistics, theory, exponent, and the record of how it was made
         frames = [one for result in results for one in result.frames]
         drift = mean_drift(frames)
-        notes = [*notes_on_cameras, *describe_frame_notes(frames, run.pairs)]
+        notes = [*run.log_notes, *notes_on_cameras, *describe_frame_notes(frames, run.pairs)]
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
         film.attrs["identity"] = identify_work(run, calibration, hashes)

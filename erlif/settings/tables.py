@@ -76,6 +76,7 @@ def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
 Length = Annotated[float, *_quantity("length", "5.5 cm", "m", Gt(0))]
 Angle = Annotated[float, *_quantity("angle", "0 deg", "rad")]
 Speed = Annotated[float, *_quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
+Frequency = Annotated[float, *_quantity("frequency", "5 Hz", "Hz", Gt(0))]
 Force = Annotated[float, *_quantity("force", "50 lbf", "N", Gt(0))]
 Pressure = Annotated[float, *_quantity("pressure", "2.7 GPa", "Pa", Gt(0))]
 Viscosity = Annotated[float, *_quantity("dynamic viscosity", "0.12 Pa s", "Pa s", Gt(0))]
@@ -91,6 +92,24 @@ TemperatureDifference = Annotated[
     float, *_quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
 ]
 
+Start = Annotated[
+    float | Literal["fit"],
+    WrapValidator(
+        lambda text, check: (
+            text
+            if text == "fit"
+            else Quantity(check(parse_quantity(text, "s")), " ".join(text.split()))
+        )
+    ),
+    PlainSerializer(
+        lambda value: value if value == "fit" else _write_quantity(value, "s"), return_type=str
+    ),
+    WithJsonSchema(
+        {"type": "string", "pattern": f"^fit$|{QUANTITY_PATTERN}", "examples": ["0.25 s"]}
+    ),
+    Form('time, or "fit"', "0.25 s", "s"),
+]
+
 Interval = Annotated[tuple[float, float], Form("interval [low, high] in mm", [4, 15])]
 
 NO_CONTROL_CHARACTERS = r"^[^\x00-\x1f\x7f]*$"
@@ -100,6 +119,10 @@ FileName = Annotated[
     str,
     Field(min_length=1, pattern=NO_CONTROL_CHARACTERS),
     Form("file name or pattern", "camera1/*.tif"),
+]
+
+ColumnName = Annotated[
+    str, Field(min_length=1, pattern=NO_CONTROL_CHARACTERS), Form("column", "Encoder [deg]")
 ]
 
 
@@ -230,11 +253,35 @@ class OpticsSettings(Settings):
     )
 
 
+class ColumnUnits(Settings):
+    """Units of columns whose header has none; they take precedence over the header."""
+
+    angle: Literal["deg", "rad", "mrad", "turn", "tick"] | None = Field(
+        None, description="Unit of the angle; tick needs ticks_per_turn.", examples=["rad"]
+    )
+    time: Literal["s", "ms", "us", "ns", "min", "h"] | None = Field(
+        None, description="Unit of the time.", examples=["ms"]
+    )
+    load: Literal["N", "kN", "mN", "lbf", "kgf"] | None = Field(
+        None, description="Unit of the load.", examples=["lbf"]
+    )
+    temperature: Literal["degC", "K", "degF"] | None = Field(
+        None, description="Unit of the temperature.", examples=["degF"]
+    )
+    speed: Literal["m/s", "mm/s", "rad/s", "rpm", "deg/s", "rev/s"] | None = Field(
+        None, description="Unit of the speed.", examples=["mm/s"]
+    )
+    pulse_energy: Literal["mJ", "J", "uJ", "V", "1"] | None = Field(
+        None, description="Unit of the pulse energy.", examples=["mJ"]
+    )
+
+
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
     file: FileName = Field(
-        description="Encoder log: CSV with one row for each frame pair.", examples=["encoder.csv"]
+        description="Encoder log: one row for each frame pair, or a column of times.",
+        examples=["encoder.csv"],
     )
     mounted_on: Literal["rocker", "crank"] = Field(
         "rocker", description="Link whose angle the encoder measures."
@@ -251,6 +298,90 @@ class EncoderSettings(Settings):
         "Default: from the angles of the log.",
         examples=[50],
     )
+
+    # columns of the log
+    angle: ColumnName | None = Field(
+        None,
+        description="Column with the reading of the encoder. Default: angle_deg, else a column "
+        "called angle or encoder.",
+    )
+    frame: ColumnName | None = Field(
+        None,
+        description="Column with the number of the frame. Default: frame; without one, a log with "
+        "as many rows as frames has one row for each.",
+        examples=["Image No"],
+    )
+    time: ColumnName | None = Field(
+        None,
+        description="Column with the time. Default: time_s, else a column called time or t.",
+        examples=["Time [ms]"],
+    )
+    load: ColumnName | None = Field(
+        None,
+        description="Column with the load on the joint. Default: load_N, else a column called load "
+        "or force.",
+        examples=["Force [lbf]"],
+    )
+    temperature: ColumnName | None = Field(
+        None,
+        description="Column with the temperature of the oil. Default: temperature_C, else a column "
+        "called temperature.",
+        examples=["T oil [°C]"],
+    )
+    speed: ColumnName | None = Field(
+        None,
+        description="Column with the sliding speed or the speed of rotation. Default: speed_m_s.",
+        examples=["Speed [mm/s]"],
+    )
+    pulse_energy: ColumnName | None = Field(
+        None,
+        description="Column with the energy of the laser pulse. Default: none.",
+        examples=["Laser [mJ]"],
+    )
+    units: ColumnUnits = Field(
+        ColumnUnits(),
+        description="Units of columns that have none in their header.",
+        examples=[{"angle": "rad", "load": "lbf"}],
+    )
+    ticks_per_turn: float | None = Field(
+        None,
+        gt=0,
+        description="Ticks that the encoder counts in a turn. Required where the unit of the angle "
+        "is tick.",
+        examples=[3600],
+    )
+
+    # frames in a continuous log
+    pulse: ColumnName | None = Field(
+        None,
+        description="Column of a continuous log with the trigger of the cameras: a voltage that "
+        "rises at each frame, or a count of the frames. Default: none.",
+        examples=["Trigger [V]"],
+    )
+    frame_rate: Frequency | None = Field(
+        None,
+        description="Rate of the frames in a continuous log. Default: times in the headers of the "
+        "camera files.",
+        examples=["500 Hz"],
+    )
+    start: Start | None = Field(
+        None,
+        description='Time of the first frame on the clock of a continuous log. "fit" finds it from '
+        "the light of the frames over the cycle. Default: none.",
+    )
+
+    @model_validator(mode="after")
+    def _one_source_of_times(self) -> Self:
+        if self.pulse is not None and (self.frame_rate is not None or self.start is not None):
+            raise ValueError(
+                "give the times of the frames either as pulse (a column) or as frame_rate and start"
+            )
+        if self.frame_rate is not None and self.start is None:
+            raise ValueError(
+                'frame_rate needs the time of the first frame: add start = "0.25 s", or start = '
+                '"fit"'
+            )
+        return self
 
 
 class CrankRockerSettings(Settings):

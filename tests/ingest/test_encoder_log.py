@@ -5,10 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.io import savemat
 
 from erlif.core.errors import EncoderError
 from erlif.ingest import Page, read_encoder_log
-from erlif.ingest.encoder_log import check_rows
+from erlif.ingest.encoder_log import check_rows, read_log
+from erlif.ingest.logs.columns import ColumnChoice
+from erlif.ingest.logs.resample import ContinuousLog
 
 HEADER = "frame,angle_deg,load_N\n"
 
@@ -159,10 +162,9 @@ def test_a_missing_column_is_named_with_the_known_ones(refusal, missing):
     assert "Separate the columns" not in message
 
 
-def test_semicolons_are_recognised(refusal):
-    assert "Separate the columns with commas, and write decimal points." in refusal(
-        "frame;angle_deg\n0;1\n"
-    )
+def test_semicolons_separate_columns(write_log):
+    log = read_encoder_log(write_log("frame;angle_deg\n0;1,5\n1;2,5\n"))
+    assert log.angle.values.tolist() == [1.5, 2.5]
 
 
 def test_a_decimal_comma_is_recognised(refusal):
@@ -233,3 +235,52 @@ def test_the_first_row_without_a_frame_is_named(rows, frames, first):
 def test_the_first_frame_without_a_row_is_named():
     with pytest.raises(EncoderError, match=r"f_3\.tif is the first without a row"):
         check_rows(logged(0, 1), pages(1, 2, 3, 4), "log.csv")
+
+
+# logs of other loggers
+
+
+def test_a_log_without_frame_numbers_has_one_row_for_each_frame_where_the_counts_agree(write_log):
+    log, notes = read_log(write_log("angle_deg\tt\n1\t0\n2\t1\n"), ColumnChoice(), frames=2)
+    assert log.number.values.tolist() == [0, 1]
+    assert "row k of 2 is frame k" in str(notes[0])
+
+
+def test_a_log_in_time_is_recognised_by_its_number_of_rows(write_log):
+    rows = "".join(f"{k / 10},{(355 + 3 * k) % 360},{k}\n" for k in range(6))
+    log, notes = read_log(write_log(f"time_s,angle_deg,F\n{rows}"), ColumnChoice(), frames=3)
+    assert isinstance(log, ContinuousLog)
+    assert log.samples.angle.values.tolist() == [355, 358, 361, 364, 367, 370]
+    assert "6 rows from 0 to 0.5 s, 10 per second" in str(notes[0])
+    assert "its angle is counted on" in str(notes[0])
+
+
+def test_a_log_in_time_needs_time_and_angle(write_log):
+    with pytest.raises(EncoderError, match="Expected a column frame"):
+        read_log(write_log("F,angle_deg\n1,2\n3,4\n"), ColumnChoice(), frames=5)
+    with pytest.raises(EncoderError, match="Expected a column angle_deg"):
+        read_log(write_log("F,time_s\n1,2\n3,4\n"), ColumnChoice(), frames=5)
+    log = read_log(
+        write_log("F,time_s\n1,2\n3,4\n4,5\n5,6\n"), ColumnChoice(), frames=5, needs_angle=False
+    ).log
+    assert "angle" not in log.samples
+
+
+def test_binary_logs_are_read_like_text(tmp_path):
+    savemat(tmp_path / "log.mat", {"frame": [0, 1], "angle_deg": [5.0, 6.0]})
+    assert read_encoder_log(tmp_path / "log.mat").angle.values.tolist() == [5, 6]
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        # the files count from 1, the rows from 0: the gap of the names is the missing frame
+        ([1, 2, 4, 5], "frame 2 of log.csv is the first without a file"),
+        ([11, 12, 13, 14], "frame 4 of log.csv is the first without a file; the names"),
+        ([7, 20, 33, 46], "if no frame was missed earlier"),
+    ],
+)
+def test_an_inner_frame_without_a_file_is_found_by_the_names(names, words):
+    with pytest.raises(EncoderError) as refused:
+        check_rows(logged(0, 1, 2, 3, 4), pages(*names), "log.csv")
+    assert words in str(refused.value)

@@ -248,8 +248,20 @@ def cell(row, column, value):
             ["row 5, column angle_deg", "'x'"],
         ),
         (lambda rows: [*rows[:3], rows[3] + ",7", *rows[4:]], ["row 4", "6 values", "decimal"]),
-        (lambda rows: [row.replace(",", ";") for row in rows], ["column frame", "commas"]),
-        (lambda rows: [rows[0].replace("angle_deg", "angle"), *rows[1:]], ["column angle_deg"]),
+        (
+            lambda rows: [rows[0].replace("angle_deg", "angle"), *rows[1:]],
+            ["unit of column angle", 'units = { angle = "deg" }'],
+        ),
+        (
+            lambda rows: [rows[0].replace("angle_deg", "winkel"), *rows[1:]],
+            ["column angle_deg", 'angle = "name in the header"'],
+        ),
+        (cell(4, "time_s", "0.001"), ["time to rise", "row 4, column time_s"]),
+        (
+            cell(3, "temperature_C", "-300"),
+            ["-273.15 to 1000 degC", "row 3, column temperature_C", "-300 degC"],
+        ),
+        (cell(3, "angle_deg", '"1,5"'), ["row 3, column angle_deg", "decimal points"]),
         (lambda rows: [rows[0].replace("laser_mJ", "load_N"), *rows[1:]], ["load_N comes 2 times"]),
         (
             lambda rows: [rows[0].replace("laser_mJ", "laser/mJ"), *rows[1:]],

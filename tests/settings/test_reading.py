@@ -194,7 +194,7 @@ def test_gaps_are_listed_all_at_once_with_unit_and_meaning(lab):
     assert "3 gaps are left" in first
     assert lines == [
         '  [encoder] file: file name or pattern, for example "encoder.csv". '
-        "Encoder log: CSV with one row for each frame pair.",
+        "Encoder log: one row for each frame pair, or a column of times.",
         '  [mechanism] crank: length, for example "5.5 cm". '
         "Length of the crank, from pivot to pivot.",
         '  [joint.pin] youngs_modulus: pressure, for example "2.7 GPa". Young\'s modulus.',
