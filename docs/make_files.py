@@ -211,7 +211,20 @@ FRAMES = (
         "drift_x", F, "float64", "px", "Drift of camera 2 along x against the mean of the run."
     ),
     Variable("drift_y", F, "float64", "px", "The same along y."),
-    Variable("pulse_energy", F, "float64", "1", "Energy of the laser pulse relative to the mean."),
+    Variable(
+        "pulse_energy",
+        F,
+        "float64",
+        "1",
+        "Energy of the laser pulse relative to the mean, from the light of the film.",
+    ),
+    Variable(
+        "pulse_energy_logged",
+        F,
+        "float64",
+        "1",
+        "The same from the log, where it has a column pulse_energy, laser_energy or laser_mJ.",
+    ),
     Variable("file_camera1", F, "text", "", "File name of the frame of camera 1."),
     Variable("file_camera2", F, "text", "", "File name of the frame of camera 2."),
 )

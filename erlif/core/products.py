@@ -18,13 +18,20 @@ columns under their own names.
 """
 
 Frames = NewType("Frames", xr.Dataset)
-"""Raw counts of both cameras: counts (camera, frame, y, x) [DN], camera = 1, 2."""
+"""Raw counts of both cameras: counts (camera, frame, y, x) [DN], camera = 1, 2.
+
+The coordinate pulse_energy (frame), relative to the mean of the run, scales a background [1].
+"""
 
 References = NewType("References", xr.Dataset)
 """Both cameras as darks, flats and settings describe them.
 
 dark and dark_var [DN, DN2], flat and flat_var [1], bad: (camera, y, x). gain [electron/DN],
 read_noise [electron], full_scale (count at saturation) [DN]: (camera).
+
+Where the dry joint was recorded, background and background_var (camera, y, x), its light above the
+dark at the mean pulse energy [DN, DN2]; the variance is that of the mean page, dark not included.
+background_recorded (camera) is False where there were no pages.
 
 Characteristics after EMVA 1288, (camera), NaN where not measured: gain_measured and
 read_noise_measured with gain_std and read_noise_std, dark_signal with dark_signal_std and

@@ -1,5 +1,6 @@
 """Counts to light with variance: dark, flat, photon transfer, saturation."""
 
+from erlif.correction.background import Background, reduce_background
 from erlif.correction.camera import CameraMeasurement, measure_camera
 from erlif.correction.darks import Darks, declare_darks, reduce_darks
 from erlif.correction.flats import FlatField, make_flat_field
@@ -16,6 +17,7 @@ from erlif.correction.references import CameraNoise, Cameras, DeclaredNoise, mak
 from erlif.correction.saturation import count_pixels, find_pile_up
 
 __all__ = [
+    "Background",
     "CameraMeasurement",
     "CameraNoise",
     "Cameras",
@@ -34,6 +36,7 @@ __all__ = [
     "make_references",
     "measure_camera",
     "measure_response_spread",
+    "reduce_background",
     "reduce_darks",
     "reduce_level",
 ]

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from erlif.core.arrays import AnyArray, Counts
+from erlif.correction.background import Background, reduce_background
 from erlif.correction.darks import Darks, declare_darks, reduce_darks
 from erlif.correction.flats import reduce_flats, sum_light
 from erlif.correction.photon_transfer import LightLevel, reduce_level
@@ -32,6 +33,8 @@ class CameraMeasurement:
         Light of all flat pages together, (y, x); None without a flat. [DN]
     flat_pages : int
         Number of flat pages.
+    background : Background | None
+        Light of the dry joint; None where none was recorded.
     """
 
     darks: Darks
@@ -40,6 +43,7 @@ class CameraMeasurement:
     levels: tuple[LightLevel, ...] = ()
     flat_light: AnyArray | None = None
     flat_pages: int = 0
+    background: Background | None = None
 
     @property
     def has_flat(self) -> bool:
@@ -54,6 +58,7 @@ def measure_camera(
     histogram: Histogram,
     shape: tuple[int, int],
     camera: str,
+    background: Iterable[Counts] = (),
 ) -> CameraMeasurement:
     """Reduce the darks and flats of one camera; every page is read once.
 
@@ -69,6 +74,8 @@ def measure_camera(
         [px]
     camera : str
         Name in messages, "camera1".
+    background : iterable of array, (y, x)
+        Counts of the dry joint under the laser; empty where none were recorded.
 
     Returns
     -------
@@ -77,7 +84,8 @@ def measure_camera(
     Raises
     ------
     FrameError
-        If no flat page is well above dark and below saturation.
+        If no flat page is well above dark and below saturation, or the pages of the dry joint
+        are half as bright as the frames.
 
     Examples
     --------
@@ -94,8 +102,9 @@ def measure_camera(
     found = reduce_flats(
         flats, dark=reduced.mean, full_scale=full_scale, histogram=histogram, camera=camera
     )
+    dry = reduce_background(background, darks=reduced, histogram=histogram, camera=camera)
     if not found.stacks:
-        return CameraMeasurement(reduced, full_scale, found.saturation)
+        return CameraMeasurement(reduced, full_scale, found.saturation, background=dry)
 
     # near saturation counts are clipped in some pages only, which lowers the temporal variance
     levels = []
@@ -112,4 +121,5 @@ def measure_camera(
         tuple(levels),
         sum_light(found.stacks),
         sum(stack.count for stack in found.stacks),
+        dry,
     )

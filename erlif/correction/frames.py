@@ -6,6 +6,7 @@ import numba
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array, FlagImage, Image
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.products import CorrectedFrames, Frames, References, require
@@ -21,13 +22,15 @@ def correct_frames(
 ) -> CorrectedFrames:
     """Subtract the dark, divide by the flat, and give every pixel its variance and flags.
 
-    Bad pixels are filled from their neighbours, because interpolation would ring about them; they
-    stay flagged.
+    A background, where the references hold one, is scaled by the pulse energy and subtracted
+    between dark and flat. Bad pixels are filled from their neighbours, because interpolation would
+    ring about them; they stay flagged.
 
     Parameters
     ----------
     frames : Frames
-        counts (camera, frame, y, x). [DN]
+        counts (camera, frame, y, x) [DN]; the coordinate pulse_energy (frame), relative to the
+        mean of the run, scales the background; 1 where it is absent.
     references : References
         As `make_references` returns them.
     least_signal : float
@@ -89,6 +92,21 @@ def correct_frames(
                 fixed[camera, n],
                 flags[camera, n],
             )
+            if "background" in reference:
+                energy = float(frames.pulse_energy[n]) if "pulse_energy" in frames.coords else 1.0
+                subtract_background(
+                    signal[camera, n],
+                    fixed[camera, n],
+                    flags[camera, n],
+                    background=reference.background.values,
+                    background_var=reference.background_var.values,
+                    per_flat=1.0 / reference.flat.values.astype(float),
+                    dark_var=reference.dark_var.values,
+                    flat_var=reference.flat_var.values,
+                    energy=energy,
+                    recorded=float(reference.background_recorded),
+                    least=least_signal / float(reference.gain),
+                )
             fill_from_neighbours(signal[camera, n], bad, rows, columns)
 
     dims = ("camera", "frame", "y", "x")
@@ -146,6 +164,66 @@ def _correct(  # type: ignore[no-untyped-def]
             if bad[i, j]:
                 flag |= _BAD_PIXEL
             flags[i, j] = flag
+
+
+def subtract_background(
+    signal: Image,
+    fixed: Image,
+    flags: FlagImage,
+    *,
+    background: Image,
+    background_var: Image,
+    per_flat: Array,
+    dark_var: Image,
+    flat_var: Image,
+    energy: float,
+    recorded: float,
+    least: float,
+) -> None:
+    """Take the light of the dry joint from a corrected frame of one camera, in place.
+
+    Light is (counts - dark - energy (page - dark))/flat, where page is the mean of the dry joint:
+    the error of the dark remains with the factor 1 - energy, that of the page with energy. Where
+    no pages were recorded, the dark enters once and in full.
+
+    Parameters
+    ----------
+    signal : array, (y, x)
+        Light above the dark over the flat. [DN]
+    fixed : array, (y, x)
+        Its variance that repeats from frame to frame; it is made anew. [DN2]
+    flags : array, (y, x)
+        The bit of dim pixels is made anew.
+    background, background_var : array, (y, x)
+        Light of the dry joint and the variance of its mean page. [DN, DN2]
+    per_flat : array, (y, x)
+        One over the flat. [1]
+    dark_var, flat_var : array, (y, x)
+        Variances of dark and flat. [DN2, 1]
+    energy : float
+        Pulse energy relative to that of the dry joint. [1]
+    recorded : float
+        1 where pages were recorded above the same dark, else 0.
+    least : float
+        Light below which a pixel is dim. [DN]
+
+    Examples
+    --------
+    >>> signal, one = np.full((1, 1), 1000.0, np.float32), np.ones((1, 1), np.float32)
+    >>> subtract_background(
+    ...     signal, 0 * one, np.zeros((1, 1), np.uint8), background=10 * one, background_var=one,
+    ...     per_flat=np.ones((1, 1)), dark_var=one, flat_var=0 * one, energy=1.1,
+    ...     recorded=1.0, least=20.0
+    ... )
+    >>> float(signal[0, 0])
+    989.0
+    """
+    signal -= (energy * background) * per_flat
+    of_dark = (1 - energy * recorded) ** 2 * dark_var + energy**2 * background_var
+    fixed[:] = (of_dark + np.square(signal, dtype=float) * flat_var) * per_flat**2
+    dim = signal < least * per_flat
+    flags[dim] |= np.uint8(_DIM)
+    flags[~dim] &= np.uint8(0xFF ^ _DIM)
 
 
 @numba.njit(nogil=True, cache=True)

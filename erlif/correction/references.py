@@ -162,10 +162,13 @@ def make_references(
     array([4.4, 4.4])
     """
     datasets, notes = [], []
+    dry = any(camera.background is not None for camera in measured)
     for number, (one, given, estimate) in enumerate(
         zip(measured, declared, estimated, strict=True), 1
     ):
         dataset, found = _characterise(one, given, estimate, camera=f"camera{number}")
+        if dry:
+            dataset = dataset.assign(_describe_background(one, dataset))
         datasets.append(dataset)
         notes += found
     merged = xr.concat(datasets, xr.Variable("camera", [1, 2]), combine_attrs="drop")
@@ -305,6 +308,24 @@ def _build_dataset(
         | {
             name: ((), value, {"units": unit, "long_name": meaning})
             for name, (value, unit, meaning) in scalars.items()
+        }
+    )
+
+
+def _describe_background(measured: CameraMeasurement, dataset: xr.Dataset) -> xr.Dataset:
+    """Mean light of the dry joint with its variance; zero where one camera alone has none."""
+    background = measured.background
+    mean, variance = (np.zeros(dataset.dark.shape, np.float32) for _ in range(2))
+    if background is not None:
+        gain = float(dataset.gain)
+        page_var = (float(dataset.read_noise) / gain) ** 2 + QUANTISATION_VAR
+        mean = background.light.astype(np.float32)
+        variance = (np.maximum(mean, 0) / gain + page_var).astype(np.float32) / background.pages
+    return xr.Dataset(
+        {
+            "background": (("y", "x"), mean, {"units": "DN"}),
+            "background_var": (("y", "x"), variance, {"units": "DN2"}),
+            "background_recorded": ((), background is not None),
         }
     )
 
@@ -453,6 +474,15 @@ def _read_noise_notes(
 
 def _recording_notes(camera: str, measured: CameraMeasurement) -> list[Note]:
     notes = []
+    if measured.background is not None:
+        notes.append(
+            Note(
+                Level.NOTE,
+                camera,
+                f"background of {measured.background.pages} frame(s) of the dry joint subtracted, "
+                f"{100 * measured.background.share:.2g} % of the median light",
+            )
+        )
 
     # a pile-up below full scale comes from the sensor or from a range set in the camera
     top = measured.saturation

@@ -115,7 +115,7 @@ def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
         names = ["fixture.toml", recording.settings.fixture.profile]
     files = {name: [recording.directory / name] for name in names}
     for camera in recording.cameras:
-        for pattern in (camera.dark, camera.flat):
+        for pattern in (camera.dark, camera.flat, camera.background):
             if pattern is not None:
                 files[pattern] = match_files(recording.directory, pattern)
     return files

@@ -87,17 +87,18 @@ WHOLE = Selection()
 """All counts of a file, right-aligned."""
 
 
-def select_counts(
-    camera: CameraSettings, purpose: Literal["frames", "dark", "flat"] = "frames"
-) -> Selection:
+Purpose = Literal["frames", "dark", "flat", "background"]
+"""What the counts of a file are for."""
+
+
+def select_counts(camera: CameraSettings, purpose: Purpose = "frames") -> Selection:
     """The counts that the settings name for a camera.
 
     Parameters
     ----------
     camera : CameraSettings
-    purpose : {"frames", "dark", "flat"}
-        Darks and flats have the part and the alignment of the frames, and may have a dataset of
-        their own.
+    purpose : {"frames", "dark", "flat", "background"}
+        All have the part and the alignment of the frames, and may have a dataset of their own.
 
     Returns
     -------
@@ -117,6 +118,8 @@ def select_counts(
         dataset = camera.dark_dataset or dataset
     elif purpose == "flat":
         dataset = camera.flat_dataset or dataset
+    elif purpose == "background":
+        dataset = camera.background_dataset or dataset
     shift = 16 - camera.bit_depth if camera.alignment == "left" else 0
     return Selection(camera.part or "", dataset, shift)
 

@@ -57,6 +57,7 @@ COVERED = 0.8
 
 _DARK = re.compile(r"(?<![a-z])(dark|bias|black)")
 _FLAT = re.compile(r"(?<![a-z])(flat|white|uniform)")
+_DRY = re.compile(r"(?<![a-z])(background|dry)(?![a-z])")
 _CAMERA = re.compile(
     r"(?<![a-z])(?:camera|kamera|cam|channel|ch|c)[ _-]?0?([0-9])(?!\d)"
     r"|(?<![a-z])(?:camera|kamera|cam)[ _-]?([ab])(?![a-z\d])"
@@ -128,11 +129,13 @@ class CameraSurvey:
     wavelength : int | None
         Wavelength in the names of its files; None where there is none. [nm]
     frames : ImageSet
-        Images that are neither darks nor flats.
+        Images of no other purpose.
     darks : ImageSet | None
         None where no name has one of the words for darks.
     flats : ImageSet | None
         None where no name has one of the words for flats.
+    backgrounds : ImageSet | None
+        Images of the dry joint; None where no name has one of the words for them.
     counts : CountsSample | None
         None where no page can be read.
     """
@@ -142,6 +145,7 @@ class CameraSurvey:
     frames: ImageSet
     darks: ImageSet | None
     flats: ImageSet | None
+    backgrounds: ImageSet | None
     counts: CountsSample | None
 
 
@@ -269,7 +273,7 @@ def _read_table(path: Path) -> TextTable | None:
 def _group_by_camera(
     images: Sequence[Path], directory: Path
 ) -> tuple[dict[str, dict[str, list[Path]]], list[Path]]:
-    """Files by camera and purpose ("frames", "darks", "flats"), and those of no camera."""
+    """Files by camera and purpose ("frames", "darks", ...), and those of no camera."""
     names = {path: _plain_name(path, directory) for path in images}
     purposes = {path: _purpose(name) for path, name in names.items()}
     frames = [path for path in images if purposes[path] == "frames"]
@@ -308,7 +312,9 @@ def _plain_name(path: Path, directory: Path) -> str:
 def _purpose(name: str) -> str:
     if _DARK.search(name):
         return "darks"
-    return "flats" if _FLAT.search(name) else "frames"
+    if _FLAT.search(name):
+        return "flats"
+    return "backgrounds" if _DRY.search(name) else "frames"
 
 
 def _choose_rule(names: Sequence[str]) -> _KeyRule:
@@ -358,13 +364,17 @@ def _describe_camera(label: str, group: dict[str, list[Path]], directory: Path) 
     """Read the headers of a camera's files, and the counts of some."""
     frames, pages = _describe_set(group["frames"], directory)
     flats, flat_pages = _describe_set(group["flats"], directory) if group["flats"] else (None, [])
-    darks = _describe_set(group["darks"], directory)[0] if group["darks"] else None
+    darks, dry = (
+        _describe_set(group[purpose], directory)[0] if group[purpose] else None
+        for purpose in ("darks", "backgrounds")
+    )
     return CameraSurvey(
         label=label,
         wavelength=_common_wavelength([_plain_name(path, directory) for path in group["frames"]]),
         frames=frames,
         darks=darks,
         flats=flats,
+        backgrounds=dry,
         counts=_sample_counts([*_spread(pages), *_spread(flat_pages)], directory),
     )
 

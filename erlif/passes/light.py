@@ -100,6 +100,31 @@ def _twice(image: Image) -> Image:
 
 
 @dataclass(frozen=True)
+class BackgroundTables:
+    """Light of the dry joint in one camera, divided by the flat; images are (y, x).
+
+    Attributes
+    ----------
+    light : Image
+        At the mean pulse energy. [DN]
+    variance : Image
+        Of its mean page. [DN2]
+    dark_var : Image
+        Variance of the light by the dark. [DN2]
+    least : Image
+        Light that is not dim. [DN]
+    recorded : float
+        1 where pages were recorded above the same dark, else 0.
+    """
+
+    light: Image
+    variance: Image
+    dark_var: Image
+    least: Image
+    recorded: float
+
+
+@dataclass(frozen=True)
 class CameraTables:
     """What the correction of one camera repeats in every frame; images are (y, x).
 
@@ -127,6 +152,8 @@ class CameraTables:
         Variance by reading and rounding. [DN2]
     full_scale : int
         Count at saturation. [DN]
+    background : BackgroundTables | None
+        Light of the dry joint; None where none was recorded.
     """
 
     dark: Image
@@ -140,6 +167,7 @@ class CameraTables:
     per_gain: float
     read_var: float
     full_scale: int
+    background: BackgroundTables | None = None
 
 
 def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
@@ -174,6 +202,16 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
     if (dark_var == dark_var[:1]).all():
         dark_var = dark_var[:1]
 
+    background = None
+    if "background" in reference:
+        background = BackgroundTables(
+            (reference.background.values * per_flat).astype(np.float32),
+            (reference.background_var.values * per_flat**2).astype(np.float32),
+            (reference.dark_var.values * per_flat**2).astype(np.float32),
+            (least_signal / gain * per_flat).astype(np.float32),
+            float(reference.background_recorded),
+        )
+
     # counts are whole numbers, so that the comparison with a rounded threshold is exact
     least = np.ceil(dark.astype(float) + least_signal / gain)
     return CameraTables(
@@ -188,6 +226,7 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
         1 / gain,
         (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR,
         int(reference.full_scale),
+        background,
     )
 
 
@@ -196,6 +235,7 @@ def measure_light(
     tables: tuple[CameraTables, CameraTables],
     *,
     out: PairLight | None = None,
+    energy: float = 1.0,
 ) -> PairLight:
     """Light of a frame pair with variance and flags, and the same binned.
 
@@ -206,6 +246,8 @@ def measure_light(
     tables : tuple of two CameraTables
     out : PairLight, optional
         Filled and returned.
+    energy : float
+        Energy of the pulse over the mean of the run; it scales a background. [1]
 
     Returns
     -------
@@ -230,6 +272,20 @@ def measure_light(
             out.variance_fixed[n],
             out.flags[n],
         )
+        if table.background is not None:
+            dry = table.background
+            _subtract(
+                light,
+                out.variance_fixed[n],
+                out.flags[n],
+                dry.light,
+                dry.variance,
+                dry.dark_var,
+                dry.least,
+                table.flat_var,
+                np.float32(energy),
+                np.float32(dry.recorded),
+            )
         fill_from_neighbours(light, table.bad, table.rows, table.columns)
         _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
     return out
@@ -279,6 +335,26 @@ def _measure(  # type: ignore[no-untyped-def]
             flags[i, j] = flag | (_BAD_PIXEL if bad[i, j] else _NONE)
         highest = max(highest, most)
     return highest
+
+
+@numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
+def _subtract(  # type: ignore[no-untyped-def]
+    light, fixed, flags, background, background_var, dark_var, least, flat_var, energy, recorded
+):
+    """Take the light of the dry joint away; see `correction.frames.subtract_background`."""
+    of_dark, of_page = (_ONE - energy * recorded) ** 2, energy * energy
+    keep = np.uint8(0xFF) ^ _DIM
+    for i in range(light.shape[0]):
+        n = i % fixed.shape[0]
+        for j in range(light.shape[1]):
+            value = light[i, j] - energy * background[i, j]
+            light[i, j] = value
+            fixed[n, j] = (
+                of_dark * dark_var[i, j]
+                + of_page * background_var[i, j]
+                + value * value * flat_var[i, j]
+            )
+            flags[i, j] = (flags[i, j] & keep) | (_DIM if value < least[i, j] else _NONE)
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,6 +32,10 @@ RANDOM, FIXED, SHARED = "random", "random, the same in every frame", "shared"
 """Errors that average out over pixels and frames, over pixels only, and not at all."""
 
 
+_DRY = "frames of the dry joint"
+"""A source of runs with a background alone."""
+
+
 class _Source(NamedTuple):
     """A source of noise in one camera."""
 
@@ -51,6 +56,7 @@ _SOURCES = tuple(
         ("reading and rounding", RANDOM),
         ("dark frames", FIXED),
         ("flat frames", FIXED),
+        (_DRY, FIXED),
     )
     for camera in (1, 2)
 )
@@ -220,23 +226,35 @@ def _add_sources(
     )
     signal = corrected.signal.values.astype(float)
     reading = (read_noise / gain) ** 2 + QUANTISATION_VAR
+    counts = signal * flat
+    of_page = np.zeros_like(dark_var)
+    if "background" in references:
+        energy = chain.correct.energy(int(corrected.frame[0]))
+        recorded = references.background_recorded.values[:, None, None, None]
+        counts += energy * references.background.values[:, None]
+        dark_var *= (1 - energy * recorded) ** 2
+        of_page = energy**2 * references.background_var.values[:, None].astype(float)
     sources = {
-        "photons": np.maximum(signal, 0) / (flat * gain),
+        "photons": np.maximum(counts, 0) / (flat**2 * gain),
         "reading and rounding": reading / flat**2 + 0 * signal,
         "dark frames": dark_var / flat**2 + 0 * signal,
         "flat frames": (signal / flat) ** 2 * flat_var,
+        _DRY: of_page / flat**2 + 0 * signal,
     }
 
     # two sources at a time take the places of the two variances in the alignment
     dims = corrected.signal.dims
     names = list(sources)
-    for one, other in zip(names[::2], names[1::2], strict=True):
+    if not of_page.any():
+        names.remove(_DRY)
+    for one, other in zip_longest(names[::2], names[1::2]):
         single = corrected.assign(
             signal_var=(dims, sources[one].astype(np.float32)),
-            signal_var_fixed=(dims, sources[other].astype(np.float32)),
+            signal_var_fixed=(dims, sources[other or one].astype(np.float32)),
         )
         moved = chain.align_like(CorrectedFrames(single), aligned)
-        for name, image in ((one, moved.signal_var), (other, moved.signal_var_fixed)):
+        images = {one: moved.signal_var, other: moved.signal_var_fixed}
+        for name, image in images.items():
             with np.errstate(divide="ignore", invalid="ignore"):  # pixels without light or weight
                 relative = image.values[:, 0] / np.square(aligned.signal.values[:, 0], dtype=float)
             for source in (source for source in _SOURCES if source.what == name):
@@ -347,7 +365,13 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
             for column in columns
         ]
 
-    order = [*_NOISE_TERMS, "random part", *_SHARED_TERMS, "shared part", "total"]
+    # a run without a background has no such terms
+    noise = [
+        term
+        for term in _NOISE_TERMS
+        if not term.startswith(_DRY) or np.nan_to_num(rows[term]).any()
+    ]
+    order = [*noise, "random part", *_SHARED_TERMS, "shared part", "total"]
     kinds = {source.term: source.kind for source in _SOURCES}
     kinds |= dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
     std = np.array([rows[term] for term in order])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from erlif.ingest import (
     read_reference_pages,
     select_counts,
 )
+from erlif.ingest.selection import Purpose
 
 _FRAMES_SEARCHED = 8
 """Frame pairs searched for saturation below full scale."""
@@ -91,7 +91,7 @@ def _measure(recording: Run | Fixture, number: int, histogram: Histogram) -> Cam
     settings = recording.cameras[number - 1]
     camera, shape = f"camera{number}", recording.pairs.shape
 
-    def read(pattern: str, kind: Literal["dark", "flat"]) -> Iterator[Counts]:
+    def read(pattern: str, kind: Purpose) -> Iterator[Counts]:
         return read_reference_pages(
             recording.directory,
             pattern,
@@ -109,4 +109,5 @@ def _measure(recording: Run | Fixture, number: int, histogram: Histogram) -> Cam
         histogram=histogram,
         shape=shape,
         camera=camera,
+        background=() if settings.background is None else read(settings.background, "background"),
     )

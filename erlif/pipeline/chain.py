@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array, Image
+from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.errors import RegistrationError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.pickling import PickledByFields
@@ -42,11 +42,15 @@ class FrameCorrection(PickledByFields):
         Dark, flat, gain and read noise of both cameras.
     least_signal : float
         Pixels with less light are flagged dim. [electron]
+    energies : Array | None
+        Pulse energy of each frame over the mean of the run, (frame,); it scales a background. None:
+        not known, the mean is taken. [1]
     """
 
     pairs: FramePairs
     references: References
     least_signal: float = 100.0
+    energies: Array | None = None
 
     @cached_property
     def tables(self) -> tuple[CameraTables, CameraTables]:
@@ -63,7 +67,17 @@ class FrameCorrection(PickledByFields):
 
     def light(self, frame: int, *, out: PairLight | None = None) -> PairLight:
         """Light of one frame pair as plain arrays, in those of ``out`` where they are given."""
-        return measure_light(read_pair(self.pairs, frame).counts, self.tables, out=out)
+        return self.measure(frame, read_pair(self.pairs, frame).counts, out=out)
+
+    def measure(
+        self, frame: int, counts: Sequence[AnyArray], *, out: PairLight | None = None
+    ) -> PairLight:
+        """Light of one frame pair whose counts were read."""
+        return measure_light(counts, self.tables, out=out, energy=self.energy(frame))
+
+    def energy(self, frame: int) -> float:
+        """Energy of a pulse over the mean of the run; 1 where it is not known."""
+        return 1.0 if self.energies is None else float(self.energies[frame])
 
     def __call__(self, frame: int) -> CorrectedFrames:
         """One corrected frame pair.
@@ -231,7 +245,7 @@ class FrameChain(PickledByFields):
 
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
-        light = measure_light(counts, self.correct.tables, out=buffers.light)
+        light = self.correct.measure(frame, counts, out=buffers.light)
         ratio = self._divide(light, self._find_drift(light), buffers)
         spare = light.light[1], light.variance[1], light.variance_fixed[1]
         return replace(ratio, digests=digests, spare=spare)

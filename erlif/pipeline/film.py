@@ -18,6 +18,7 @@ from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, skipped_notes
 from erlif.pipeline.joint import describe_joint
+from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map
@@ -331,6 +332,7 @@ def describe_frames(
                 energy,
                 {"units": "1", "long_name": "pulse energy relative to the mean"},
             ),
+            **_describe_energies(run),
             "file_camera1": ("frame", names[0]),
             "file_camera2": ("frame", names[1]),
         }
@@ -340,6 +342,14 @@ def describe_frames(
     if run.pairs.skipped:
         group.attrs["skipped_frames"] = join_notes(skipped_notes(run.pairs))
     return group.reset_coords(drop=True)
+
+
+def _describe_energies(run: Run) -> dict[str, Any]:
+    energies = read_energies(run.log)
+    if energies is None:
+        return {}
+    attrs = {"units": "1", "long_name": "pulse energy in the log relative to its mean"}
+    return {"pulse_energy_logged": ("frame", energies, attrs)}
 
 
 def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dataset:

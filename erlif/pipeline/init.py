@@ -185,7 +185,8 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
         draft.set(f"{table}.band", f"{camera.wavelength} nm", "From the names of the files.")
     if camera.counts is not None:
         _draft_depth(draft, table, camera.counts)
-    for key, images in (("dark", camera.darks), ("flat", camera.flats)):
+    others = ("dark", camera.darks), ("flat", camera.flats), ("background", camera.backgrounds)
+    for key, images in others:
         if images is None:
             continue
         draft.set(f"{table}.{key}", images.pattern, f"{images.pages} images.")

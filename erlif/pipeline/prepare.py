@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from erlif.core.memory import release_memory
+from erlif.core.products import References
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
 from erlif.correction import CameraMeasurement, make_references
@@ -16,6 +17,7 @@ from erlif.pipeline.cameras import declared_noise, measure_cameras
 from erlif.pipeline.chain import FrameChain, FrameCorrection
 from erlif.pipeline.kernels import wait_for_kernels
 from erlif.pipeline.noise import NoiseCompletion, complete_noise, find_unknowns
+from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.register import register_cameras
 from erlif.pipeline.sample import compare_sharpness, sample_frames
 from erlif.ratio import BlurDifference
@@ -64,7 +66,7 @@ def prepare_chain(
             _logger.info("%s", note)
 
     # where nothing is left to be estimated, the references are all that is needed
-    correct = FrameCorrection(recording.pairs, cameras.references, settings.thickness.least_signal)
+    correct = correct_recording(recording, cameras.references)
     if not find_unknowns(cameras.references).any:
         measured = ()
         correct = correct.tabulated() if tables_only else correct
@@ -104,6 +106,16 @@ def prepare_chain(
     return completed
 
 
+def correct_recording(recording: Run | Fixture, references: References) -> FrameCorrection:
+    """Counts to light for the frames of a recording, with the energies of its log if it has any."""
+    return FrameCorrection(
+        recording.pairs,
+        references,
+        recording.settings.thickness.least_signal,
+        read_energies(recording.log) if isinstance(recording, Run) else None,
+    )
+
+
 def prepare_with_map(
     recording: Run | Fixture, camera_map: CameraMap, *, blur: BlurDifference
 ) -> NoiseCompletion:
@@ -124,11 +136,10 @@ def prepare_with_map(
     FrameError
         As `prepare_chain`.
     """
-    options = recording.settings.thickness
     measured, declared = measure_cameras(recording), declared_noise(recording)
     cameras = make_references(measured, declared=declared)
-    correct = FrameCorrection(recording.pairs, cameras.references, options.least_signal)
-    chain = FrameChain(correct, camera_map, blur, options.no_film_below)
+    correct = correct_recording(recording, cameras.references)
+    chain = FrameChain(correct, camera_map, blur, recording.settings.thickness.no_film_below)
     completed = complete_noise(chain, cameras, measured=measured, declared=declared)
 
     # an estimate of the noise compares the sharpness again; the given difference stays

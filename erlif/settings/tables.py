@@ -182,6 +182,12 @@ class CameraSettings(Settings):
         "frames.",
         examples=["/camera1/flat"],
     )
+    background_dataset: Text | None = Field(
+        None,
+        description="Path of the frames of the dry joint in an HDF5 or netCDF file. Default: that "
+        "of the frames.",
+        examples=["/camera1/background"],
+    )
     dark: FileName | None = Field(
         None,
         description="Dark frames: lens capped, exposure time and camera gain as in the run. Either "
@@ -196,6 +202,13 @@ class CameraSettings(Settings):
         description="Flat frames of an evenly lit target, several at each of one or more light "
         "levels. Default: all pixels are taken as equally sensitive.",
         examples=["camera1_flat.tif"],
+    )
+    background: FileName | None = Field(
+        None,
+        description="Frames of the dry or dye-free joint under the laser, at the mean pulse energy "
+        "of the run. Their light above the dark, scaled by the pulse energy where the log has it, "
+        "is subtracted.",
+        examples=["camera1_background.tif"],
     )
     gain: Gain | None = Field(
         None,
@@ -219,6 +232,7 @@ class CameraSettings(Settings):
         for key, file, dataset in (
             ("dark", self.dark, self.dark_dataset),
             ("flat", self.flat, self.flat_dataset),
+            ("background", self.background, self.background_dataset),
         ):
             if file == self.files and (dataset or self.dataset) == self.dataset:
                 raise ValueError(

@@ -231,3 +231,69 @@ def test_missing_references_are_named(name):
 def test_frames_without_counts_are_refused():
     with pytest.raises(ErlifError, match="counts"):
         correct_frames(make_frames(flat_frame()).drop_vars("counts"), make_references())
+
+
+# light that is not film
+
+
+def with_background(references, light, variance=0.0, *, recorded=True):
+    image = {"dims": IMAGE, "coords": references.dark.coords}
+    full = np.broadcast_to(light, references.dark.shape).astype(np.float32)
+    return References(
+        references.assign(
+            background=xr.DataArray(full, **image),
+            background_var=xr.full_like(references.dark, variance),
+            background_recorded=("camera", [recorded] * 2),
+        )
+    )
+
+
+def test_a_background_without_pages_leaves_the_error_of_the_dark():
+    references = with_background(make_references(dark_var=0.3), 20.0, recorded=False)
+    corrected = correct_frames(make_frames(flat_frame()), references)
+    npt.assert_allclose(corrected.signal_var_fixed, 0.3, rtol=1e-6)
+
+
+def test_background_is_scaled_by_the_pulse_energy_between_dark_and_flat():
+    """light = (1064 - 64 - energy * 20)/0.8; a frame without energy has the mean one."""
+    references = with_background(make_references(flat=0.8), 20.0)
+    frames = make_frames(flat_frame(), flat_frame()).assign_coords(
+        pulse_energy=("frame", [1.0, 1.5])
+    )
+    corrected = correct_frames(frames, references)
+    npt.assert_allclose(corrected.signal[0, 0], 980 / 0.8, rtol=1e-6)
+    npt.assert_allclose(corrected.signal[1, 1], 970 / 0.8, rtol=1e-6)
+    without = correct_frames(frames.drop_vars("pulse_energy"), references)
+    npt.assert_allclose(without.signal, 980 / 0.8, rtol=1e-6)
+
+    # photons of the background are noise like those of the film
+    npt.assert_allclose(
+        corrected.signal_var, (1000 / 4.4 + (9 / 4.4) ** 2 + 1 / 12) / 0.64, rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("energy", [0.7, 1.0, 1.4])
+def test_scatter_of_dark_and_dry_pages_is_the_fixed_variance(energy):
+    """Light of one frame, corrected with many drawn darks and dry joints."""
+    rng, dark_var, page_var = np.random.default_rng(3), 4.0, 9.0
+    dark = 64 + np.sqrt(dark_var) * rng.standard_normal((100, 120))
+    page = 84 + np.sqrt(page_var) * rng.standard_normal(dark.shape)
+    references = with_background(
+        make_references(dark.shape, dark=dark, dark_var=dark_var), page - dark, page_var
+    )
+    frames = make_frames(flat_frame(1064, dark.shape)).assign_coords(
+        pulse_energy=("frame", [energy])
+    )
+    corrected = correct_frames(frames, references)
+    light, variance = corrected.signal.values[0, 0], corrected.signal_var_fixed.values[0, 0]
+    npt.assert_allclose(light.mean(), 1000 - 20 * energy, atol=4 * np.sqrt(variance.mean() / 12000))
+    npt.assert_allclose(light.var(), variance.mean(), rtol=4 * np.sqrt(2 / 12000))
+
+
+def test_a_pixel_is_dim_by_the_light_of_its_film():
+    references = with_background(make_references(), 500.0)
+    flags = correct_frames(make_frames(flat_frame(64 + 510)), references)["flags"]
+    assert (flags == Flag.DIM).all()
+    assert (
+        correct_frames(make_frames(flat_frame(64 + 510)), make_references())["flags"] == 0
+    ).all()

@@ -54,6 +54,7 @@ FRAMES = {
     "drift_x": "px",
     "drift_y": "px",
     "pulse_energy": "1",
+    "pulse_energy_logged": "1",
     "file_camera1": None,
     "file_camera2": None,
 }

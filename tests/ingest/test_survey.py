@@ -108,6 +108,16 @@ def test_darks_and_flats_are_assigned_to_their_camera_by_name(tmp_path, dark, fl
         assert set(tmp_path.glob(camera.frames.pattern)) == set(camera.frames.files)
 
 
+@pytest.mark.parametrize("name", ["camera{}_dry.tif", "background/cam{}.tif"])
+def test_frames_of_the_dry_joint_are_assigned_to_their_camera(tmp_path, name):
+    for camera in (1, 2):
+        photograph(tmp_path, *numbered(f"camera{camera}/frame_{{}}.tif"))
+        photograph(tmp_path, name.format(camera), pages=2)
+    for number, camera in enumerate(survey_directory(tmp_path).cameras, 1):
+        assert camera.frames.pages == 3
+        assert camera.backgrounds.pattern == name.format(number)
+
+
 def test_darks_of_left_and_right_are_found_in_their_own_folder(tmp_path):
     photograph(tmp_path, *numbered("left/{}.tif"), *numbered("right/{}.tif"))
     photograph(tmp_path, "darks/left.tif", "darks/right.tif")

@@ -1,0 +1,85 @@
+"""Light that is not film: a run with a known background, from frames to film."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.rig import RigSettings, simulate
+
+RIG = RigSettings(
+    width=128,
+    height=96,
+    spacing=3.0,
+    fixture_frames=6,
+    bubbles=0,
+    background=0.03,
+    background_pages=8,
+    pulse_jitter=0.1,
+)
+"""Sixteen triggers with 3 % of the median light in every pixel; the pulses scatter by a tenth."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    out = simulate(tmp_path_factory.mktemp("background") / "lab", seed=31, rig=RIG)
+    erlif.save_calibration(erlif.calibrate(out / "fixture"), out / "fixture" / "calibration.nc")
+    return out
+
+
+@pytest.fixture(scope="module")
+def plain(lab):
+    """The same run, processed as if there were no background."""
+    copy = shutil.copytree(lab / "run", lab / "plain")
+    settings = copy / "run.toml"
+    lines = settings.read_text().splitlines(keepends=True)
+    settings.write_text("".join(line for line in lines if not line.startswith("background =")))
+    return erlif.process(copy, workers=1)
+
+
+@pytest.fixture(scope="module")
+def corrected(lab):
+    return erlif.process(lab / "run", workers=1)
+
+
+def errors(film, lab):
+    """Film less true film of the valid pixels, of which those of 3 to 4 um; and their std. [um]"""
+    with xr.open_dataset(lab / "truth.nc", engine="h5netcdf") as truth:
+        true = truth.film.values
+    inside = (film["flags"].values == 0) & (true > 3) & (true < 4)
+    error = (film.thickness.values - true)[inside]
+    return error, np.hypot(film.thickness_std, film.thickness_std_shared).values[inside]
+
+
+def test_frames_of_the_dry_joint_take_the_bias_away(lab, plain, corrected):
+    before, _ = errors(plain, lab)
+    after, std = errors(corrected, lab)
+    shared = float(np.median(corrected.thickness_std_shared.values[corrected["flags"] == 0]))
+    assert before.mean() > 0.08
+    assert abs(after.mean()) < 2 * shared
+    # the noise of the dry pages and the photons of the background are in the error bars
+    assert 0.9 < (after / std).std() < 1.1
+
+
+def test_hashes_and_notes_name_the_frames_of_the_dry_joint(corrected):
+    assert "camera1_background.tif" in corrected.attrs["input_hashes"]
+    assert "dry joint subtracted" in corrected.attrs["notes"]
+
+
+def test_budget_has_the_frames_of_the_dry_joint(lab, corrected):
+    budget = erlif.budget(lab / "run", trigger=4, films=(8.0,))
+    one = corrected.isel(trigger=4)
+    near = np.abs(one.thickness.values / 8.0 - 1) < 0.05
+    column = budget["std"].isel(quantity=0)
+    assert float(column.sel(term="frames of the dry joint, camera 1")) > 0
+    random = float(column.sel(term="random part"))
+    assert random == pytest.approx(float(np.median(one.thickness_std.values[near])), rel=0.05)
+
+
+def test_background_of_the_wrong_frames_is_refused(lab, tmp_path):
+    copy = shutil.copytree(lab / "run", tmp_path / "run")
+    shutil.copy(copy / "camera1" / "frame_0005.tif", copy / "camera1_background.tif")
+    with pytest.raises(erlif.ErlifError, match="dry or dye-free joint"):
+        erlif.process(copy, calibration=lab / "fixture" / "calibration.nc", workers=1)
