@@ -37,7 +37,7 @@ _HORIZONTAL = 2
 
 # numbers of the tags after the TIFF 6.0 specification
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION = 256, 257, 258, 259
-_OFFSETS, _ROWS, _LENGTHS, _PREDICTOR = 273, 278, 279, 317
+_OFFSETS, _ROWS, _LENGTHS, _PREDICTOR, _DESCRIPTION = 273, 278, 279, 317, 270
 
 _ONLY = {262: (0, 1), 266: (1,), 277: (1,), 284: (1,), 339: (1,)}
 """Tags with the values of plain grey counts: photometric interpretation, fill order, samples per
@@ -73,6 +73,9 @@ class PlainPage(NamedTuple):
         What they take in the file. [byte]
     header : int
         Where the directory of the page begins. [byte]
+    description : tuple[int, int]
+        Where the text of the tag ImageDescription begins and its length, 0 where there is none or
+        one too short to mean anything. [byte]
     """
 
     shape: tuple[int, int]
@@ -83,6 +86,7 @@ class PlainPage(NamedTuple):
     offsets: tuple[int, ...]
     lengths: tuple[int, ...]
     header: int
+    description: tuple[int, int] = (0, 0)
 
 
 class _Layout(NamedTuple):
@@ -288,7 +292,10 @@ def _read_directory(source: _Source, offset: int, layout: _Layout) -> tuple[Plai
         return None
 
     tags: dict[int, tuple[int, ...]] = {}
+    description = (0, 0)
     for tag, kind, count, field in struct.iter_unpack(layout.entry, table[:entries]):
+        if tag == _DESCRIPTION and count > len(field) and not description[1]:
+            description = int.from_bytes(field, "little"), count
         if tag in _WITHOUT_EFFECT:
             continue
         values = _read_values(source, kind, count, field)
@@ -296,7 +303,10 @@ def _read_directory(source: _Source, offset: int, layout: _Layout) -> tuple[Plai
             return None
         tags[tag] = values
     page = _describe(tags, offset)
-    return None if page is None else (page, struct.unpack_from(layout.following, table, entries)[0])
+    if page is None:
+        return None
+    following = struct.unpack_from(layout.following, table, entries)[0]
+    return page._replace(description=description), following
 
 
 def _read_values(source: _Source, kind: int, count: int, field: bytes) -> tuple[int, ...] | None:

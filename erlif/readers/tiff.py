@@ -1,10 +1,12 @@
-"""TIFF files: single images, stacks and BigTIFF, whatever their suffix."""
+"""TIFF files: images, stacks, BigTIFF, OME and ImageJ, whatever their suffix."""
 
 from __future__ import annotations
 
 import importlib.util
+import logging
 import math
-import os
+import threading
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +14,51 @@ import tifffile
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
-from erlif.readers.base import TRUNCATED, Format, FrameFile, FrameKind, describe_shape
-from erlif.readers.plain_tiff import find_plain_pages, read_plain_page
+from erlif.readers.base import (
+    TRUNCATED,
+    Format,
+    FrameFile,
+    FrameKind,
+    describe_shape,
+)
+from erlif.readers.plain_tiff import PlainPage, find_plain_pages, read_plain_page
+from erlif.readers.raw import FrameLayout, RawFrames
+from erlif.readers.source import Source
+from erlif.readers.strips import NONE, PACKBITS, Segments, read_segments
+from erlif.readers.tiff_metadata import read_description
+
+# faults of a file are raised; without a handler Python would print what tifffile logs about them
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 _STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and of BigTIFF in both byte orders."""
 
-_DENSEST = 1100
-"""Pixels per byte of a file that deflate can reach; a header that claims more is damaged."""
+_DENSEST = 1500
+"""Pixels per byte of a file that LZW can reach; a header that claims more is damaged."""
+
+_PALETTE = 3
+"""Value of the tag PhotometricInterpretation."""
+
+_SEPARATE = 2
+"""Value of the tag PlanarConfiguration: each colour by itself."""
+
+_LOSSY = {
+    6: "JPEG",
+    7: "JPEG",
+    33003: "JPEG 2000",
+    33005: "JPEG 2000",
+    33007: "JPEG",
+    34712: "JPEG 2000",
+    34887: "LERC",
+    34892: "JPEG",
+    50001: "WebP",
+    50002: "JPEG XL",
+    52546: "JPEG XL",
+}
+"""Values of the tag Compression that need not preserve counts."""
+
+_LONGEST = 64 * 2**20
+"""Description that is interpreted; an OME file of 200,000 frames has about 40 MB. [byte]"""
 
 
 class TiffFrames(FrameFile):
@@ -29,99 +68,231 @@ class TiffFrames(FrameFile):
     ----------
     headers : list[int]
         Where the directory of each page begins where all pages are plain; else empty. [byte]
+    images : int
+        Number of images by the description; 0 where it has none.
+    stack : tuple[FrameLayout, int] | None
+        Layout and place of the first image; None where it is compressed or scattered.
+    description : Description
+        What OME or ImageJ wrote.
     """
 
     headers: list[int]
+    stack: tuple[FrameLayout, int] | None = None
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        plain = find_plain_pages(path)
-        if plain is not None:
-            self.headers = [page.header for page in plain]
-            self.kinds = [FrameKind(page.shape, page.dtype) for page in plain]
-            self._file = None
-        else:
-            self.headers = []
-            self._file = _open_other(path)
-            try:
-                self.kinds = _kinds_of_pages(self._file, path.stat().st_size)
-            except Exception:
-                self._file.close()
-                raise
+        self.path, self.headers = path, []
+        self._file: tifffile.TiffFile | None = None
+        self._source: Source | None = None
+        self._lock = threading.Lock()
+        try:
+            text = self._open_plain() or self._open_other()
+            self._check_sizes()
+            self._describe(text)
+        except BaseException:
+            self.close()
+            raise
 
-        # headers of damaged files may claim sizes that no memory holds
-        size = path.stat().st_size
+    def read(self, index: int) -> AnyArray:
+        """As `FrameFile.read`."""
+        if self.kinds[index] == TRUNCATED:
+            raise FrameError("the file is truncated")
+        if self._source is None:
+            image = read_plain_page(self.path, self.headers[index])
+            if image is None:
+                raise FrameError("a strip of the image is damaged")
+            return image
+        page = self._pages[index]
+        if isinstance(page, Segments):
+            return read_segments(self._source, page)
+
+        try:
+            with self._lock:
+                image = np.asarray(page.asarray())
+        except Exception as error:  # decoders of damaged bytes raise exceptions of many types
+            raise FrameError(_reason(error, page)) from error
+        if len(self.kinds[index].shape) == 3 and page.planarconfig == _SEPARATE:
+            image = np.moveaxis(image, 0, 2)
+        if image.shape != self.kinds[index].shape:
+            raise FrameError("the image has another shape than its header")
+        return image.astype(image.dtype.newbyteorder("="), copy=False)
+
+    def close(self) -> None:
+        """As `FrameFile.close`."""
+        for file in (self._file, self._source):
+            if file is not None:
+                file.close()
+
+    def _open_plain(self) -> bytes | None:
+        """Take the pages as plain ones; the description of the first, None where one is not."""
+        pages = find_plain_pages(self.path)
+        if pages is None:
+            return None
+        self.headers = [page.header for page in pages]
+        self.kinds = [FrameKind(page.shape, page.dtype) for page in pages]
+        self.stack = _contiguous(pages[0])
+        place, length = pages[0].description
+        if not 0 < length <= _LONGEST:
+            return b" "
+        with self.path.open("rb") as file:
+            file.seek(place)
+            return file.read(length) or b" "
+
+    def _open_other(self) -> bytes:
+        """Find the pages by tifffile; the description of the first one."""
+        try:
+            self._file = tifffile.TiffFile(self.path)
+            self._source = Source(self.path)
+            pages = [_full(page) for page in self._file.pages]
+            if not pages:
+                raise FrameError("the file holds no image")
+            self.kinds = [_kind_of(page, self._source.size) for page in pages]
+            order = self._file.byteorder
+            self._pages = [_segments_of(page, order) or page for page in pages]
+            text = pages[0].description
+        except (OSError, FrameError):
+            raise
+        except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
+            raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
+        self.stack = _contiguous(self._pages[0])
+        return text.encode("utf-8", "replace") if len(text) <= _LONGEST else b""
+
+    def _check_sizes(self) -> None:
+        """Refuse pages that claim sizes that no memory holds."""
+        size = self.path.stat().st_size
         for kind in set(self.kinds):
             if math.prod(kind.shape) > _DENSEST * size:
-                self.close()
                 raise FrameError(
                     f"the file is damaged: {size} bytes cannot hold {describe_shape(kind.shape)} "
                     "pixels"
                 )
 
-    def read(self, index: int) -> AnyArray:
-        """As `FrameFile.read`."""
-        if self.headers:
-            counts = read_plain_page(self.path, self.headers[index])
-            if counts is not None:
-                return counts
-        try:
-            if self._file is None:
-                return np.asarray(tifffile.imread(self.path, key=index))
-            page = self._file.pages[index]
-            page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
-            return np.asarray(page.asarray())
-        except Exception as error:  # decoders of damaged bytes raise exceptions of many types
-            raise FrameError(_reason(error)) from error
+    def _describe(self, text: bytes) -> None:
+        """Take channels and times from the description."""
+        self.description = read_description(text, name=self.path.name, pages=len(self.kinds))
+        self.images = self.description.frames
+        if self.images in (0, len(self.kinds)):
+            self.channels, self.times = self.description.channels, self.description.times
 
-    def close(self) -> None:
-        """As `FrameFile.close`."""
-        if self._file is not None:
-            self._file.close()
+
+def open_tiff(path: Path) -> FrameFile:
+    """Open a TIFF file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if the file is damaged, or its images are no counts.
+    """
+    file = TiffFrames(path)
+    if file.images > 1 == len(file.kinds) and file.stack is not None:
+        file.close()
+        return _ImageJStack(path, file)
+    return file
+
+
+class _ImageJStack(RawFrames):
+    """Images that follow the first one without directories, as ImageJ writes above 4 GB."""
+
+    def __init__(self, path: Path, first: TiffFrames) -> None:
+        assert first.stack is not None
+        layout, start = first.stack
+        step, count = layout.size, first.images
+        super().__init__(path, layout, range(start, start + count * step, step))
+        self.channels, self.times = first.description.channels, first.description.times
 
 
 TIFF = Format(
     "TIFF",
     (".tif", ".tiff", ".btf", ".tf8", ".tf2"),
     lambda path, head: head[:4] in _STARTS,
-    TiffFrames,
+    open_tiff,
 )
 
 
-def _open_other(path: Path) -> tifffile.TiffFile:
-    try:
-        return tifffile.TiffFile(path)
-    except OSError:
-        raise
-    except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
-        raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
+def _full(page: tifffile.TiffPage | tifffile.TiffFrame) -> tifffile.TiffPage:
+    return page if isinstance(page, tifffile.TiffPage) else page.aspage()
 
 
-def _kinds_of_pages(file: tifffile.TiffFile, size: int) -> list[FrameKind]:
-    kinds = []
-    try:
-        for page in file.pages:
-            page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
-            # data behind the end of the file were cut off; a page without data has none at all
-            ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False)]
-            whole = ends and max(ends) <= size
-            shape = tuple(int(n) for n in page.shape)
-            kinds.append(FrameKind(shape, np.dtype(page.dtype).name) if whole else TRUNCATED)
-    except OSError:
-        raise
-    except Exception as error:  # as above
-        raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
-    return kinds
+def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
+    """Kind of a page; refuses pages whose values are no counts."""
+    if page.photometric == _PALETTE:
+        raise FrameError(
+            "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
+        )
+    lossy = _LOSSY.get(int(page.compression))
+    if lossy is not None:
+        raise FrameError(
+            f"its images are compressed with {lossy}, which changes the counts. Save them "
+            "uncompressed, or with LZW or deflate."
+        )
+    if page.dtype is None or page.imagedepth != 1:
+        raise FrameError("its images have a type that is not read. Save them as 16-bit grey TIFF.")
+
+    # data behind the end of the file were cut off; a page without data has none at all
+    ends = [a + b for a, b in zip(page.dataoffsets, page.databytecounts, strict=False) if a and b]
+    if not ends or len(ends) != len(page.dataoffsets) or max(ends) > size:
+        return TRUNCATED
+    colours = (int(page.samplesperpixel),) if page.samplesperpixel > 1 else ()
+    shape = (int(page.imagelength), int(page.imagewidth), *colours)
+    return FrameKind(shape, np.dtype(page.dtype).name)
 
 
-def _reason(error: Exception) -> str:
+def _segments_of(page: tifffile.TiffPage, order: str) -> Segments | None:
+    """The strips or tiles of a page; None where tifffile has to decode it."""
+    if page.samplesperpixel != 1 or page.fillorder != 1 or np.dtype(page.dtype).kind not in "iuf":
+        return None
+    rows, columns = int(page.imagelength), int(page.imagewidth)
+    part = (min(int(page.rowsperstrip), rows), columns) if not page.is_tiled else None
+    # without LZW or deflate the predictor has no meaning; libtiff writes and reads it so
+    predictor = 1 if page.compression in (NONE, PACKBITS) else int(page.predictor)
+    found = Segments(
+        (rows, columns),
+        np.dtype(page.dtype).newbyteorder(order).str,  # type: ignore[arg-type]
+        int(page.bitspersample),
+        int(page.compression),
+        predictor,
+        part or (int(page.tilelength), int(page.tilewidth)),
+        bool(page.is_tiled),
+        tuple(int(n) for n in page.dataoffsets),
+        tuple(int(n) for n in page.databytecounts),
+    )
+    return found if min(found.part) > 0 and found.decodable else None
+
+
+def _contiguous(page: object) -> tuple[FrameLayout, int] | None:
+    """Layout and place of an uncompressed page; None where its strips do not follow each other."""
+    if isinstance(page, PlainPage):
+        dtype, plain = "<" + np.dtype(page.dtype).str[1:], page.compression == NONE
+    elif isinstance(page, Segments):
+        dtype, plain = page.dtype, page.compression == NONE and not page.padded
+        plain = plain and page.bits == 8 * np.dtype(dtype).itemsize
+    else:
+        return None
+    ends = list(accumulate(page.lengths, initial=page.offsets[0]))
+    if not plain or ends[:-1] != list(page.offsets):
+        return None
+    return FrameLayout(page.shape, dtype), page.offsets[0]
+
+
+def _reason(error: Exception, page: tifffile.TiffPage) -> str:
     """Why a page cannot be decoded, with the package that is missing where one is."""
-    text = os.linesep.join(str(error).splitlines()[:1]) or type(error).__name__
-    if "imagecodecs" not in text:
+    text = str(error).strip().split("\n")[0] or type(error).__name__
+    if "imagecodecs" not in text and not isinstance(error, ModuleNotFoundError):
         return text
+    name = getattr(page.compression, "name", page.compression)
     if importlib.util.find_spec("imagecodecs") is None:
         return (
-            f"{text}. The Python package imagecodecs is not installed; install it with: "
-            "pip install 'erlif[formats]'."
+            f"its compression, {name}, needs the Python package imagecodecs, which is not "
+            "installed. Install it with: pip install 'erlif[formats]'."
         )
-    return f"{text}. The installed imagecodecs has no decoder for it; save the file uncompressed."
+    return (
+        f"the installed Python package imagecodecs does not decode its compression, {name}. Save "
+        "the images uncompressed, or with LZW or deflate."
+    )
