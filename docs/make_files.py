@@ -51,6 +51,8 @@ class Attribute:
 
 T, F, YX = ("trigger",), ("frame",), ("y", "x")
 MAP = ("trigger", "y", "x")
+THEORY = "[joint] and [oil] are given, and speed and load are known"
+TREND = "speed and load are known"
 
 FILM = (
     Variable("trigger", T, "int64", "", "Number of the encoder trigger within the cycle, from 0."),
@@ -88,21 +90,79 @@ FILM = (
     Variable("flag", ("flag",), "uint8", "1", "The flags of flagged_pixels, bits of flags."),
     Variable("frames_used", T, "int64", "1", "Number of frame pairs combined for this trigger."),
     Variable(
-        "encoder_angle", T, "float64", "degree", "Encoder angle as logged, mean of the frames."
+        "encoder_angle",
+        T,
+        "float64",
+        "degree",
+        "Encoder angle as logged, mean of the frames.",
+        "the angle is logged",
     ),
-    Variable("stroke", T, "int8", "1", "+1 where the angle rises, -1 where it falls."),
-    Variable("crank_angle", T, "float64", "degree", "Crank angle from the ground link, 0 to 360."),
+    Variable(
+        "time",
+        T,
+        "float64",
+        "s",
+        "Time of the trigger.",
+        "the time is logged and no cycles are averaged",
+    ),
+    Variable(
+        "stroke",
+        T,
+        "int8",
+        "1",
+        "+1 where the angle, the position of a slider or the sign of a logged speed is on the way "
+        "up, -1 where it is on the way down.",
+        "the motion is known and turns back",
+    ),
+    Variable(
+        "crank_angle",
+        T,
+        "float64",
+        "degree",
+        "Angle of the drive, 0 to 360: of the crank from the ground link, of a disc, of the drive "
+        "of a sinusoidal slider from mid-stroke.",
+        "[mechanism] is given and the angle is known",
+    ),
+    Variable(
+        "position",
+        T,
+        "float64",
+        "mm",
+        "Position of a sinusoidal slider from mid-stroke.",
+        "[mechanism] is sinusoidal",
+    ),
     Variable(
         "rocker_speed",
         T,
         "float64",
         "rad s-1",
         "Angular speed in the joint, signed, from the linkage.",
+        "[mechanism] is a linkage",
     ),
     Variable(
-        "sliding_speed", T, "float64", "m s-1", "Speed of the pin surface against the bushing."
+        "sliding_speed",
+        T,
+        "float64",
+        "m s-1",
+        "Speed of the moving surface against the one at rest, without sign.",
+        "it is logged or [mechanism] is given, for a linkage together with [joint]",
     ),
-    Variable("load", T, "float64", "N", "Load on the joint, from the log, else from [joint]."),
+    Variable(
+        "rotation_speed",
+        T,
+        "float64",
+        "rad s-1",
+        "Speed of rotation as logged.",
+        "it is logged",
+    ),
+    Variable(
+        "load",
+        T,
+        "float64",
+        "N",
+        "Load on the joint, from the log, else from [joint] or [mechanism].",
+        "one of them gives it",
+    ),
     Variable(
         "temperature",
         T,
@@ -133,7 +193,9 @@ FILM = (
         T,
         "float64",
         "um",
-        "Line-contact formula 2.65 G^0.54 U^0.7 W^-0.13 at the speed and load of the trigger.",
+        "Line-contact formula 2.65 G^0.54 U^0.7 W^-0.13 at the speed and load of the trigger; the "
+        "entrainment speed is half the sliding speed, as one surface moves.",
+        THEORY,
     ),
     Variable(
         "film_theory",
@@ -141,6 +203,7 @@ FILM = (
         "float64",
         "um",
         "Prediction of the lubrication regime of this joint; regime and reason are attributes.",
+        THEORY,
     ),
     Variable(
         "film_parameter",
@@ -156,11 +219,14 @@ FILM = (
         "float64",
         "1",
         "Exponent n of film_min proportional to (rocker_speed/load)^n, from a log-log fit without "
-        "the triggers below a tenth of the highest speed.",
+        "the triggers below a tenth of the highest speed; sliding_speed takes the place of "
+        "rocker_speed where there is no linkage. NaN where fewer than five triggers can be used, "
+        "or speed over load varies by less than a tenth.",
+        TREND,
     ),
-    Variable("speed_exponent_std", (), "float64", "1", "Its standard deviation."),
-    Variable("speed_exponent_mean", (), "float64", "1", "The same exponent for film_mean."),
-    Variable("speed_exponent_mean_std", (), "float64", "1", "Its standard deviation."),
+    Variable("speed_exponent_std", (), "float64", "1", "Its standard deviation.", TREND),
+    Variable("speed_exponent_mean", (), "float64", "1", "The same exponent for film_mean.", TREND),
+    Variable("speed_exponent_mean_std", (), "float64", "1", "Its standard deviation.", TREND),
 )
 
 FILM_ATTRIBUTES = (
@@ -364,9 +430,20 @@ CALIBRATION_ATTRIBUTES = (
 
 ENCODER = (
     ("frame", "", "required", "Number of the frame pair: whole numbers that rise by one."),
-    ("angle_deg", "degree", "required", "Encoder angle at the trigger."),
+    ("angle_deg", "degree", "for a linkage", "Encoder angle at the trigger."),
     ("time_s", "s", "optional", "Time of the trigger."),
-    ("load_N", "N", "optional", "Load on the joint, above 0. Absent: load of [joint] is used."),
+    (
+        "load_N",
+        "N",
+        "optional",
+        "Load on the joint, above 0. Absent: load of [joint] or [mechanism] is used.",
+    ),
+    (
+        "speed_m_s",
+        "m s-1",
+        "optional",
+        "Sliding speed; in place of the speed that [mechanism] gives, or where there is none.",
+    ),
     ("temperature_C", "degree Celsius", "optional", "Temperature of the oil, for a Vogel law."),
 )
 

@@ -58,7 +58,7 @@ def locate_frames(
     *,
     mechanism: Mechanism,
     crank_speed: float,
-    pin_radius: float,
+    pin_radius: float | None,
     encoder: Encoder | None = None,
 ) -> xr.Dataset:
     """Find the position of the mechanism in its cycle at each frame.
@@ -70,8 +70,8 @@ def locate_frames(
     mechanism : CrankRocker or SliderCrank
     crank_speed : float
         [rad s-1]
-    pin_radius : float
-        [m]
+    pin_radius : float or None
+        None where it is not known; there is then no sliding speed. [m]
     encoder : Encoder, optional
         Default: on the rocker, its zero found from the dead points.
 
@@ -129,12 +129,10 @@ def locate_frames(
         "stroke": (stroke, "1", rising),
         "crank_angle": (np.degrees(crank), "degree", "crank angle from the ground link"),
         "rocker_speed": (speed, "rad s-1", "angular speed in the joint, signed"),
-        "sliding_speed": (
-            np.abs(speed) * pin_radius,
-            "m s-1",
-            "surface speed of the pin against the bushing",
-        ),
     }
+    if pin_radius is not None:
+        meaning = "surface speed of the pin against the bushing"
+        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "m s-1", meaning)
     return xr.Dataset(
         {
             name: ("frame", values, {"units": unit, "long_name": meaning})

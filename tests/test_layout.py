@@ -24,6 +24,7 @@ ORDER = (
     "calibration",
     "thickness",
     "kinematics",
+    "motion",
     "trend",
     "passes",
     "pipeline",

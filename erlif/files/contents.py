@@ -116,12 +116,13 @@ def fastest_trigger(film: xr.Dataset) -> int:
     Parameters
     ----------
     film : Dataset
-        With rocker_speed and stroke (trigger).
+        With rocker_speed or sliding_speed, and stroke (trigger), where the motion is known.
 
     Returns
     -------
     int
-        Number of the trigger; the fastest of all where there is no outward stroke.
+        Number of the trigger; the fastest of all where there is no outward stroke, the first where
+        there is no speed.
 
     Examples
     --------
@@ -131,18 +132,23 @@ def fastest_trigger(film: xr.Dataset) -> int:
     >>> fastest_trigger(film)
     1
     """
-    speed = np.abs(film.rocker_speed.values)
+    name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+    if name not in film:
+        return 0
+    speed = np.abs(film[name].values)
+    if "stroke" not in film:
+        return int(np.argmax(speed))
     outward = np.where(film.stroke.values > 0, speed, -1.0)
     return int(np.argmax(outward if (outward >= 0).any() else speed))
 
 
 def describe_trigger(film: xr.Dataset, trigger: int) -> str:
-    """Describe a trigger in one line: angle, stroke and speed.
+    """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
     Parameters
     ----------
     film : Dataset
-        With encoder_angle, rocker_speed and stroke (trigger).
+        With encoder_angle, time, rocker_speed, sliding_speed or stroke (trigger).
     trigger : int
         Number of the trigger, from 0.
 
@@ -161,11 +167,23 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     ... )
     >>> describe_trigger(film, 0)
     'trigger 0, 12.50°, return, 2.50 rad/s'
+    >>> describe_trigger(xr.Dataset({"sliding_speed": ("trigger", [0.25])}), 0)
+    'trigger 0, 250 mm/s'
     """
     one = film.isel(trigger=trigger)
-    stroke = "outward" if float(one.stroke) > 0 else "return"
-    angle, speed = float(one.encoder_angle), abs(float(one.rocker_speed))
-    return f"trigger {trigger}, {angle:.2f}°, {stroke}, {speed:.2f} rad/s"
+    parts = [f"trigger {trigger}"]
+    if "encoder_angle" in one:
+        parts.append(f"{float(one.encoder_angle):.2f}°")
+    elif "time" in one:
+        parts.append(f"{float(one.time):.3f} s")
+
+    if "stroke" in one:
+        parts.append("outward" if float(one.stroke) > 0 else "return")
+    if "rocker_speed" in one:
+        parts.append(f"{abs(float(one.rocker_speed)):.2f} rad/s")
+    elif "sliding_speed" in one:
+        parts.append(f"{1e3 * float(one.sliding_speed):.3g} mm/s")
+    return ", ".join(parts)
 
 
 def flag_shares(film: xr.Dataset) -> Array:

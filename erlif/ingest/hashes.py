@@ -110,7 +110,9 @@ def sign_inputs(recording: Run | Fixture, known: Digests) -> str:
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
     """Inputs that are no frames, by their names or patterns in the settings."""
     if isinstance(recording, Run):
-        names = ["run.toml", recording.settings.encoder.file]
+        encoder = recording.settings.encoder
+        log = [] if encoder is None or encoder.file is None else [encoder.file]
+        names = ["run.toml", *log]
     else:
         names = ["fixture.toml", recording.settings.fixture.profile]
     files = {name: [recording.directory / name] for name in names}

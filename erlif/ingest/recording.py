@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError, FrameError
@@ -153,12 +154,16 @@ def _open_log(
 ) -> tuple[EncoderLog, list[Note]]:
     """The log with one row for each frame pair, and what was taken for what in it."""
     encoder = settings.encoder
-    in_time = encoder.start is not None
+    if encoder is None or encoder.file is None:
+        return _number_frames(pairs), []
+
+    # the position of a linkage follows from the angle alone; other motions do without it
     log, notes = read_log(
         run_dir / encoder.file,
         choose_columns(encoder),
         frames=len(pairs.pages[0]),
-        in_time=in_time,
+        in_time=encoder.start is not None,
+        needs_angle=settings.linkage is not None,
     )
     if not isinstance(log, ContinuousLog):
         check_rows(log, pairs.pages[0], encoder.file)
@@ -187,6 +192,15 @@ def _open_log(
             'run.toml, or start = "fit" to find it from the motion.'
         )
     return sample_log(log, since + float(start)), notes
+
+
+def _number_frames(pairs: FramePairs) -> EncoderLog:
+    """In place of a log: numbers of the frames, and times where the camera files have them."""
+    log = xr.Dataset({"number": ("frame", np.arange(len(pairs.pages[0])))})
+    if pairs.times is not None and np.isfinite(pairs.times).all():
+        attrs = {"units": "s", "long_name": "time after the first frame"}
+        log["time"] = ("frame", pairs.times, attrs)
+    return EncoderLog(log)
 
 
 def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: ContinuousLog) -> Array:

@@ -178,7 +178,9 @@ def _choose_trigger(
 ) -> tuple[int, list[int]]:
     """The trigger asked for, or the fastest, with its frames."""
     if trigger is None:
-        trigger = int(cycle.trigger[int(np.argmax(np.abs(cycle.rocker_speed.values)))])
+        name = "rocker_speed" if "rocker_speed" in cycle else "sliding_speed"
+        fastest = int(np.argmax(np.abs(cycle[name].values))) if name in cycle else 0
+        trigger = int(cycle.trigger[fastest])
     if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
         raise ConfigError(
             f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}."

@@ -23,8 +23,9 @@ from erlif.ingest import (
     read_frames,
 )
 from erlif.pipeline.cameras import characterise_cameras
-from erlif.pipeline.film import describe_triggers
+from erlif.pipeline.film import describe_cycle, describe_triggers
 from erlif.pipeline.joint import locate_run
+from erlif.pipeline.omissions import note_omissions
 
 _logger = logging.getLogger(__name__)
 
@@ -137,15 +138,12 @@ def _check_references(recording: Run | Fixture) -> Iterator[Note]:
 
 
 def _check_log(run: Run) -> Iterator[Note]:
-    """Triggers, cycles and top speed as log and mechanism give them."""
+    """Triggers, cycles, top speed, and what the film will lack for want of a table."""
     yield from run.log_notes
     located = locate_run(run)
-    describe_triggers(run, located)
-
-    triggers, cycles = int(located.trigger.max()) + 1, int(located.cycle.max()) + 1
-    top = float(np.abs(located.rocker_speed).max())
-    text = f"{triggers} triggers in {cycles} cycle(s), joint speed up to {top:.3f} rad/s"
-    yield Note(Level.NOTE, "encoder log", text)
+    triggers = describe_triggers(run, located)
+    yield Note(Level.NOTE, "encoder log", describe_cycle(located))
+    yield from note_omissions(run.settings, triggers)
 
 
 def _check_calibration(run: Run) -> Iterator[Note]:

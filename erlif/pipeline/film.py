@@ -18,15 +18,26 @@ from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, skipped_notes
 from erlif.pipeline.joint import describe_joint
+from erlif.pipeline.omissions import note_omissions
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map
 from erlif.settings import RunSettings, to_toml
-from erlif.trend import Exponent, Region, find_region, fit_exponent, predict_film
+from erlif.trend import (
+    Exponent,
+    Region,
+    compare_with_roughness,
+    find_region,
+    fit_exponent,
+    predict_film,
+)
 
 _CENSORED = 0.01
 """Share of the region outside the measurable range from which a note reports it."""
+
+_MOTION = ("encoder_angle", "position", "rocker_speed", "sliding_speed")
+"""What the motion gives for each frame, and a mean for each trigger."""
 
 MAPS = [
     MapVariable(
@@ -62,6 +73,17 @@ def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
     for k in pairs.usable:
         frames[int(cycle.trigger[k])].append(k)
     return frames
+
+
+def describe_cycle(cycle: xr.Dataset) -> str:
+    """Triggers, cycles and highest speed of a run in words; `cycle` as `locate_run` returns it."""
+    triggers, cycles = int(cycle.trigger.max()) + 1, int(cycle.cycle.max()) + 1
+    text = f"{triggers} triggers in {cycles} cycle(s)"
+    if "rocker_speed" in cycle:
+        return f"{text}, joint speed up to {float(np.abs(cycle.rocker_speed).max()):.3f} rad/s"
+    if "sliding_speed" in cycle:
+        return f"{text}, sliding speed up to {float(cycle.sliding_speed.max()):.4g} m/s"
+    return f"{text}, no speed"
 
 
 def pixel_positions(settings: RunSettings, shape: tuple[int, int]) -> tuple[Array, Array]:
@@ -120,7 +142,8 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        On dim trigger; complete enough for the theory.
+        On dim trigger; complete enough for the theory. What needs a table that run.toml lacks is
+        left out.
 
     Raises
     ------
@@ -141,13 +164,22 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
             values = np.array([str(column.values[frames[0]]) for frames in every])
         film[name] = ("trigger", values, column.attrs)
 
-    stroke = np.array([cycle.stroke.values[frames[0]] for frames in every])
-    film["stroke"] = ("trigger", stroke, cycle.stroke.attrs)
-    circle = [np.exp(1j * np.radians(cycle.crank_angle.values[frames])).mean() for frames in every]
-    film["crank_angle"] = ("trigger", np.degrees(np.angle(circle)) % 360, cycle.crank_angle.attrs)
+    if "stroke" in cycle:
+        stroke = np.array([cycle.stroke.values[frames[0]] for frames in every])
+        film["stroke"] = ("trigger", stroke, cycle.stroke.attrs)
+    if "crank_angle" in cycle:
+        angle = np.radians(cycle.crank_angle.values)
+        circle = [np.exp(1j * angle[frames]).mean() for frames in every]
+        attrs = cycle.crank_angle.attrs
+        film["crank_angle"] = ("trigger", np.degrees(np.angle(circle)) % 360, attrs)
+
+    # frames that are averaged over cycles have no common time
+    if "time" in run.log and not cycle.cycle.any():
+        time = np.array([float(run.log.time.values[frames].mean()) for frames in every])
+        film["time"] = ("trigger", time, {"units": "s", "long_name": "time of the trigger"})
 
     # what would fail at the end fails here
-    predict_film(film, describe_joint(run.settings))
+    predict_theory(run.settings, film)
     choose_region(run.settings, run.pairs.shape)
     return film
 
@@ -188,13 +220,12 @@ def describe_film(
         {"units": "1", "long_name": "frames of this trigger"},
     )
     film = film.assign(count_pixels(results)).assign(describe_statistics(results))
-    predicted = predict_film(film, describe_joint(run.settings))
-    film = film.merge(predicted, combine_attrs="drop_conflicts")
+    settings = run.settings
+    film = film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
 
-    settings = run.settings
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
-    own = [*notes, *_censoring_notes(results)]
+    own = [*notes, *note_omissions(settings, film), *_censoring_notes(results)]
     from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",
@@ -250,12 +281,47 @@ def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
     }
 
 
+def predict_theory(settings: RunSettings, film: xr.Dataset) -> xr.Dataset:
+    """Films by theory, and the film parameter, as far as tables and log allow.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        On dim trigger.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `erlif.trend.predict_film`; empty without [joint].
+
+    Raises
+    ------
+    ConfigError
+        If Vogel's law has no temperature.
+    """
+    joint = describe_joint(settings)
+    if joint is not None and "sliding_speed" in film and "load" in film:
+        return predict_film(film, joint)
+    if settings.joint is None or "film_min" not in film:
+        return xr.Dataset()
+    sides = settings.joint.pin.roughness, settings.joint.bushing.roughness
+    return compare_with_roughness(film.film_min, *sides)
+
+
 def describe_exponents(
     film: xr.Dataset, results: Sequence[TriggerResult], calibration: Calibration
 ) -> dict[str, Any]:
-    """Speed exponents of the minimum and of the mean film, as variables of the film."""
+    """Speed exponents of the minimum and of the mean film, as variables of the film.
+
+    Empty where the film has no speed or no load.
+    """
+    name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+    if name not in film or "load" not in film:
+        return {}
+
     statistics = [result.statistics for result in results]
-    speed, load = film.rocker_speed.values, film["load"].values
+    speed, load = film[name].values, film["load"].values
     shared = scipy.linalg.block_diag(calibration.full_covariance, np.eye(1))
 
     # marks of the surfaces are the same at every trigger; the mean film includes them as they are
@@ -278,8 +344,8 @@ def describe_exponents(
         ),
         covariance=shared,
     )
-    return _exponent_variables("speed_exponent", minimum, "film_min") | _exponent_variables(
-        "speed_exponent_mean", mean, "film_mean"
+    return _exponent_variables("speed_exponent", minimum, "film_min", name) | _exponent_variables(
+        "speed_exponent_mean", mean, "film_mean", name
     )
 
 
@@ -364,19 +430,19 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
 
 def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
     """Everything that has one value per frame and a mean per trigger."""
-    columns = {name: cycle[name] for name in ("encoder_angle", "rocker_speed", "sliding_speed")}
-    columns |= {
-        str(name): run.log[name] for name in run.log if name not in ("number", "angle", "time")
-    }
+    columns = {name: cycle[name] for name in _MOTION if name in cycle}
+    of_log = ("number", "angle", "angle_rate", "time", *_MOTION)
+    columns |= {str(name): run.log[name] for name in run.log if name not in of_log}
     if "load" not in columns:
-        load = run.settings.joint.load
-        if load is None:
+        load = run.settings.load
+        if load is not None:
+            attrs = {"units": "N", "long_name": "load on the joint"}
+            columns["load"] = xr.full_like(cycle.trigger, load, float).assign_attrs(attrs)
+        elif run.settings.joint is not None:
             raise ConfigError(
                 "Expected the load: the encoder log has no load_N and [joint] no load. Add load = "
                 '"50 lbf" to [joint] in run.toml.'
             )
-        attrs = {"units": "N", "long_name": "load on the joint"}
-        columns["load"] = xr.full_like(cycle.encoder_angle, load).assign_attrs(attrs)
     return columns
 
 
@@ -384,10 +450,10 @@ def _all_frames(cycle: xr.Dataset, trigger: int) -> list[int]:
     return [int(k) for k in np.nonzero(cycle.trigger.values == trigger)[0]]
 
 
-def _exponent_variables(name: str, exponent: Exponent, film: str) -> dict[str, Any]:
+def _exponent_variables(name: str, exponent: Exponent, film: str, speed: str) -> dict[str, Any]:
     attrs = {
         "units": "1",
-        "long_name": f"power of |rocker_speed|/load that {film} follows",
+        "long_name": f"power of |{speed}|/load that {film} follows",
         "log_scale": exponent.log_scale,
         "triggers_used": exponent.triggers,
     }

@@ -255,6 +255,7 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
     """The encoder log, its columns, and the cycle its angles show."""
     table = _find_table(survey, ("frame", "angle_deg"))
     if table is None:
+        draft.set("encoder.file", GAP)
         _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
         return
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))

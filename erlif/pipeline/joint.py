@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import math
+
 import xarray as xr
 
 from erlif.core.errors import ConfigError
 from erlif.ingest import Run
 from erlif.kinematics import Encoder, Mechanism, entrained_stroke, locate_frames
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.settings import MaterialSettings, OilSettings, RunSettings, SliderCrankSettings
+from erlif.motion import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
+from erlif.settings import (
+    CrankRockerSettings,
+    EncoderSettings,
+    MaterialSettings,
+    OilSettings,
+    RotationSettings,
+    RunSettings,
+    SinusoidalSettings,
+    SliderCrankSettings,
+)
 from erlif.trend import Joint, Solid, VogelLaw
 
 
-def build_mechanism(settings: RunSettings) -> Mechanism:
-    """The linkage of the settings; raises ModelError where its crank cannot turn (Grashof)."""
-    links = settings.mechanism
+def build_linkage(links: CrankRockerSettings | SliderCrankSettings) -> Mechanism:
+    """The linkage of [mechanism]; raises ModelError where its crank cannot turn (Grashof)."""
     if isinstance(links, SliderCrankSettings):
         return SliderCrank(links.crank, links.coupler)
     return CrankRocker(links.crank, links.coupler, links.rocker, links.ground)
 
 
 def locate_run(run: Run) -> xr.Dataset:
-    """Trigger, cycle, stroke, crank angle and speed of every frame of a run.
+    """Trigger, cycle, position and speed of every frame of a run.
 
     Parameters
     ----------
@@ -30,26 +41,47 @@ def locate_run(run: Run) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        As `erlif.kinematics.locate_frames`.
+        As `erlif.kinematics.locate_frames` for a linkage, else as the functions of `erlif.motion`.
 
     Raises
     ------
     EncoderError
-        If the linkage cannot reach a logged angle, or the log does not fold into cycles.
+        If the linkage cannot reach a logged angle, the log does not fold into cycles, or lacks
+        what the motion needs.
     ModelError
         If the links cannot turn.
     """
-    settings, encoder = run.settings, run.settings.encoder
-    return locate_frames(
-        run.log,
-        mechanism=build_mechanism(settings),
-        crank_speed=settings.mechanism.crank_speed,
-        pin_radius=settings.joint.pin_radius,
-        encoder=Encoder(encoder.mounted_on, encoder.zero, encoder.triggers_per_cycle),
-    )
+    settings, log = run.settings, run.log
+    encoder = settings.encoder or EncoderSettings()
+    per_cycle = encoder.triggers_per_cycle
+    match settings.mechanism:
+        case CrankRockerSettings() | SliderCrankSettings() as links:
+            return locate_frames(
+                log,
+                mechanism=build_linkage(links),
+                crank_speed=links.crank_speed,
+                pin_radius=None if settings.joint is None else settings.joint.pin_radius,
+                encoder=Encoder(encoder.mounted_on, encoder.zero, per_cycle),
+            )
+        case RotationSettings() as disc:
+            return locate_rotation(
+                log,
+                rotation=Rotation(disc.radius, disc.speed),
+                zero=encoder.zero or 0.0,
+                triggers_per_cycle=per_cycle,
+            )
+        case SinusoidalSettings() as slider:
+            return locate_slider(
+                log,
+                slider=Sinusoid(slider.stroke, slider.frequency),
+                zero=encoder.zero,
+                triggers_per_cycle=per_cycle,
+            )
+        case None:
+            return locate_logged(log, triggers_per_cycle=per_cycle)
 
 
-def describe_joint(settings: RunSettings) -> Joint:
+def describe_joint(settings: RunSettings) -> Joint | None:
     """The joint of the settings, as the theory needs it.
 
     Parameters
@@ -58,19 +90,36 @@ def describe_joint(settings: RunSettings) -> Joint:
 
     Returns
     -------
-    Joint
+    Joint or None
+        None where [joint] or [oil] is absent.
     """
-    joint = settings.joint
+    joint, oil = settings.joint, settings.oil
+    if joint is None or oil is None:
+        return None
     return Joint(
         pin_radius=joint.pin_radius,
         bushing_radius=joint.bushing_radius,
         length=joint.length,
         pin=_describe_solid(joint.pin),
         bushing=_describe_solid(joint.bushing),
-        viscosity=_describe_viscosity(settings.oil),
-        pressure_viscosity=settings.oil.pressure_viscosity,
-        stroke=entrained_stroke(build_mechanism(settings), pin_radius=joint.pin_radius),
+        viscosity=_describe_viscosity(oil),
+        pressure_viscosity=oil.pressure_viscosity,
+        stroke=_entrained_travel(settings, joint.pin_radius),
     )
+
+
+def _entrained_travel(settings: RunSettings, pin_radius: float) -> float:
+    """Travel of the entrained oil in half a cycle; infinite where the motion never turns back. [m]
+
+    The oil moves at half the speed of the one moving surface.
+    """
+    match settings.mechanism:
+        case CrankRockerSettings() | SliderCrankSettings() as links:
+            return entrained_stroke(build_linkage(links), pin_radius=pin_radius)
+        case SinusoidalSettings(stroke=stroke):
+            return stroke / 2
+        case _:
+            return math.inf
 
 
 def _describe_solid(material: MaterialSettings) -> Solid:

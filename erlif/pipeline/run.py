@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration, check_bands, record_calibration
@@ -36,6 +35,7 @@ from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.film import (
     MAPS,
     choose_region,
+    describe_cycle,
     describe_film,
     describe_frames,
     describe_grid,
@@ -263,12 +263,7 @@ def _log_run(run: Run, cycle: xr.Dataset) -> None:
         rows,
         len(run.pairs.skipped),
     )
-    _logger.info(
-        "%d triggers in %d cycle(s), joint speed up to %.3f rad/s",
-        int(cycle.trigger.max()) + 1,
-        int(cycle.cycle.max()) + 1,
-        float(np.abs(cycle.rocker_speed).max()),
-    )
+    _logger.info("%s", describe_cycle(cycle))
 
 
 def _log_calibration(calibration: Calibration) -> None:
@@ -285,12 +280,11 @@ def _log_calibration(calibration: Calibration) -> None:
 
 def _log_film(film: xr.Dataset, output: Path) -> None:
     """Log the result in one line."""
-    _logger.info(
-        "minimum film thickness %.2f to %.2f um, speed exponent %.3f ± %.3f",
-        float(film.film_min.min()),
-        float(film.film_min.max()),
-        float(film.speed_exponent),
-        float(film.speed_exponent_std),
-    )
+    trend = "no speed exponent"
+    if "speed_exponent" in film:
+        power, std = float(film.speed_exponent), float(film.speed_exponent_std)
+        trend = f"speed exponent {power:.3f} ± {std:.3f}"
+    low, high = float(film.film_min.min()), float(film.film_min.max())
+    _logger.info("minimum film thickness %.2f to %.2f um, %s", low, high, trend)
     if output.is_file():
         _logger.info("%s written, %.1f MB", output, output.stat().st_size / 1e6)

@@ -20,9 +20,9 @@ from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.files import write_dataset
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
-from erlif.pipeline.joint import build_mechanism, describe_joint
+from erlif.pipeline.film import predict_theory
+from erlif.pipeline.joint import build_linkage
 from erlif.settings import RunSettings, to_toml
-from erlif.trend import predict_film
 
 _ROWS, _COLUMNS = 24, 64
 _PITCH = 0.25  # mm
@@ -139,11 +139,15 @@ def example_film() -> xr.Dataset:
 
 def _example_triggers(settings: RunSettings) -> xr.Dataset:
     """Kinematics, statistics and theory of the triggers."""
-    mechanism = build_mechanism(settings)
+    links, encoder, joint = settings.linkage, settings.encoder, settings.joint
+    assert links is not None  # these tables stand in _SETTINGS
+    assert encoder is not None
+    assert joint is not None
+    mechanism = build_linkage(links)
     assert isinstance(mechanism, CrankRocker)
-    crank, turning = np.radians(_CRANK), settings.mechanism.crank_speed
-    speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=turning))
-    angle = np.degrees(mechanism.rocker_angle(crank) - (settings.encoder.zero or 0.0))
+    crank = np.radians(_CRANK)
+    speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=links.crank_speed))
+    angle = np.degrees(mechanism.rocker_angle(crank) - (encoder.zero or 0.0))
 
     minimum = _FILM * np.abs(speed) ** _POWER
     every = np.ones(_CRANK.size)
@@ -151,8 +155,8 @@ def _example_triggers(settings: RunSettings) -> xr.Dataset:
         "encoder_angle": (np.asarray(angle), "degree"),
         "crank_angle": (_CRANK, "degree"),
         "rocker_speed": (speed, "rad s-1"),
-        "sliding_speed": (np.abs(speed) * settings.joint.pin_radius, "m s-1"),
-        "load": (every * (settings.joint.load or 0.0), "N"),
+        "sliding_speed": (np.abs(speed) * joint.pin_radius, "m s-1"),
+        "load": (every * (joint.load or 0.0), "N"),
         "stroke": (np.sign(speed), "1"),
         "frames_used": (every.astype(int), "1"),
         "film_min": (minimum, "um"),
@@ -164,13 +168,14 @@ def _example_triggers(settings: RunSettings) -> xr.Dataset:
         {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()},
         {"trigger": np.arange(_CRANK.size)},
     )
-    return film.merge(predict_film(film, describe_joint(settings)), combine_attrs="drop_conflicts")
+    return film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
 
 
 def _example_maps(minimum: Array, settings: RunSettings) -> xr.Dataset:
     """Maps of the rigid gap with noise."""
     x, y = _PITCH * np.arange(_COLUMNS), _PITCH * np.arange(_ROWS)
     joint = settings.joint
+    assert joint is not None  # in _SETTINGS
     radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
 
     # x^2/2R of x in mm and R in m is in um

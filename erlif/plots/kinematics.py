@@ -1,4 +1,4 @@
-"""Speed of the joint and film thickness over a cycle of the mechanism."""
+"""Speed and film thickness over a cycle of the mechanism, or over the time of a run."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.files import settings_of
 from erlif.models.mechanism import SliderCrank
-from erlif.pipeline.joint import build_mechanism
+from erlif.pipeline.joint import build_linkage
 from erlif.plots.style import (
     COVERAGE,
     MEAN,
     MINIMUM,
     MUTED,
     ONE_COLUMN,
-    STROKES,
     frame_legend,
     given_or_new,
     letter,
     new_figure,
     styled,
 )
-from erlif.settings import RunSettings
+from erlif.plots.triggers import choose_abscissa, has_varying_speed, stroke_looks
+from erlif.settings import RunSettings, SinusoidalSettings
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _TALL, _PANELS = 1.15, (1.35, 1)  # height by width, and ratio of film to speed
@@ -57,10 +58,15 @@ class LinkageCycle:
 
 
 def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
-    """Compute one turn of the crank by the kinematics of the linkage of a film."""
+    """Compute one turn of the crank of a film; raises ConfigError where it has no linkage."""
     settings = settings_of(film)
-    mechanism = build_mechanism(settings)
-    omega = settings.mechanism.crank_speed
+    links, encoder = settings.linkage, settings.encoder
+    if links is None or encoder is None:
+        raise ConfigError(
+            "Expected the film of a crank-rocker or a slider-crank; its settings have no linkage. "
+            "Draw it with film_over_cycle."
+        )
+    mechanism, omega = build_linkage(links), links.crank_speed
     if isinstance(mechanism, SliderCrank):
         angle = mechanism.coupler_angle(_CYCLE)
         speed = mechanism.joint_speed(_CYCLE, crank_speed=omega)
@@ -68,20 +74,20 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
         angle = mechanism.rocker_angle(_CYCLE)
         speed = mechanism.rocker_speed(_CYCLE, crank_speed=omega)
 
-    if settings.encoder.mounted_on == "crank":
-        reading = np.degrees(_CYCLE - (settings.encoder.zero or 0.0)) % 360
+    if encoder.mounted_on == "crank":
+        reading = np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
     else:
-        reading = np.degrees(angle - _zero(settings, film, mechanism.limits()))
+        reading = np.degrees(angle - _zero(encoder.zero, film, mechanism.limits()))
     return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
 
 
-def _zero(settings: RunSettings, film: xr.Dataset, limits: tuple[float, float]) -> float:
+def _zero(given: float | None, film: xr.Dataset, limits: tuple[float, float]) -> float:
     """Link angle at reading 0. [rad]
 
     Without a setting, the readings are centred between the dead points.
     """
-    if settings.encoder.zero is not None:
-        return settings.encoder.zero
+    if given is not None:
+        return given
     reading = np.radians(film.encoder_angle.values)
     return sum(limits) / 2 - float(reading.min() + reading.max()) / 2
 
@@ -89,9 +95,8 @@ def _zero(settings: RunSettings, film: xr.Dataset, limits: tuple[float, float]) 
 def _draw_strokes(ax: Axes, film: xr.Dataset, x: Array, y: Array) -> list[Artist]:
     """Draw the triggers, with a marker for each stroke."""
     artists: list[Artist] = []
-    for sign, look in STROKES.items():
-        of_stroke = film.stroke.values == sign
-        artists += ax.plot(x[of_stroke], y[of_stroke], linestyle="none", zorder=3, **look)
+    for members, look in stroke_looks(film):
+        artists += ax.plot(x[members], y[members], linestyle="none", zorder=3, **look)
     return artists
 
 
@@ -100,8 +105,10 @@ def _times(factor: float) -> Callable[[npt.ArrayLike], Array]:
 
 
 def _label_speed(ax: Axes, settings: RunSettings) -> None:
-    """Label the joint speed, with a second axis of the sliding speed."""
+    """Label the joint speed, with a second axis of the sliding speed where the pin is known."""
     ax.set_ylabel("joint speed [rad/s]")
+    if settings.joint is None:
+        return
     radius = settings.joint.pin_radius * 1e3  # mm
     second = ax.secondary_yaxis("right", functions=(_times(radius), _times(1 / radius)))
     second.set_ylabel("sliding speed [mm/s]")
@@ -111,6 +118,9 @@ def _label_speed(ax: Axes, settings: RunSettings) -> None:
 @styled
 def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw joint speed against encoder angle, and sliding speed on a second axis.
+
+    Without a linkage, the sliding speed is drawn against the position of the slider, or against
+    angle or time.
 
     Parameters
     ----------
@@ -122,7 +132,13 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     Returns
     -------
     list of Artist
-        The curve of the linkage, then the triggers of the outward and of the return stroke.
+        The curve of the linkage or slider, then the triggers of the outward and of the return
+        stroke.
+
+    Raises
+    ------
+    ConfigError
+        If the film has no speed.
 
     Examples
     --------
@@ -135,6 +151,9 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     24.43
     """
     ax = given_or_new(ax)
+    settings = settings_of(film)
+    if settings.linkage is None:
+        return _draw_sliding_speed(ax, film, against_position=True)
     cycle = linkage_cycle(film)
 
     # the reading of an encoder on the crank jumps back to zero after 360 degree
@@ -152,14 +171,55 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
         ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
 
     ax.set_xlabel("encoder angle [°]")
-    _label_speed(ax, settings_of(film))
+    _label_speed(ax, settings)
     frame_legend(ax, loc="center")
     return [curve, *points]
+
+
+def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -> list[Artist]:
+    """Draw the sliding speed, with the sign of the stroke, where there is no linkage."""
+    if "sliding_speed" not in film:
+        raise ConfigError(
+            "Expected a film with a speed; this one has none. Add [mechanism] to run.toml, or a "
+            "column of the sliding speed to the log, and process the run again."
+        )
+    speed = 1e3 * film.sliding_speed.values * (film.stroke.values if "stroke" in film else 1)
+    slider = settings_of(film).mechanism
+    artists: list[Artist] = []
+    if against_position and isinstance(slider, SinusoidalSettings):
+        # the speed of a sine over its position is an ellipse
+        top, end = 1e3 * math.pi * slider.frequency * slider.stroke, 1e3 * slider.stroke / 2
+        artists += ax.plot(
+            end * np.sin(_CYCLE),
+            top * np.cos(_CYCLE),
+            color=MUTED,
+            linewidth=0.9,
+            label="kinematics of the slider",
+            zorder=2,
+        )
+        x, label = film.position.values, "position from mid-stroke [mm]"
+    else:
+        x, label, whole_turn = choose_abscissa(film)
+        if whole_turn:
+            _limit_to_turn(ax)
+
+    artists += _draw_strokes(ax, film, x, speed)
+    if speed.min() < 0:
+        ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+    else:
+        ax.set_ylim(0, None)
+    ax.set_xlabel(label)
+    ax.set_ylabel("sliding speed [mm/s]")
+    if against_position and "stroke" in film:
+        frame_legend(ax, loc="center")
+    return artists
 
 
 @styled
 def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw joint speed against crank angle, and sliding speed on a second axis.
+
+    Without a linkage, the sliding speed is drawn against angle or time.
 
     Parameters
     ----------
@@ -171,6 +231,11 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     list of Artist
         The curve of the linkage, then the triggers of the outward and of the return stroke.
 
+    Raises
+    ------
+    ConfigError
+        If the film has no speed.
+
     Examples
     --------
     >>> from erlif.plots import example_film
@@ -179,12 +244,15 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     ('crank angle [°]', 'joint speed [rad/s]')
     """
     ax = given_or_new(ax)
+    if settings_of(film).linkage is None:
+        return _draw_sliding_speed(ax, film, against_position=False)
     cycle = linkage_cycle(film)
     (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=0.9, zorder=2)
     points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
     if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
-    _label_crank(ax)
+    _limit_to_turn(ax)
+    ax.set_xlabel("crank angle [°]")
     _label_speed(ax, settings_of(film))
     return [curve, *points]
 
@@ -192,6 +260,8 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
 @styled
 def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw mean and minimum film thickness against crank angle, with 95 % bands.
+
+    Without an angle of the drive they are drawn against time or the number of the trigger.
 
     Parameters
     ----------
@@ -212,60 +282,66 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ('mean of the region', 'film thickness [µm]')
     """
     ax = given_or_new(ax)
+    along = choose_abscissa(film)
     artists: list[Artist] = []
     for name, colour, dashes, label in (
         ("film_mean", MEAN, _DASHES, "mean of the region"),
         ("film_min", MINIMUM, "-", "minimum"),
     ):
         value, half = film[name].values, COVERAGE * film[f"{name}_std"].values
-        for n, members in enumerate(_strokes_in_order(film)):
-            x, y, reach = film.crank_angle.values[members], value[members], half[members]
+        for n, members in enumerate(_strokes_in_order(film, along.values)):
+            x, y, reach = along.values[members], value[members], half[members]
             artists.append(
                 ax.fill_between(x, y - reach, y + reach, color=colour, alpha=0.3, linewidth=0)
             )
             own = label if n == 0 else None  # one key for all stretches
             artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=0.9, label=own)
-        _mark_strokes(ax, film, value, colour)
+        _mark_strokes(ax, film, along.values, value, colour)
 
-    _label_crank(ax)
+    if along.whole_turn:
+        _limit_to_turn(ax)
+    ax.set_xlabel(along.label)
     ax.set_ylabel("film thickness [µm]")
     ax.set_ylim(0, None)  # from contact, so that the film is seen in proportion
     frame_legend(ax, loc="lower center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
     return artists
 
 
-def _mark_strokes(ax: Axes, film: xr.Dataset, value: Array, colour: str) -> None:
+def _mark_strokes(ax: Axes, film: xr.Dataset, x: Array, value: Array, colour: str) -> None:
     """Draw the triggers in one colour, with a marker for each stroke."""
-    for sign, look in STROKES.items():
-        of_stroke = film.stroke.values == sign
+    for members, look in stroke_looks(film):
         ax.plot(
-            film.crank_angle.values[of_stroke],
-            value[of_stroke],
+            x[members],
+            value[members],
             linestyle="none",
             marker=str(look["marker"]),
             markersize=2.4,
             color=colour,
-            markerfacecolor=colour if sign > 0 else "white",
+            markerfacecolor="white" if look["markerfacecolor"] == "white" else colour,
         )
 
 
-def _strokes_in_order(film: xr.Dataset) -> list[npt.NDArray[np.intp]]:
-    """Triggers in the order of the crank, cut where the stroke changes."""
+def _strokes_in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
+    """Triggers in the order of the crank or of time, cut where the stroke changes."""
     # a line from one stroke to the other would cross the dead point, where nothing was measured
-    order = np.argsort(film.crank_angle.values)
+    order = np.argsort(x, kind="stable")
+    if "stroke" not in film:
+        return [order]
     cuts = np.nonzero(np.diff(film.stroke.values[order]) != 0)[0] + 1
     return np.split(order, cuts)
 
 
-def _label_crank(ax: Axes) -> None:
+def _limit_to_turn(ax: Axes) -> None:
     ax.set_xlim(0, 360)
     ax.set_xticks(range(0, 361, 60))
-    ax.set_xlabel("crank angle [°]")
 
 
 @styled
 def cycle_figure(film: xr.Dataset) -> Figure:
     """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
+
+    Without a linkage they are drawn against angle or time, and the speed is left out where it is
+    not known or the same at all triggers.
 
     Parameters
     ----------
@@ -284,21 +360,34 @@ def cycle_figure(film: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['film thickness [µm]', 'joint speed [rad/s]']
     """
+    if not has_varying_speed(film):
+        figure = new_figure()
+        film_over_cycle(film, ax=figure.add_subplot())
+        return figure
+
     figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=_PANELS)
     film_over_cycle(film, ax=above)
     speed_over_cycle(film, ax=below)
     above.set_xlabel("")
 
-    # the speed changes its sign at the dead points
-    cycle = linkage_cycle(film)
-    turns = cycle.crank_angle[1:][np.diff(np.sign(cycle.speed)) != 0]
-    for turn in turns:
+    for turn in _dead_points(film):
         for ax in (above, below):
             ax.axvline(turn, color=MUTED, linewidth=0.5, linestyle=":", zorder=1)
 
     # the markers of the strokes are those of both panels
-    below.legend(loc="lower right", ncols=1)
+    if "stroke" in film:
+        below.legend(loc="lower right", ncols=1)
     letter(above, "a")
     letter(below, "b")
     return figure
+
+
+def _dead_points(film: xr.Dataset) -> list[float]:
+    """Angles of the drive at which the speed changes its sign. [degree]"""
+    settings = settings_of(film)
+    if settings.linkage is not None:
+        cycle = linkage_cycle(film)
+        turns: list[float] = cycle.crank_angle[1:][np.diff(np.sign(cycle.speed)) != 0].tolist()
+        return turns
+    return [90.0, 270.0] if isinstance(settings.mechanism, SinusoidalSettings) else []

@@ -79,6 +79,7 @@ class Table:
         Names from the top, ("joint", "pin"); empty for the keys above the first table.
     kind : type[Settings]
     required : bool
+        Whether the table around it, or the file, must hold it.
     meaning : str
     """
 
@@ -119,7 +120,8 @@ def tables_of(kind: type[Settings], path: tuple[str, ...] = ()) -> Iterator[Tabl
     for name, field in kind.model_fields.items():
         for inner in tables_in(field.annotation):
             for table in tables_of(inner, (*path, name)):
-                required = table.required and field.is_required()
+                own = table.path == (*path, name)
+                required = field.is_required() if own else table.required
                 yield Table(table.path, table.kind, required, table.meaning)
 
 

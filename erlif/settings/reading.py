@@ -17,8 +17,10 @@ from erlif.settings.keys import Key, keys_of, tables_in
 from erlif.settings.tables import (
     CrankRockerSettings,
     FixtureSettings,
+    RotationSettings,
     RunSettings,
     Settings,
+    SinusoidalSettings,
     SliderCrankSettings,
 )
 
@@ -33,6 +35,8 @@ _GAP = re.compile(r"\?\?( .*)?")
 _KINDS: dict[str, type[Settings]] = {
     "crank-rocker": CrankRockerSettings,
     "slider-crank": SliderCrankSettings,
+    "rotation": RotationSettings,
+    "sinusoidal": SinusoidalSettings,
 }
 """Forms of [mechanism]; pydantic puts the kind into the location of a fault."""
 
@@ -177,7 +181,9 @@ def _explain_gap(gap: _Location, kind: type[Settings]) -> str:
     key = _find_key(gap, kind)
     if key is None:
         return f"{_place(gap)}: unknown key"
-    return f"{_place(gap)}: {key.expected}. {key.meaning}"
+    # what happens without the key is no help to whoever has to fill it in
+    meaning = key.meaning.partition(" Default: ")[0]
+    return f"{_place(gap)}: {key.expected}. {meaning}"
 
 
 def _find_key(location: _Location, kind: type[Settings]) -> Key | None:
@@ -203,7 +209,8 @@ def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
             return f"{where}: expected a table, got {got!r}"
         case "union_tag_not_found" | "union_tag_invalid":
             got = got.get("kind", "nothing") if isinstance(got, dict) else got
-            return f'[{key}] kind: expected "crank-rocker" or "slider-crank", got {got!r}'
+            kinds = ", ".join(f'"{name}"' for name in _KINDS)
+            return f"[{key}] kind: expected one of {kinds}, got {got!r}"
 
         # values
         case "value_error":  # a check of ours, whose message is complete

@@ -293,8 +293,10 @@ class ColumnUnits(Settings):
 class EncoderSettings(Settings):
     """The encoder and its log."""
 
-    file: FileName = Field(
-        description="Encoder log: one row for each frame pair, or a column of times.",
+    file: FileName | None = Field(
+        None,
+        description="Encoder log: one row for each frame pair, or a column of times. Default: "
+        "there is none, as for a static film.",
         examples=["encoder.csv"],
     )
     mounted_on: Literal["rocker", "crank"] = Field(
@@ -302,14 +304,17 @@ class EncoderSettings(Settings):
     )
     zero: Angle | None = Field(
         None,
-        description="Angle of that link, counted from the ground link, at encoder reading 0. "
-        "Default: the extremes of the log are matched to the dead points of the linkage.",
+        description="Angle of that link, counted from the ground link, at encoder reading 0; of a "
+        "disc, its angle; of a sinusoidal slider, the angle of its drive, 0 at mid-stroke. "
+        "Default: the extremes of the log are matched to the dead points of the linkage; 0 for "
+        "disc and slider.",
     )
     triggers_per_cycle: int | None = Field(
         None,
-        ge=2,
-        description="Encoder triggers in one turn of the crank, for folding several cycles. "
-        "Default: from the angles of the log.",
+        ge=1,
+        description="Triggers in one cycle, for folding several cycles; 1 averages all frames of a "
+        "static film. Default: from the angles of the log for a linkage; without a linkage each "
+        "frame is a trigger.",
         examples=[50],
     )
 
@@ -425,6 +430,43 @@ class SliderCrankSettings(Settings):
         description="Length of the connecting rod, from pivot to pivot.", examples=["44 cm"]
     )
     crank_speed: Speed = Field(description="Speed of rotation of the crank.")
+
+
+class RotationSettings(Settings):
+    """A disc, ring or shaft that turns past the contact, as in a pin-on-disc tribometer."""
+
+    kind: Literal["rotation"] = Field(description="Kind of motion.")
+    radius: Length = Field(
+        description="Radius of the track: distance of the contact from the axis of rotation.",
+        examples=["20 mm"],
+    )
+    speed: Speed | None = Field(
+        None,
+        description="Speed of rotation. Default: from the angle and the time of the log.",
+        examples=["60 rpm"],
+    )
+    load: Force | None = Field(
+        None,
+        description="Load on the contact, where the encoder log has no column load_N. Default: the "
+        "film has no load.",
+        examples=["20 N"],
+    )
+
+
+class SinusoidalSettings(Settings):
+    """A slider that moves to and fro in a straight line, as a sine of the time."""
+
+    kind: Literal["sinusoidal"] = Field(description="Kind of motion.")
+    stroke: Length = Field(
+        description="Travel from end to end, twice the amplitude.", examples=["10 mm"]
+    )
+    frequency: Frequency = Field(description="Cycles to and fro in a unit of time.")
+    load: Force | None = Field(
+        None,
+        description="Load on the contact, where the encoder log has no column load_N. Default: the "
+        "film has no load.",
+        examples=["20 N"],
+    )
 
 
 class MaterialSettings(Settings):
@@ -592,6 +634,14 @@ class RunName(Settings):
     name: Text = Field(description="Name of the run in figures and reports.")
 
 
+# "kind" selects the form of the table, so that a fault is reported for that form alone
+MechanismSettings = Annotated[
+    CrankRockerSettings | SliderCrankSettings | RotationSettings | SinusoidalSettings,
+    Field(discriminator="kind"),
+]
+"""Forms of [mechanism]."""
+
+
 class RunSettings(Settings):
     """run.toml."""
 
@@ -606,11 +656,10 @@ class RunSettings(Settings):
     camera1: CameraSettings
     camera2: CameraSettings
     optics: OpticsSettings
-    encoder: EncoderSettings
-    # "kind" selects the form of the table, so that a fault is reported for that form alone
-    mechanism: Annotated[CrankRockerSettings | SliderCrankSettings, Field(discriminator="kind")]
-    joint: JointSettings
-    oil: OilSettings
+    encoder: EncoderSettings | None = None
+    mechanism: MechanismSettings | None = None
+    joint: JointSettings | None = None
+    oil: OilSettings | None = None
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
 
@@ -618,6 +667,36 @@ class RunSettings(Settings):
     def name(self) -> str:
         """Name of the run."""
         return self.run.name
+
+    @property
+    def linkage(self) -> CrankRockerSettings | SliderCrankSettings | None:
+        """The mechanism where it is a linkage, whose position follows from the encoder alone."""
+        if isinstance(self.mechanism, CrankRockerSettings | SliderCrankSettings):
+            return self.mechanism
+        return None
+
+    @model_validator(mode="after")
+    def _linkage_has_an_encoder(self) -> Self:
+        if self.linkage is not None and (self.encoder is None or self.encoder.file is None):
+            raise ValueError(
+                f'[mechanism] of kind "{self.linkage.kind}" needs the log of its encoder: add '
+                'file = "encoder.csv" to [encoder], or leave [mechanism] out; the film then has no '
+                "speed"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _one_load(self) -> Self:
+        here = getattr(self.mechanism, "load", None)
+        if here is not None and self.joint is not None and self.joint.load is not None:
+            raise ValueError("give the load once, in [mechanism] or in [joint]")
+        return self
+
+    @property
+    def load(self) -> float | None:
+        """Load of the settings, for a log without one; None where neither table gives it. [N]"""
+        of_mechanism: float | None = getattr(self.mechanism, "load", None)
+        return self.joint.load if self.joint and self.joint.load else of_mechanism
 
 
 class FixtureProfile(Settings):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Final
 
 from erlif.settings.keys import Key, Table, keys_of, tables_in, tables_of
@@ -59,7 +59,12 @@ def gap_text(key: Key) -> str:
 
 
 def write_template(
-    kind: type[Settings], values: Mapping[str, Any], remarks: Mapping[str, str]
+    kind: type[Settings],
+    values: Mapping[str, Any],
+    remarks: Mapping[str, str],
+    *,
+    forms: Mapping[str, str] | None = None,
+    leave_out: Collection[str] = (),
 ) -> str:
     """Write a commented settings file.
 
@@ -72,6 +77,10 @@ def write_template(
         directory needs all the same.
     remarks : mapping of str to str
         A sentence on a value or a gap: where the value comes from, or what may be meant.
+    forms : mapping of str to str, optional
+        Kind of a table that has several forms: ``{"mechanism": "rotation"}``. Default: the first.
+    leave_out : collection of str
+        Optional tables that are not written.
 
     Returns
     -------
@@ -88,10 +97,13 @@ def write_template(
     stem = (kind.__doc__ or "").removesuffix(".toml.")
     lines = [_HEAD.format(stem=stem, name=f"{stem}.toml").rstrip("\n")]
     seen: set[str] = set()
+    left_out = {(name,) for name in leave_out}
     for table in tables_of(kind):
-        # a table with several forms is written in its first one; optional inner tables are
+        # a table with several forms is written in one of them; optional inner tables are
         # written in one line with the keys of the table around them
-        if table.title in seen or (table.path and not _is_written(table)):
+        if table.title in seen or not _is_written(table) or table.path[:1] in left_out:
+            continue
+        if _form_of(table) != (forms or {}).get(table.title, _form_of(table)):
             continue
         seen.add(table.title)
         lines += ["", *_table_lines(table, values, remarks)]
@@ -99,7 +111,13 @@ def write_template(
 
 
 def _is_written(table: Table) -> bool:
-    return table.required or len(table.path) == 1
+    return table.required or len(table.path) <= 1
+
+
+def _form_of(table: Table) -> str:
+    """Kind of a table that has several forms; empty for any other."""
+    first = next(keys_of(table.kind), None)
+    return first.choices[0] if first is not None and first.name == "kind" else ""
 
 
 def _table_lines(

@@ -7,7 +7,13 @@ from erlif.trend.gap import GapMinimum, fit_gap_minimum
 from erlif.trend.profile import RigidGap, average_across_sliding, rigid_gap
 from erlif.trend.region import Region, find_region
 from erlif.trend.statistics import FilmStatistics, summarise_blocks, summarise_film
-from erlif.trend.theory import Joint, Solid, VogelLaw, predict_film
+from erlif.trend.theory import (
+    Joint,
+    Solid,
+    VogelLaw,
+    compare_with_roughness,
+    predict_film,
+)
 
 __all__ = [
     "BLOCK",
@@ -23,6 +29,7 @@ __all__ = [
     "Solid",
     "VogelLaw",
     "average_across_sliding",
+    "compare_with_roughness",
     "find_region",
     "fit_exponent",
     "fit_gap_minimum",

@@ -12,6 +12,9 @@ from erlif.core.arrays import Array
 SLOWEST = 0.1
 """Triggers below this share of the top speed are left out of the speed exponent."""
 
+_LEAST_RANGE = 0.1
+"""Range of the logarithm of speed over load below which there is no power to fit."""
+
 _LEAST_TRIGGERS = 5
 """Triggers of a fit of two parameters and a scatter, at least."""
 
@@ -68,7 +71,7 @@ def fit_exponent(
     Returns
     -------
     Exponent
-        NaN where fewer than five triggers can be used.
+        NaN where fewer than five triggers can be used, or speed over load hardly varies.
 
     Examples
     --------
@@ -85,6 +88,8 @@ def fit_exponent(
         return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
 
     x = np.log(np.abs(speed[use]) / load[use])
+    if np.ptp(x) < _LEAST_RANGE:
+        return Exponent(math.nan, math.nan, math.nan, int(use.sum()))
     y = np.log(film[use])
     own = random_std[use] / film[use]
     design = np.column_stack([np.ones_like(x), x])

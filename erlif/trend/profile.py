@@ -160,7 +160,7 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     Returns
     -------
     RigidGap or None
-        None where fewer than six blocks of eight pixels are valid.
+        None where fewer than six blocks of eight pixels are valid, or the settings have no joint.
 
     Examples
     --------
@@ -175,6 +175,8 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     True
     """
     joint = settings_of(film).joint
+    if joint is None:
+        return None
     radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
 
     # blocks of the profile, weighted by their error bars

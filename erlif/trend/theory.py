@@ -141,7 +141,7 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
         ),
     }
 
-    # the surface of the bushing rests: the entrainment speed is half the sliding speed
+    # one surface moves, the other rests: the entrainment speed is half the sliding speed
     speed = triggers.sliding_speed.values / 2
     theory = line_contact_film(speed, stroke=joint.stroke, **contact)
     formula = dowson_higginson_film(speed, **contact)
@@ -173,15 +173,43 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
         }
     )
 
-    one, other = joint.pin.roughness, joint.bushing.roughness
-    if one is not None and other is not None and "film_min" in triggers:
-        film = np.maximum(triggers.film_min.values, 0.0) * 1e-6
-        predicted["film_parameter"] = (
-            "trigger",
-            film_parameter(film, roughness_a=one, roughness_b=other),
-            {"units": "1", "long_name": "minimum film thickness over roughness, Lambda"},
-        )
+    if "film_min" in triggers:
+        sides = joint.pin.roughness, joint.bushing.roughness
+        predicted = predicted.assign(compare_with_roughness(triggers.film_min, *sides))
     return predicted
+
+
+def compare_with_roughness(
+    film_min: xr.DataArray, one: float | None, other: float | None
+) -> xr.Dataset:
+    """Minimum film thickness over the combined roughness of both surfaces.
+
+    Parameters
+    ----------
+    film_min : xarray.DataArray
+        Minimum film thickness, dim trigger. [um]
+    one, other : float or None
+        rms roughness of the two surfaces; None where it is not known. [m]
+
+    Returns
+    -------
+    xarray.Dataset
+        film_parameter (trigger), Lambda [1]; empty unless both are known.
+
+    Examples
+    --------
+    0.3 and 0.4 um combine to 0.5 um:
+
+    >>> film_min = xr.DataArray([1.0], dims="trigger")
+    >>> compare_with_roughness(film_min, 0.3e-6, 0.4e-6).film_parameter.values.round(6)
+    array([2.])
+    """
+    if one is None or other is None:
+        return xr.Dataset()
+    film = np.maximum(film_min.values, 0.0) * 1e-6
+    ratio = film_parameter(film, roughness_a=one, roughness_b=other)
+    attrs = {"units": "1", "long_name": "minimum film thickness over roughness, Lambda"}
+    return xr.Dataset({"film_parameter": ("trigger", np.asarray(ratio), attrs)})
 
 
 def _viscosity(triggers: xr.Dataset, viscosity: float | VogelLaw) -> Array:

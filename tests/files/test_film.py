@@ -25,6 +25,7 @@ ROOT = {
     "flag": (("flag",), "1"),
     "frames_used": (("trigger",), "1"),
     "encoder_angle": (("trigger",), "degree"),
+    "time": (("trigger",), "s"),
     "stroke": (("trigger",), "1"),
     "crank_angle": (("trigger",), "degree"),
     "rocker_speed": (("trigger",), "rad s-1"),

@@ -10,7 +10,7 @@ from scenes.film import RUN_TOML
 
 from erlif.core.errors import ModelError
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.pipeline.joint import build_mechanism, describe_joint, locate_run
+from erlif.pipeline.joint import build_linkage, describe_joint, locate_run
 from erlif.settings import RunSettings
 from erlif.trend import Solid, VogelLaw
 
@@ -24,7 +24,7 @@ def settings(**changes):
 
 def test_crank_rocker_swings_by_the_angle_of_the_thesis():
     """Links of 5.5, 44, 26 and 51 cm: 47.4095 to 71.8355 degree (Farzaneh 2002, corrected)."""
-    mechanism = build_mechanism(settings())
+    mechanism = build_linkage(settings().mechanism)
     assert isinstance(mechanism, CrankRocker)
     npt.assert_allclose(np.degrees(mechanism.limits()), [47.4095, 71.8355], atol=1e-4)
 
@@ -37,12 +37,12 @@ def test_slider_crank_has_its_two_links():
         "coupler": "20 cm",
         "crank_speed": "60 rpm",
     }
-    assert build_mechanism(RunSettings.model_validate(raw)) == SliderCrank(0.05, 0.20)
+    assert build_linkage(RunSettings.model_validate(raw).mechanism) == SliderCrank(0.05, 0.20)
 
 
 def test_links_that_cannot_turn_are_refused():
     with pytest.raises(ModelError, match="shortest link"):
-        build_mechanism(settings(mechanism={"ground": "70 cm"}))
+        build_linkage(settings(mechanism={"ground": "70 cm"}).mechanism)
 
 
 def test_joint_is_in_si_units():

@@ -30,12 +30,14 @@ def test_tables_come_in_the_order_of_the_file_and_inner_ones_after_their_own():
     titles = [table.title for table in tables_of(RunSettings)]
     assert titles[:5] == ["", "run", "camera1", "camera2", "optics"]
     assert titles.index("joint.pin") == titles.index("joint") + 1
-    assert titles.count("mechanism") == 2  # crank-rocker and slider-crank
+    assert titles.count("mechanism") == 4  # two linkages, rotation and sinusoidal
 
 
-def test_a_table_within_an_optional_table_is_optional():
+def test_a_table_is_required_by_the_table_around_it():
     required = {table.title: table.required for table in tables_of(RunSettings)}
     assert required["joint.pin"]
+    assert not required["joint"]
+    assert not required["mechanism"]
     assert not required["oil.vogel"]
     assert not required["thickness"]
     assert not required["thickness.roi"]

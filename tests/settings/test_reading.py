@@ -66,7 +66,7 @@ def test_a_key_left_out_has_the_documented_default(lab):
             "bit_dept = 12",
             ["[camera1] bit_dept: unknown key; did you mean 'bit_depth'?"],
         ),
-        ("[oil]", "[oli]", ["[oil]: missing table", "oli: unknown key; did you mean 'oil'?"]),
+        ("[oil]", "[oli]", ["oli: unknown key; did you mean 'oil'?"]),
         (
             "[optics]",
             "[qqq]",

@@ -7,12 +7,17 @@ import pytest
 from erlif.settings import (
     GAP,
     FixtureSettings,
+    RotationSettings,
     RunSettings,
+    SinusoidalSettings,
     SliderCrankSettings,
     keys_of,
     tables_of,
     write_template,
 )
+
+OTHER_FORMS = (SliderCrankSettings, RotationSettings, SinusoidalSettings)
+"""Forms of [mechanism] after its first one."""
 
 KINDS = pytest.mark.parametrize("kind", [RunSettings, FixtureSettings])
 
@@ -39,7 +44,8 @@ def test_every_key_is_written_after_its_meaning(kind):
     text = " ".join(line.lstrip("# ") for line in lines)
     for table in tables_of(kind):
         for key in keys_of(table.kind):
-            if table.required and table.kind is not SliderCrankSettings:
+            written = table.required or len(table.path) == 1
+            if written and table.kind not in OTHER_FORMS:
                 assert key.meaning in text
                 assert any(line.lstrip("# ").startswith(f"{key.name} = ") for line in lines)
 
@@ -77,3 +83,14 @@ def test_a_value_is_written_with_the_remark_about_it():
 def test_an_optional_key_may_be_a_gap():
     raw = tomllib.loads(write_template(RunSettings, {"joint.load": GAP}, {}))
     assert raw["joint"]["load"] == "?? lbf"
+
+
+def test_a_form_is_chosen_and_tables_are_left_out():
+    text = write_template(
+        RunSettings, {}, {}, forms={"mechanism": "rotation"}, leave_out=("joint", "oil")
+    )
+    raw = tomllib.loads(text)
+    assert raw["mechanism"] == {"kind": "rotation", "radius": "?? mm"}
+    assert "joint" not in raw
+    assert "oil" not in raw
+    assert "[joint" not in text

@@ -1,0 +1,347 @@
+"""Position and speed of a disc or a slider at every frame, and frames of a film at rest.
+
+The linkages are in `erlif.kinematics`. A motion without a linkage has no dead points to which the
+readings could be matched, and each frame is a trigger unless the settings fold the frames.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+from erlif.core.products import EncoderLog, require
+
+_OFF_ANGLE = 0.5
+"""Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
+
+_LARGEST_STEP = 150.0
+"""Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
+
+_TURN = 360.0
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """A disc or shaft that turns past the contact.
+
+    Attributes
+    ----------
+    radius : float
+        Distance of the contact from the axis of rotation. [m]
+    speed : float | None
+        Speed of rotation; None: from angle and time of the log. [rad/s]
+    """
+
+    radius: float
+    speed: float | None = None
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """A slider at stroke/2 sin(2 pi frequency t).
+
+    Attributes
+    ----------
+    stroke : float
+        Travel from end to end. [m]
+    frequency : float
+        Cycles in a second. [Hz]
+    """
+
+    stroke: float
+    frequency: float
+
+
+def locate_rotation(
+    log: EncoderLog,
+    *,
+    rotation: Rotation,
+    zero: float = 0.0,
+    triggers_per_cycle: int | None = None,
+) -> xr.Dataset:
+    """Find angle and speed of a disc at each frame.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        number (frame); angle (frame) [degree], time (frame) [s], angle_rate (frame) [degree/s],
+        rotation_speed (frame) [rad s-1] and sliding_speed (frame) [m s-1] where they are known. A
+        logged speed takes the place of that of the settings, and both of the slope of the angle.
+    rotation : Rotation
+    zero : float
+        Angle of the disc at reading 0. [rad]
+    triggers_per_cycle : int, optional
+        Triggers in one turn. Default: each frame is a trigger.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger and cycle, counted from 0; sliding_speed [m s-1]; where the angle is
+        logged, encoder_angle [degree] and crank_angle, that of the disc [degree, 0 to 360].
+
+    Raises
+    ------
+    EncoderError
+        If neither settings nor log give the speed, or frames of one trigger differ in angle.
+
+    Examples
+    --------
+    A track of 20 mm radius at 10 rad/s:
+
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1])}))
+    >>> locate_rotation(log, rotation=Rotation(0.02, 10.0)).sliding_speed.values
+    array([0.2, 0.2])
+    """
+    require(log, "number")
+    columns: dict[str, _Column] = {}
+    if "angle" in log:
+        columns["encoder_angle"] = _logged_angle(log)
+        disc = (log.angle.values + math.degrees(zero)) % _TURN
+        columns["crank_angle"] = _Column(disc, "degree", "angle of the disc")
+
+    if "sliding_speed" in log:
+        columns["sliding_speed"] = _logged_speed(log)
+    else:
+        speed = np.broadcast_to(
+            np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
+        )
+        columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the track past the contact")
+    return _describe_frames(log, columns, triggers_per_cycle)
+
+
+def locate_slider(
+    log: EncoderLog,
+    *,
+    slider: Sinusoid,
+    zero: float | None = None,
+    triggers_per_cycle: int | None = None,
+) -> xr.Dataset:
+    """Find position and speed of a sinusoidal slider at each frame.
+
+    The angle of its drive is 0 at mid-stroke, where the position rises. It is the logged angle plus
+    `zero`; without a logged angle, 2 pi frequency time plus `zero`.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        number (frame), and angle (frame) [degree] or time (frame) [s]; sliding_speed (frame)
+        [m s-1] where it is logged, which takes the place of the computed one.
+    slider : Sinusoid
+    zero : float, optional
+        Angle of the drive at reading 0, or at time 0; default: 0 for a logged angle. [rad]
+    triggers_per_cycle : int, optional
+        Triggers in one cycle. Default: each frame is a trigger.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger and cycle, counted from 0; crank_angle, that of the drive [degree, 0
+        to 360]; position from mid-stroke [mm]; stroke, +1 where the position rises and -1 where it
+        falls; sliding_speed [m s-1]; encoder_angle where the angle is logged [degree].
+
+    Raises
+    ------
+    EncoderError
+        If the log has neither an angle nor, with `zero`, a time, or frames of one trigger differ in
+        angle.
+
+    Examples
+    --------
+    A stroke of 10 mm at 5 Hz passes mid-stroke at 0.157 m/s:
+
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1]), "angle": ("frame", [0.0, 90.0])}))
+    >>> found = locate_slider(log, slider=Sinusoid(0.01, 5.0))
+    >>> found.sliding_speed.values.round(3), found.position.values
+    (array([0.157, 0.   ]), array([0., 5.]))
+    """
+    require(log, "number")
+    columns: dict[str, _Column] = {}
+    if "angle" in log:
+        columns["encoder_angle"] = _logged_angle(log)
+        drive = np.radians(log.angle.values) + (zero or 0.0)
+    elif "time" in log and zero is not None:
+        drive = 2 * math.pi * slider.frequency * log.time.values + zero
+    else:
+        raise EncoderError(
+            "Expected a column angle_deg with the angle of the drive, or a column time_s together "
+            "with zero in [encoder], the angle of the drive at time 0: without them the position "
+            "of the slider is not known. Add them, or leave [mechanism] out; the film then has no "
+            "speed."
+        )
+
+    amplitude = slider.stroke / 2
+    columns["crank_angle"] = _Column(
+        np.degrees(drive) % _TURN, "degree", "angle of the drive, 0 at mid-stroke"
+    )
+    columns["position"] = _Column(
+        1e3 * amplitude * np.sin(drive), "mm", "position of the slider from mid-stroke"
+    )
+    columns["stroke"] = _Column(
+        np.where(np.cos(drive) >= 0, 1, -1).astype(np.int8), "1", "+1 position rising, -1 falling"
+    )
+    speed = 2 * math.pi * slider.frequency * amplitude * np.abs(np.cos(drive))
+    columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the slider")
+    if "sliding_speed" in log:
+        columns["sliding_speed"] = _logged_speed(log)
+    return _describe_frames(log, columns, triggers_per_cycle)
+
+
+def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> xr.Dataset:
+    """Number the frames of a run without a mechanism: a static film, or a logged speed.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        number (frame); angle (frame) [degree] and sliding_speed (frame) [m s-1] where they are
+        logged.
+    triggers_per_cycle : int, optional
+        Triggers in one cycle; 1 makes one trigger of all frames. Default: each frame is a trigger.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger and cycle, counted from 0; encoder_angle [degree] and sliding_speed
+        [m s-1] where they are logged; stroke, the sign of the logged speed, where it changes.
+
+    Raises
+    ------
+    EncoderError
+        If frames of one trigger differ in angle.
+
+    Examples
+    --------
+    Four frames of one film, averaged:
+
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", np.arange(4))}))
+    >>> locate_logged(log, triggers_per_cycle=1).trigger.values
+    array([0, 0, 0, 0])
+    """
+    require(log, "number")
+    columns: dict[str, _Column] = {}
+    if "angle" in log:
+        columns["encoder_angle"] = _logged_angle(log)
+    if "sliding_speed" in log:
+        columns["sliding_speed"] = _logged_speed(log)
+        signed = log.sliding_speed.values
+        if signed.min() < 0 < signed.max():
+            stroke = np.where(signed >= 0, 1, -1).astype(np.int8)
+            columns["stroke"] = _Column(stroke, "1", "sign of the logged speed")
+    return _describe_frames(log, columns, triggers_per_cycle)
+
+
+class _Column(NamedTuple):
+    """Values of a variable on dim frame."""
+
+    values: npt.NDArray[np.generic]
+    unit: str
+    meaning: str
+
+
+def _logged_angle(log: EncoderLog) -> _Column:
+    return _Column(log.angle.values, "degree", "encoder angle as logged")
+
+
+def _logged_speed(log: EncoderLog) -> _Column:
+    return _Column(np.abs(log.sliding_speed.values), "m s-1", "sliding speed as logged")
+
+
+def _describe_frames(
+    log: EncoderLog, columns: dict[str, _Column], triggers_per_cycle: int | None
+) -> xr.Dataset:
+    """The columns as a dataset, with trigger and cycle of each frame."""
+    since = log.number.values - log.number.values[0]
+    trigger, cycle = since, np.zeros_like(since)
+    if triggers_per_cycle is not None:
+        trigger, cycle = since % triggers_per_cycle, since // triggers_per_cycle
+        if "crank_angle" in columns:
+            _check_fold(np.asarray(columns["crank_angle"].values, float), trigger, log)
+
+    columns = {
+        "trigger": _Column(trigger, "1", "encoder trigger of the cycle"),
+        "cycle": _Column(cycle, "1", "number of the cycle"),
+        **columns,
+    }
+    return xr.Dataset(
+        {
+            name: ("frame", column.values, {"units": column.unit, "long_name": column.meaning})
+            for name, column in columns.items()
+        },
+        {"frame": np.arange(log.sizes["frame"])},
+    )
+
+
+def _check_fold(angle: Array, trigger: npt.NDArray[np.int64], log: EncoderLog) -> None:
+    """Refuse a fold that gives one trigger frames of different angles."""
+    # filled from the back, so that the first frame of each trigger is the reference
+    first = np.zeros(int(trigger.max()) + 1)
+    first[trigger[::-1]] = angle[::-1]
+    off = _smallest_turn(angle - first[trigger])
+    spacing = float(np.median(_smallest_turn(np.diff(angle)))) if angle.size > 1 else math.inf
+
+    if off.max() > _OFF_ANGLE * spacing:
+        worst = int(np.argmax(off))
+        raise EncoderError(
+            f"Expected the frames of one trigger at one angle; frame {int(log.number[worst])} is "
+            f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to "
+            "the number of triggers in one cycle, or remove it: each frame is then a trigger."
+        )
+
+
+def _smallest_turn(angle: Array) -> Array:
+    """Size of an angle to the nearest whole turn. [degree]"""
+    return np.asarray(np.abs((angle + _TURN / 2) % _TURN - _TURN / 2))
+
+
+def _choose_rate(log: EncoderLog, rotation: Rotation) -> float | Array:
+    """Speed of rotation as logged, as given, or as the angle changes. [rad/s]"""
+    if "rotation_speed" in log:
+        return np.asarray(log.rotation_speed.values)
+    if rotation.speed is not None:
+        return rotation.speed
+    if "angle_rate" in log:  # of a continuous log, from the rows about each frame
+        return np.asarray(np.radians(log.angle_rate.values))
+    return _rate_of_frames(log)
+
+
+def _rate_of_frames(log: EncoderLog) -> Array:
+    """Speed of rotation at each frame, from the angles and times of the frames. [rad/s]"""
+    fixed = 'Give the speed of rotation as speed = "60 rpm" in [mechanism].'
+    if "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
+        raise EncoderError(
+            "Expected the speed of rotation in [mechanism], or the columns angle_deg and time_s in "
+            f"the encoder log to compute it from. {fixed}"
+        )
+
+    # an encoder that counts on beyond a turn has no jumps; any other is below one turn
+    angle, time = log.angle.values, log.time.values
+    step = np.diff(angle)
+    if np.ptp(angle) <= _TURN:
+        step = (step + _TURN / 2) % _TURN - _TURN / 2
+        if np.abs(step).max() > _LARGEST_STEP:
+            worst = int(np.argmax(np.abs(step)))
+            raise EncoderError(
+                f"Expected less than {_LARGEST_STEP:g} deg from frame to frame, from which the "
+                "speed of rotation follows; from frame "
+                f"{int(log.number[worst])} to the next column angle_deg turns by "
+                f"{step[worst]:.1f} deg, which may be whole turns more. {fixed}"
+            )
+    if not np.all(np.diff(time) > 0):
+        raise EncoderError(
+            "Expected column time_s to rise from frame to frame, to compute the speed of rotation "
+            f"from it and angle_deg; it does not. Correct the times. {fixed}"
+        )
+    if not np.any(step):
+        raise EncoderError(
+            "Expected column angle_deg to change as the disc turns; it is the same in all frames, "
+            f"as with one trigger in a turn. {fixed}"
+        )
+
+    turned = np.radians(angle[0] + np.concatenate([[0.0], np.cumsum(step)]))
+    return np.asarray(np.gradient(turned, time))

@@ -1,0 +1,108 @@
+"""How the triggers of a film are drawn: against which quantity, and with which markers."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array, Mask
+from erlif.files import settings_of
+from erlif.plots.style import OUTWARD, STROKES
+from erlif.settings import RotationSettings, SinusoidalSettings
+
+_STEADY = 1e-6
+"""Relative range of a speed below which it is the same at all triggers."""
+
+_ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
+"""Look of the triggers where there are no strokes."""
+
+
+class Abscissa(NamedTuple):
+    """Quantity that the triggers are drawn against.
+
+    Attributes
+    ----------
+    values : Array
+        Its value at each trigger, (trigger,).
+    label : str
+        Label of the axis, with the unit.
+    whole_turn : bool
+        Whether it is an angle from 0 to 360 degrees.
+    """
+
+    values: Array
+    label: str
+    whole_turn: bool
+
+
+def choose_abscissa(film: xr.Dataset) -> Abscissa:
+    """Choose the angle of the drive where it is known, else time, encoder angle or trigger.
+
+    A disc that has turned several times is drawn against time, where that is known.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Abscissa
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> choose_abscissa(example_film()).label
+    'crank angle [°]'
+    """
+    kind = settings_of(film).mechanism
+    disc = isinstance(kind, RotationSettings)
+    if "crank_angle" in film:
+        angle = film.crank_angle.values
+        turns = np.count_nonzero(np.diff(angle) < 0)
+        if not (disc and turns > 1 and "time" in film):
+            slider = isinstance(kind, SinusoidalSettings)
+            what = "disc" if disc else "drive" if slider else "crank"
+            return Abscissa(angle, f"{what} angle [°]", True)
+
+    if "time" in film and np.ptp(film.time.values) > 0:
+        return Abscissa(film.time.values, "time [s]", False)
+    if "encoder_angle" in film and np.ptp(film.encoder_angle.values) > 0:
+        return Abscissa(film.encoder_angle.values, "encoder angle [°]", False)
+    return Abscissa(np.arange(film.sizes["trigger"], dtype=float), "trigger", False)
+
+
+def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
+    """Triggers of each stroke with the look of their markers; all alike where there is no stroke.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With stroke (trigger) where the motion has strokes.
+
+    Returns
+    -------
+    list of (mask, dict)
+        Mask (trigger,), and label, colour and marker.
+
+    Examples
+    --------
+    >>> film = xr.Dataset({"stroke": ("trigger", [1, -1, -1])})
+    >>> [(mask.sum().item(), look["label"]) for mask, look in stroke_looks(film)]
+    [(1, 'outward'), (2, 'return')]
+    """
+    if "stroke" not in film:
+        return [(np.ones(film.sizes["trigger"], bool), _ONE_WAY)]
+    strokes = film.stroke.values
+    return [(np.asarray(strokes == sign), look) for sign, look in STROKES.items()]
+
+
+def has_varying_speed(film: xr.Dataset) -> bool:
+    """Whether the sliding or the joint speed differs between triggers."""
+    name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+    if name not in film:
+        return False
+    speed = film[name].values
+    return bool(np.ptp(speed) > _STEADY * np.abs(speed).max())

@@ -1,0 +1,155 @@
+"""Discs, sliders and films at rest, against the closed form of their motion."""
+
+import math
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import EncoderError
+from erlif.motion import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
+
+
+def make_log(count, **columns):
+    data = {"number": ("frame", np.arange(count))}
+    return xr.Dataset(
+        data | {name: ("frame", np.asarray(values, float)) for name, values in columns.items()}
+    )
+
+
+# disc
+
+
+def test_a_disc_slides_at_speed_times_radius():
+    """60 rpm at 20 mm: 2 pi 20 mm/s."""
+    found = locate_rotation(make_log(4), rotation=Rotation(0.02, 2 * math.pi))
+    npt.assert_allclose(found.sliding_speed, 0.125664, rtol=1e-5)
+    assert found.trigger.values.tolist() == [0, 1, 2, 3]
+    assert set(found) == {"trigger", "cycle", "sliding_speed"}
+
+
+@pytest.mark.parametrize("wrapped", [True, False])
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_speed_of_a_disc_follows_from_angle_and_time(wrapped, sense):
+    """40 degrees in 0.1 s: 6.981 rad/s, whether the encoder begins anew at 360 degrees or not."""
+    angle = sense * 40.0 * np.arange(30)
+    log = make_log(30, angle=angle % 360 if wrapped else angle, time=0.1 * np.arange(30))
+    found = locate_rotation(log, rotation=Rotation(0.02), zero=math.radians(15))
+    npt.assert_allclose(found.sliding_speed, 0.02 * math.radians(400), rtol=1e-12)
+    npt.assert_allclose(found.crank_angle, (angle + 15) % 360)
+    assert "stroke" not in found
+
+
+def test_a_disc_that_speeds_up_has_the_derivative_of_its_angle():
+    """Angle 50 t^2 degree: 100 t degree/s; central differences of a parabola are exact."""
+    time = np.linspace(0, 3, 61)
+    log = make_log(61, angle=50 * time**2 % 360, time=time)
+    speed = locate_rotation(log, rotation=Rotation(0.5)).sliding_speed.values
+    npt.assert_allclose(speed[1:-1], 0.5 * np.radians(100 * time[1:-1]), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({}, "columns angle_deg and time_s"),
+        ({"angle": [0, 10, 20]}, "columns angle_deg and time_s"),
+        ({"angle": [0, 170, 340], "time": [0, 1, 2]}, "whole turns more"),
+        ({"angle": [0, 10, 20], "time": [0, 2, 1]}, "time_s to rise"),
+        ({"angle": [5, 5, 5], "time": [0, 1, 2]}, "the same in all frames"),
+    ],
+)
+def test_a_speed_that_the_log_does_not_determine_is_asked_for(columns, words):
+    with pytest.raises(EncoderError, match=words) as refusal:
+        locate_rotation(make_log(3, **columns), rotation=Rotation(0.02))
+    assert 'speed = "60 rpm" in [mechanism]' in str(refusal.value)
+
+
+def test_a_disc_of_given_speed_may_be_seen_once_in_a_turn():
+    log = make_log(3, angle=[5, 5, 5], time=[0, 1, 2])
+    found = locate_rotation(log, rotation=Rotation(0.02, 2 * math.pi))
+    npt.assert_allclose(found.sliding_speed, 0.04 * math.pi)
+
+
+def test_a_logged_speed_takes_the_place_of_the_computed_one():
+    log = make_log(3, sliding_speed=[0.1, -0.2, 0.3])
+    found = locate_rotation(log, rotation=Rotation(0.02, 1.0))
+    assert found.sliding_speed.values.tolist() == [0.1, 0.2, 0.3]
+
+
+def test_a_logged_speed_of_rotation_and_the_slope_of_a_continuous_log_are_taken():
+    """0.02 m at 3 rad/s, and at 90 degrees in a second."""
+    logged = make_log(2, rotation_speed=[3.0, -3.0], angle_rate=[90.0, 90.0])
+    found = locate_rotation(logged, rotation=Rotation(0.02, 1.0))
+    npt.assert_allclose(found.sliding_speed, 0.06)
+    found = locate_rotation(logged.drop_vars("rotation_speed"), rotation=Rotation(0.02))
+    npt.assert_allclose(found.sliding_speed, 0.01 * math.pi)
+
+
+# slider
+
+
+def test_a_slider_has_position_and_speed_of_a_sine():
+    """x = 5 mm sin(wt) at 3 Hz, v = 5 mm w cos(wt)."""
+    angle = np.arange(0, 720, 25.0)
+    found = locate_slider(make_log(angle.size, angle=angle % 360), slider=Sinusoid(0.01, 3.0))
+    phase, omega = np.radians(angle), 6 * math.pi
+    npt.assert_allclose(found.position, 5 * np.sin(phase), atol=1e-9)
+    npt.assert_allclose(
+        found.sliding_speed * found.stroke, 0.005 * omega * np.cos(phase), atol=1e-12
+    )
+    npt.assert_allclose(found.crank_angle, angle % 360)
+    assert found.position.attrs["units"] == "mm"
+
+
+def test_a_slider_without_an_encoder_follows_the_time_from_its_zero():
+    """At 2 Hz and from 30 degrees on, 0.125 s is a quarter of a cycle."""
+    log = make_log(3, time=[0.0, 0.125, 0.25])
+    found = locate_slider(log, slider=Sinusoid(0.01, 2.0), zero=math.radians(30))
+    npt.assert_allclose(found.crank_angle, [30, 120, 210])
+    npt.assert_allclose(found.position, [2.5, 2.5 * math.sqrt(3), -2.5])
+    assert "encoder_angle" not in found
+
+
+@pytest.mark.parametrize("columns", [{}, {"time": [0.0, 1.0]}])
+def test_a_slider_of_unknown_phase_is_refused(columns):
+    with pytest.raises(EncoderError, match=r"angle_deg.*zero in \[encoder\]"):
+        locate_slider(make_log(2, **columns), slider=Sinusoid(0.01, 2.0))
+
+
+# without a mechanism
+
+
+def test_every_frame_of_a_static_film_is_a_trigger():
+    found = locate_logged(make_log(3))
+    assert found.trigger.values.tolist() == [0, 1, 2]
+    assert set(found) == {"trigger", "cycle"}
+
+
+def test_frames_of_a_static_film_are_averaged_on_request():
+    found = locate_logged(make_log(5), triggers_per_cycle=1)
+    assert found.trigger.values.tolist() == [0] * 5
+    assert found.cycle.values.tolist() == [0, 1, 2, 3, 4]
+
+
+def test_a_logged_speed_that_turns_back_has_strokes():
+    found = locate_logged(make_log(4, sliding_speed=[0.1, 0.2, -0.1, -0.2]))
+    assert found.sliding_speed.values.tolist() == [0.1, 0.2, 0.1, 0.2]
+    assert found.stroke.values.tolist() == [1, 1, -1, -1]
+    assert "stroke" not in locate_logged(make_log(2, sliding_speed=[0.1, 0.0]))
+
+
+# folding
+
+
+def test_turns_of_a_disc_fold_onto_one():
+    log = make_log(12, angle=np.arange(12) * 90.0)
+    found = locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=4)
+    assert found.trigger.values.tolist() == [0, 1, 2, 3] * 3
+    assert found.cycle.values.tolist() == [0] * 4 + [1] * 4 + [2] * 4
+
+
+def test_a_fold_of_different_angles_is_refused():
+    log = make_log(12, angle=np.arange(12) * 90.0)
+    with pytest.raises(EncoderError, match=r"frame 5 is 90\.00 deg|frame \d+ is"):
+        locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=5)
