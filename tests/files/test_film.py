@@ -79,7 +79,7 @@ def test_film_has_the_documented_variables(opened):
 
 
 def test_names_of_the_film_are_reserved_in_the_log(opened):
-    from erlif.ingest.encoder_log import _RESERVED
+    from erlif.ingest.logs.columns import _RESERVED
 
     assert set(map(str, opened.variables)) - {"laser_mJ"} <= _RESERVED
 
