@@ -10,13 +10,17 @@ from erlif.models.fluorescence import band_signal
 _LEAST_PIXELS = 64
 """Valid pixels of the median, at least."""
 
+_LARGE = 500_000
+"""Pixels of an image from which one in sixteen is enough: of 15 % contrast, the median over them
+has a standard deviation of 0.2 %, a fraction of that of an energy meter. [px]"""
+
 
 def measure_pulse_energy(
     signal: Image, thickness: Image, flags: FlagImage, *, attenuation: float
 ) -> float:
     """Light of camera 1 over the light that this film gives at unit energy.
 
-    Every second pixel in the middle half of the image is compared; the median over them leaves
+    Pixels on a grid in the middle half of the image are compared; the median over them leaves
     vignetting and bubbles out.
 
     Parameters
@@ -48,7 +52,9 @@ def measure_pulse_energy(
 
 
 def middle_of(shape: tuple[int, ...]) -> tuple[slice, slice]:
-    """Rows and columns of every second pixel in the middle half of an image.
+    """Rows and columns of some pixels in the middle half of an image.
+
+    Every second row and column, in images of half a megapixel or more every fourth.
 
     Parameters
     ----------
@@ -63,9 +69,12 @@ def middle_of(shape: tuple[int, ...]) -> tuple[slice, slice]:
     --------
     >>> middle_of((480, 640))
     (slice(120, 360, 2), slice(160, 480, 2))
+    >>> middle_of((1024, 1280))
+    (slice(256, 768, 4), slice(320, 960, 4))
     """
     height, width = shape
-    return slice(height // 4, 3 * height // 4, 2), slice(width // 4, 3 * width // 4, 2)
+    every = 2 if height * width < _LARGE else 4
+    return slice(height // 4, 3 * height // 4, every), slice(width // 4, 3 * width // 4, every)
 
 
 def compare_light(
