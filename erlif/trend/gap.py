@@ -35,6 +35,9 @@ _STRIPS_PER_LAG = 6
 _LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
 """Blocks in all, and positions along and across sliding, that determine four parameters."""
 
+_MANY = 4000
+"""Blocks above which four are merged into one: of a megapixel a parabola needs no finer ones."""
+
 _MOST_STEPS = 30
 _CONVERGED = 1e-4
 """Change of the gap below which the iteration ends. [um]"""
@@ -268,18 +271,33 @@ def _variance_by_strips(score: Array, strip: npt.NDArray[np.intp]) -> float:
 
 def _average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> _Blocks:
     """Average the log ratio over blocks with equal weights: others would depend on the noise."""
-    some = sums.lit > 0
+    names = "lit", "lit_ratio", "lit_var", "row", "row_squared", "column", "column_squared"
+    merged = {name: getattr(sums, name) for name in names}
+    if sums.lit.size > _MANY:
+        merged = {name: _merge(blocks) for name, blocks in merged.items()}
+    some = merged["lit"] > 0
     down, right = np.nonzero(some)
-    count = sums.lit[some]
-    log_ratio = sums.offset + sums.lit_ratio[some] / count
-    variance = sums.noise_correlation * sums.lit_var[some] / count**2
+    count, ratio, var, row, row_squared, column, column_squared = (
+        merged[name][some] for name in names
+    )
+    log_ratio = sums.offset + ratio / count
+    variance = sums.noise_correlation * var / count**2
 
     rows, columns = sums.size
-    v, vv = _scale(sums.row[some] / count, sums.row_squared[some] / count, rows)
-    u, uu = _scale(sums.column[some] / count, sums.column_squared[some] / count, columns)
+    v, vv = _scale(row / count, row_squared / count, rows)
+    u, uu = _scale(column / count, column_squared / count, columns)
     if sliding_along_x:
         return _Blocks(log_ratio, variance, u, uu, v, down, right)
     return _Blocks(log_ratio, variance, v, vv, u, right, down)
+
+
+def _merge(blocks: Array) -> Array:
+    """Sums over four blocks; at the lower and right edge of an odd number, over those there are."""
+    rows = blocks[::2].copy()
+    rows[: len(blocks) // 2] += blocks[1::2]
+    merged = rows[:, ::2].copy()
+    merged[:, : rows.shape[1] // 2] += rows[:, 1::2]
+    return merged
 
 
 def _scale(place: Array, squared: Array, size: int) -> tuple[Array, Array]:

@@ -54,6 +54,17 @@ def test_minimum_outside_the_region_is_that_of_the_nearest_edge(centre, edge):
     npt.assert_allclose(fit(exact_ratios(film)).value, expected, atol=0.01)
 
 
+def test_many_blocks_are_merged_without_a_change_of_the_minimum():
+    """65 by 65 blocks of 8 px: the last squares of both directions are smaller."""
+    s = np.linspace(-1, 1, 520)
+    film = 3.0 + (s - 0.2)[None, :] ** 2 + 0.3 * (s + 1)[:, None]
+    whole = Region(slice(0, 520), slice(0, 520))
+    found = fit_gap_minimum(
+        exact_ratios(film), known_calibration(), x=s, y=s, region=whole, sliding_along_x=True
+    )
+    npt.assert_allclose(found.value, 3.0, atol=1e-3)
+
+
 def test_gap_that_is_thickest_in_the_middle_has_its_minimum_at_an_edge():
     film = 6.0 - (X - 5.0)[None, :] ** 2 / (2 * RADIUS) + 0 * Y[:, None]
     expected = 6.0 - (X[-1] - 5.0) ** 2 / (2 * RADIUS)
