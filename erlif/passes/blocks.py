@@ -127,7 +127,7 @@ def _unpack(packed: Array) -> tuple[Array, Array, Array]:
     return first.astype(float), second.astype(float), third.astype(float)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def _accumulate(  # type: ignore[no-untyped-def]
     log_ratio, variance, displaced, lit, i, place, offset, around, flags, columns, sums
 ):
@@ -159,7 +159,7 @@ def _accumulate(  # type: ignore[no-untyped-def]
         sums[8, j] += mark + (_THIRD if outside else _ZERO)
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-def]
     """Add up a row of blocks along the row, and begin the next."""
     for q in range(sums.shape[0]):
@@ -171,7 +171,7 @@ def _close_blocks(sums, row, left, right, blocks):  # type: ignore[no-untyped-de
             blocks[q, row, n] = total
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def add_to_blocks(images, i, offset, around, flags, block_rows):  # type: ignore[no-untyped-def]
     """Add row i of the images, if it lies in the region, and close the blocks that it completes.
 

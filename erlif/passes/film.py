@@ -1,7 +1,7 @@
 """Ratio of a trigger to its maps and to the sums for its statistics, in one pass over rows.
 
 The reference is `erlif.thickness.measure_thickness`, and `erlif.trend.sum_blocks` for the sums.
-Sums in single precision differ from it by up to 1e-7 of log ratio. The flag of a pixel whose
+Sums over surroundings differ from it by up to 1e-7 of log ratio. The flag of a pixel whose
 surroundings are as near to a limit as that, one in some millions, may differ.
 """
 
@@ -16,8 +16,7 @@ from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.passes.blocks import BlockRows, add_to_blocks
 from erlif.passes.buffers import empty_image
 from erlif.passes.pair import PairRatio
-from erlif.passes.rows import PAD
-from erlif.passes.surroundings import Surroundings, decide, enter_row
+from erlif.passes.surroundings import PAD, Surroundings, decide, enter_row
 from erlif.passes.tables import FilmTables
 from erlif.thickness import compare_light, middle_of
 from erlif.trend import BlockSums, Region
@@ -56,20 +55,30 @@ class FilmMaps(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """Rows of the table look-up that stay in cache, (x,); those of `film` are three, (row, x)."""
+    """Rows of the table look-up that stay in cache, (x,).
+
+    `entry` and `part` have two rows, for the ratio itself and that near it. `film` has two numbers
+    for each pixel: the entries of the table below and above. So has `pairs`, whose numbers are
+    pairs of rate and calibration; `slopes` is the same memory.
+    """
 
     around: AnyArray
     near: Image
     entry: AnyArray
     part: Image
     film: Image
+    pairs: AnyArray
+    slopes: Image
+    own: Image
 
     @classmethod
     def of(cls, width: int) -> _Rows:
         """Empty rows of an image of some width."""
-        near, part = (np.empty(width, np.float32) for _ in range(2))
-        around, entry = np.empty(width, np.uint8), np.empty(width, np.uint32)
-        return cls(around, near, entry, part, np.empty((3, width), np.float32))
+        near, own = (np.empty(width, np.float32) for _ in range(2))
+        around, entry = np.empty(width, np.uint8), np.empty((2, width), np.uint32)
+        part, film = np.empty((2, width), np.float32), np.empty(2 * width, np.float32)
+        pairs = np.empty(2 * width, np.float64)
+        return cls(around, near, entry, part, film, pairs, pairs.view(np.float32), own)
 
 
 def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMaps:
@@ -103,25 +112,35 @@ def measure_film(pair: PairRatio, tables: FilmTables, region: Region) -> FilmMap
     thickness, std, std_shared = pair.spare or tuple(empty_image(shape) for _ in range(3))
     flags = empty_image(shape, np.uint8)
 
-    sample = slice(None, None, _STEPS[0]), slice(None, None, _STEPS[1])
-    sound = pair.log_ratio[sample][pair.flags[sample] == 0]
-    offset = np.float32(np.median(sound)) if sound.size else _ZERO
+    offset, variance = _find_medians(pair)
 
     # plain tuples are types of numba's own, see `_measure`
     blocks = BlockRows.of(shape, region)
     _measure(
         (pair.log_ratio, pair.variance, pair.variance_shared, pair.flags),
-        offset,
+        np.float32(offset),
         (tables.start, tables.per_step, tables.last),
-        np.stack([tables.thickness, tables.rate, tables.calibration_std]),
+        (tables.thickness, tables.pairs),
         tables.limits,
-        tuple(Surroundings.of(shape[1])),
+        tuple(Surroundings.of(shape[1], offset=offset, variance=variance)),
         tuple(_Rows.of(shape[1])),
         tuple(blocks),
         (thickness, std, std_shared, flags),
     )
-    sums = blocks.named(float(offset), pair.noise_correlation)
+    sums = blocks.named(offset, pair.noise_correlation)
     return FilmMaps(thickness, std, std_shared, flags, sums)
+
+
+def _find_medians(pair: PairRatio) -> tuple[float, float]:
+    """Median log ratio and variance of some hundred sound pixels, of all where none of them is."""
+    for steps in (_STEPS, (1, 1)):
+        sample = slice(None, None, steps[0]), slice(None, None, steps[1])
+        sound = pair.flags[sample] == 0
+        if sound.any():
+            images = pair.log_ratio[sample], pair.variance[sample]
+            ratio, variance = (float(np.median(image[sound])) for image in images)
+            return ratio, variance
+    return 0.0, 0.0
 
 
 def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) -> float:
@@ -182,45 +201,59 @@ def measure_pulse(pair: PairRatio, tables: FilmTables, *, attenuation: float) ->
     )
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def _look_up(log_ratio, i, tables, scale, rows):  # type: ignore[no-untyped-def]
-    """Film at the ratio of row i, and its rate and the calibration's share at the ratio near."""
-    _, near, entry, part, film = rows
+    """Entries for the film at the ratio of row i, and for rate and calibration at the row near."""
+    _, near, entry, part, film, pairs, _, _ = rows
+    films, slopes = tables
     start, per_step, last = scale
     y = _at(i)
-    for q in range(tables.shape[0]):
+    for q in range(2):
         # entry of the table below each value, and the distance from it in entries
-        for t in range(entry.size if q < 2 else 0):
+        row = _at(q)
+        for t in range(near.size):
             x = _at(t)
-            value = log_ratio[y, x] if q == 0 else near[x]
-            place = (value - start) * per_step
+            place = ((log_ratio[y, x] if q == 0 else near[x]) - start) * per_step
             place = place if place > _ZERO else _ZERO  # NaN becomes 0
             place = place if place < last else last
             below = np.uint32(place)
-            entry[x] = below
-            part[x] = place - np.float32(below)
+            entry[row, x] = below
+            part[row, x] = place - np.float32(below)
+    for t in range(near.size):
+        n = entry[_at(0), _at(t)]
+        film[_at(2 * t)] = films[_at(n)]
+        film[_at(2 * t + 1)] = films[_at(n) + _at(1)]
+    for t in range(near.size):
+        n = entry[_at(1), _at(t)]
+        pairs[_at(2 * t)] = slopes[_at(n)]
+        pairs[_at(2 * t + 1)] = slopes[_at(n) + _at(1)]
 
-        table = _at(q)
-        for t in range(entry.size):
-            x = _at(t)
-            n = _at(entry[x])
-            below = tables[table, n]
-            film[table, x] = below + part[x] * (tables[table, n + _at(1)] - below)
 
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _fill(variance, displaced, i, film, maps):  # type: ignore[no-untyped-def]
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+def _fill(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
     """Row i of the maps; NaN where it is flagged."""
+    _, rate, _, part, film, _, slopes, own = rows
     thickness, std, std_shared, flags = maps
-    y = _at(i)
+    y, first, second = _at(i), _at(0), _at(1)
+
+    # few rows a loop: more would need more comparisons of addresses than the compiler accepts
     for t in range(flags.shape[1]):
         x = _at(t)
-        valid = flags[y, x] == 0
-        rate, own = film[1, x], film[2, x]
-        shared = np.sqrt(own * own + rate * rate * displaced[y, x])
-        thickness[y, x] = film[0, x] if valid else _NAN
-        std[y, x] = rate * np.sqrt(variance[y, x]) if valid else _NAN
-        std_shared[y, x] = shared if valid else _NAN
+        below = film[_at(2 * t)]
+        value = below + part[first, x] * (film[_at(2 * t + 1)] - below)
+        thickness[y, x] = value if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        below, also = slopes[_at(4 * t)], slopes[_at(4 * t + 1)]
+        rate[x] = below + part[second, x] * (slopes[_at(4 * t + 2)] - below)
+        own[x] = also + part[second, x] * (slopes[_at(4 * t + 3)] - also)
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        std[y, x] = rate[x] * np.sqrt(variance[y, x]) if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        shared = np.sqrt(own[x] * own[x] + rate[x] * rate[x] * displaced[y, x])
+        std_shared[y, x] = shared if flags[y, x] == 0 else _NAN
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -230,18 +263,19 @@ def _measure(  # type: ignore[no-untyped-def]
     """Fill the maps and the sums over blocks.
 
     The cache of compiled kernels keeps the types of the arguments. A class of erlif among them
-    could be missing in another version, which then could not read the cache.
+    could be missing in another version, which then could not read the cache. The functions that it
+    calls become part of it (inline), so that they are not compiled a second time by themselves.
     """
     log_ratio, variance, displaced, _ = images
-    around, near, _, _, film = rows
+    around, near = rows[0], rows[1]
     flags = maps[3]
     for u in range(log_ratio.shape[0] + PAD):
-        enter_row(images, u, offset, surroundings)
+        enter_row(images, u, surroundings)
 
         # row i is in the middle of the squares
         i = u - PAD
         if i >= 0:
-            decide(log_ratio, i, offset, limits, surroundings, around, near, flags)
+            decide(log_ratio, i, limits, surroundings, around, near, flags)
             _look_up(log_ratio, i, tables, scale, rows)
-            _fill(variance, displaced, i, film, maps)
+            _fill(variance, displaced, i, rows, maps)
             add_to_blocks(images, i, offset, around, flags, blocks)

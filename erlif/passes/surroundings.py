@@ -1,6 +1,9 @@
 """What the surroundings of a pixel decide: whether its noise leaves a thickness, and its slope.
 
-The reference is `erlif.thickness.find_range`.
+The reference is `erlif.thickness.find_range`. Sums over squares come from summed-area tables (Crow
+1984): each entry is the sum of all pixels above and to the left, and four of them give the sum over
+any rectangle. The tables are of whole numbers, whose differences are exact even after they have
+passed the largest one; so a few rows of a table are enough, whatever the size of the image.
 """
 
 from __future__ import annotations
@@ -12,19 +15,13 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Image
 from erlif.core.flags import Flag
-from erlif.passes.rows import (
-    PAD,
-    STATES,
-    Part,
-    Place,
-    Ring,
-    Step,
-    across,
-    add_squares,
-    number_parts,
-    table_of,
-)
 from erlif.thickness import CLEAR
+
+PAD = 8
+"""Rows and columns between a pixel and the end of the widest square, 17 px. [px]"""
+
+_KEPT = 18
+"""Rows that are kept: those of the widest square, and the one above it."""
 
 _BELOW, _ABOVE, _POOR = (
     np.uint8(flag) for flag in (Flag.BELOW_RANGE, Flag.ABOVE_RANGE, Flag.POOR_REGISTRATION)
@@ -32,111 +29,73 @@ _BELOW, _ABOVE, _POOR = (
 _CLEAR, _HALF, _ZERO, _NONE = np.float32(CLEAR), np.float32(0.5), np.float32(0), np.uint8(0)
 _at = np.uint64  # an index that cannot count from the end, as in `erlif.registration.interpolation`
 
-_SINGLE, _SEVERAL = 17, 9
-"""Rows of the rings of single rows, and of sums of several.
+_PER_RATIO = np.float32(2**19)
+"""Whole numbers per log ratio: the mean over 81 pixels is then rounded by 1e-7 at most."""
+_FARTHEST = np.float32(14)
+"""Log ratios farther from the offset, a factor of 1e6, are taken as this; 289 stay below 2^31."""
 
-A row is used for the last time when 16 or 8 rows have entered after it.
-"""
+_PER_MEDIAN = 2.0**13
+"""Whole numbers per median variance; a mean over 81 pixels is then rounded by 1e-5 of it."""
+_LARGEST = np.float32(2**31 // 81 - 2)
+"""Variances beyond, 3000 times the median, are taken as this; 81 of them stay below 2^31."""
 
-_RATIO, _NOISE = Ring(0, _SINGLE), Ring(17, _SINGLE)
-_RATIO_2, _RATIO_4, _RATIO_8 = Ring(34, _SEVERAL), Ring(43, _SEVERAL), Ring(52, _SEVERAL)
-_NOISE_2, _NOISE_4 = Ring(61, _SEVERAL), Ring(70, _SEVERAL)
-_COUNT_17, _COUNT_9, _COUNT_5 = 79, 80, 81
-_SHARES = [Ring(82), Ring(83), Ring(84), Ring(85)]
-_PAIR, _DOWN = Ring(86), Ring(87)
-_WIDE, _NEAR, _MIDDLE, _SPREAD, _PIXELS_17, _PIXELS_9, _PIXELS_5, _ROWS = range(88, 96)
-"""Rows of the buffer."""
-
-
-def _square(
-    several: Ring, newer: int, older: int, single: Ring, at: int, side: int, out: int
-) -> list[Step]:
-    """Steps that add up a square: two sums of rows and one row, then along the row."""
-    return [
-        (_PAIR, Place(several, newer), Place(several, older)),
-        (_DOWN, Place(_PAIR), Place(single, at)),
-        *across(_DOWN, side, _SHARES, Ring(out)),
-    ]
-
-
-_PARTS = [
-    # sums of rows; 16 ahead in a ring of 17 rows is the row before, 1 the oldest one
-    Part(
-        [
-            (_RATIO_2, Place(_RATIO), Place(_RATIO, 16)),
-            (_NOISE_2, Place(_NOISE), Place(_NOISE, 16)),
-            (_RATIO_4, Place(_RATIO_2), Place(_RATIO_2, 7)),
-            (_NOISE_4, Place(_NOISE_2), Place(_NOISE_2, 7)),
-            (_RATIO_8, Place(_RATIO_4), Place(_RATIO_4, 5)),
-        ]
-    ),
-    # pixels of the three squares, whose middle is the same row
-    Part(across(Ring(_COUNT_17), 17, _SHARES, Ring(_PIXELS_17)), _COUNT_17, 17, 0),
-    Part(across(Ring(_COUNT_9), 9, _SHARES, Ring(_PIXELS_9)), _COUNT_9, 9, 14),
-    Part(across(Ring(_COUNT_5), 5, _SHARES, Ring(_PIXELS_5)), _COUNT_5, 5, 12),
-    # sums over the squares
-    Part(
-        [
-            *_square(_RATIO_8, 0, 1, _RATIO, 1, 17, _WIDE),
-            *_square(_RATIO_4, 5, 1, _RATIO, 5, 9, _NEAR),
-            *_square(_RATIO_2, 3, 1, _RATIO, 7, 5, _MIDDLE),
-            *_square(_NOISE_4, 5, 1, _NOISE, 5, 9, _SPREAD),
-        ]
-    ),
-]
-_STEPS = number_parts(_PARTS)
-_TABLE = table_of([step for part in _PARTS for step in part.steps])
+_PIXEL, _MIDDLE, _BITS = np.int64(2**32), np.int64(2**31), np.int64(32)
+_NO_PIXEL, _NO_NOISE = np.int64(0), np.int32(0)
+"""A sound pixel in the upper half of a number whose lower half is its log ratio."""
 
 
 class Surroundings(NamedTuple):
-    """Rows that stay in cache; `erlif.passes.rows` explains the rings.
+    """Rows that stay in cache; row u of an image is stored as row u modulo their number.
 
     Attributes
     ----------
     state : AnyArray
-        Flags of the rows of the widest square, (row, x).
-    rows : Image
-        Log ratio, variance and their sums.
+        Flags, (row, x).
+    ratios : AnyArray
+        Summed-area table of the log ratio, and in the upper half of each number of sound pixels.
+    noise : AnyArray
+        Summed-area table of the variance.
+    around : Image
+        Log ratio about each pixel of one row, and number of pixels in the square of 9 px.
+    units : Image
+        Log ratio that is subtracted, and whole numbers per unit of variance.
     """
 
     state: AnyArray
-    rows: Image
+    ratios: AnyArray
+    noise: AnyArray
+    around: Image
+    units: Image
 
     @classmethod
-    def of(cls, width: int) -> Surroundings:
+    def of(cls, width: int, *, offset: float, variance: float) -> Surroundings:
         """Rows of an image of some width, of which nothing has entered yet.
 
         Parameters
         ----------
         width : int
+        offset : float
+            Log ratio that is subtracted before summing: sums of small numbers keep their digits.
+        variance : float
+            Median variance.
 
         Returns
         -------
         Surroundings
         """
+        size = _KEPT, width + 2 * PAD + 1
+        per_variance = _PER_MEDIAN / variance if variance > 0 else 1.0
         return cls(
-            np.ones((STATES, width), np.uint8), np.zeros((_ROWS, width + 2 * PAD), np.float32)
+            np.ones((_KEPT, width), np.uint8),
+            np.zeros(size, np.int64),
+            np.zeros(size, np.int32),
+            np.empty((2, width), np.float32),
+            np.array([offset, per_variance], np.float32),
         )
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def _enter(  # type: ignore[no-untyped-def]
-    log_ratio, variance, displaced, flags, i, extra, offset, state, s, rows, k
-):
-    """Row i enters: its flags with poor registration and extra bits, its sound pixels."""
-    ratio, noise = _at(k), _at(_SINGLE + k)
-    y, z = _at(i), _at(s)
-    for t in range(flags.shape[1]):
-        x = _at(t)
-        poor = (flags[y, x] == 0) & (displaced[y, x] > variance[y, x])
-        bits = (_POOR if poor else flags[y, x]) | extra
-        state[z, x] = bits
-        rows[ratio, _at(t + PAD)] = log_ratio[y, x] - offset if bits == 0 else _ZERO
-        rows[noise, _at(t + PAD)] = variance[y, x] if bits == 0 else _ZERO
-
-
-@numba.njit(nogil=True, cache=True, error_model="numpy")
-def enter_row(images, u, offset, surroundings):  # type: ignore[no-untyped-def]
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
+def enter_row(images, u, surroundings):  # type: ignore[no-untyped-def]
     """Add row u to the sums over squares; below the image, no pixel is sound.
 
     Parameters
@@ -145,23 +104,48 @@ def enter_row(images, u, offset, surroundings):  # type: ignore[no-untyped-def]
         Log ratio, its variance, that by the registration, and flags.
     u : int
         Rows enter in turn, and `PAD` more than the image has.
-    offset : np.float32
-        Log ratio that is subtracted: sums of small numbers keep their digits.
     surroundings : tuple of array
         `Surroundings` as a plain tuple.
     """
     log_ratio, variance, displaced, flags = images
-    state, rows = surroundings
-    bottom = flags.shape[0] - 1
-    at, extra = min(u, bottom), _NONE if u <= bottom else _POOR
-    s, k = u % STATES, u % _SINGLE
-    _enter(log_ratio, variance, displaced, flags, at, extra, offset, state, s, rows, k)
-    add_squares(state, rows, _TABLE, _STEPS, u, u >= PAD)
+    state, ratios, noise, _, units = surroundings
+    offset, per_variance = units[0], units[1]
+    height, width = flags.shape
+    extra = _NONE if u < height else _POOR
+    y, z, before = _at(min(u, height - 1)), _at(u % _KEPT), _at((u - 1) % _KEPT)
+    for t in range(width):
+        x = _at(t)
+        poor = (flags[y, x] == 0) & (displaced[y, x] > variance[y, x])
+        state[z, x] = (_POOR if poor else flags[y, x]) | extra
+
+    # entry PAD + 1 + x of a table belongs to pixel x; those before it are 0
+    for t in range(width):
+        x, entry = _at(t), _at(t + PAD + 1)
+        sound = state[z, x] == 0
+        ratio = log_ratio[y, x] - offset
+        ratio = ratio if ratio > -_FARTHEST else -_FARTHEST
+        ratio = ratio if ratio < _FARTHEST else _FARTHEST
+        whole = np.int64(np.int32(np.floor(ratio * _PER_RATIO + _HALF)))
+        ratios[z, entry] = whole + _PIXEL if sound else _NO_PIXEL
+        share = variance[y, x] * per_variance + _HALF
+        share = share if share < _LARGEST else _LARGEST
+        noise[z, entry] = np.int32(share) if sound else _NO_NOISE
+
+    ratio, share = np.int64(0), np.int32(0)
+    for t in range(PAD + 1, PAD + 1 + width):
+        entry = _at(t)
+        ratio += ratios[z, entry]
+        share = np.int32(share + noise[z, entry])
+        ratios[z, entry] = ratios[before, entry] + ratio
+        noise[z, entry] = noise[before, entry] + share
+    for t in range(PAD + 1 + width, ratios.shape[1]):
+        ratios[z, _at(t)] = ratios[z, _at(PAD + width)]
+        noise[z, _at(t)] = noise[z, _at(PAD + width)]
 
 
-@numba.njit(nogil=True, cache=True, error_model="numpy")
+@numba.njit(nogil=True, cache=True, error_model="numpy", inline="always")
 def decide(  # type: ignore[no-untyped-def]
-    log_ratio, i, offset, limits, surroundings, bits_around, near, flags
+    log_ratio, i, limits, surroundings, bits_around, near, flags
 ):
     """Flags of row i, once `PAD` more rows have entered.
 
@@ -172,10 +156,10 @@ def decide(  # type: ignore[no-untyped-def]
     ----------
     log_ratio : array, (y, x)
     i : int
-    offset : np.float32
     limits : array, (6,)
         As in `FilmTables`.
     surroundings : tuple of array
+        `Surroundings` as a plain tuple.
     bits_around : array, (x,), uint8
         Receives the flags of the row by its surroundings alone.
     near : array, (x,)
@@ -183,22 +167,43 @@ def decide(  # type: ignore[no-untyped-def]
     flags : array, (y, x), uint8
         Receives the flags of the row, by its own ratio too.
     """
-    state, rows = surroundings
+    state, ratios, noise, around, units = surroundings
+    offset, per_variance = units[0], units[1]
     first, last, thinnest, thickest = limits[0], limits[1], limits[2], limits[3]
     lowest, highest = limits[4], limits[5]
-    y, z = _at(i), _at(i % STATES)
+    y, z = _at(i), _at(i % _KEPT)
+
+    # rows of the tables at the lower end of the squares of 17, 9 and 5 px, and above the upper one
+    a, b = _at((i + 8) % _KEPT), _at((i - 9) % _KEPT)
+    c, d = _at((i + 4) % _KEPT), _at((i - 5) % _KEPT)
+    e, f = _at((i + 2) % _KEPT), _at((i - 3) % _KEPT)
+
+    # few rows a loop: more would need more comparisons of addresses than the compiler accepts
+    for t in range(log_ratio.shape[1]):
+        left, right, inner, outer = _at(t), _at(t + 17), _at(t + 6), _at(t + 11)
+        square = (ratios[a, right] - ratios[a, left]) - (ratios[b, right] - ratios[b, left])
+        square -= (ratios[e, outer] - ratios[e, inner]) - (ratios[f, outer] - ratios[f, inner])
+        pixels = np.int32((square + _MIDDLE) >> _BITS)
+        mean = np.float32(np.int32(square)) / (_PER_RATIO * np.float32(pixels))
+        around[_at(0), _at(t)] = offset + mean
+    for t in range(log_ratio.shape[1]):
+        x, left, right = _at(t), _at(t + 4), _at(t + 13)
+        square = (ratios[c, right] - ratios[c, left]) - (ratios[d, right] - ratios[d, left])
+        pixels = np.int32((square + _MIDDLE) >> _BITS)
+        mean = np.float32(np.int32(square)) / (_PER_RATIO * np.float32(pixels))
+        near[x] = _HALF * (log_ratio[y, x] + (offset + mean))
+        around[_at(1), x] = np.float32(pixels)
+    for t in range(log_ratio.shape[1]):
+        x, left, right = _at(t), _at(t + 4), _at(t + 13)
+        square = (noise[c, right] - noise[c, left]) - (noise[d, right] - noise[d, left])
+        spread = np.float32(np.int32(square)) / (per_variance * around[_at(1), x])
+        margin, mean = _CLEAR * np.sqrt(spread), around[_at(0), x]
+        beyond = _BELOW if (mean < first) | (mean - margin < thinnest) else _NONE
+        beyond = _ABOVE if (mean > last) | (mean + margin > thickest) else beyond
+        bits_around[x] = beyond if state[z, x] == 0 else state[z, x]
     for t in range(log_ratio.shape[1]):
         x = _at(t)
-        middle, pixels = rows[_MIDDLE, x], rows[_PIXELS_5, x]
-        around = offset + (rows[_WIDE, x] - middle) / (rows[_PIXELS_17, x] - pixels)
-        margin = _CLEAR * np.sqrt(rows[_SPREAD, x] / rows[_PIXELS_9, x])
-        beyond = _BELOW if (around < first) | (around - margin < thinnest) else _NONE
-        beyond = _ABOVE if (around > last) | (around + margin > thickest) else beyond
-        bits = beyond if state[z, x] == 0 else state[z, x]
-        bits_around[x] = bits
-
         own = log_ratio[y, x]
         single = _BELOW if own < lowest else _NONE
         single = _ABOVE if own > highest else single
-        flags[y, x] = single if bits == 0 else bits
-        near[x] = _HALF * (own + (offset + rows[_NEAR, x] / rows[_PIXELS_9, x]))
+        flags[y, x] = single if bits_around[x] == 0 else bits_around[x]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Image
+from erlif.core.arrays import AnyArray, Image
 
 
 @dataclass(frozen=True)
@@ -77,3 +78,8 @@ class FilmTables:
             table.calibration_std.astype(np.float32),
             np.append(limits, [first, last]).astype(np.float32),
         )
+
+    @cached_property
+    def pairs(self) -> AnyArray:
+        """Entries of rate and calibration_std, two numbers in the memory of one, read at once."""
+        return np.stack([self.rate, self.calibration_std], axis=-1).ravel().view(np.float64)

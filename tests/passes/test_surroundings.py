@@ -6,8 +6,7 @@ import pytest
 
 from erlif.core.flags import Flag
 from erlif.passes import FilmTables
-from erlif.passes.rows import PAD
-from erlif.passes.surroundings import Surroundings, decide, enter_row
+from erlif.passes.surroundings import PAD, Surroundings, decide, enter_row
 from erlif.plots import example_calibration
 from erlif.thickness.measurable import find_range
 
@@ -28,15 +27,15 @@ def test_flags_and_slopes_are_those_of_the_plain_means(shape, flagged):
     near, beyond = find_range(log_ratio, variance, flags, calibration)
 
     images = log_ratio, variance, np.zeros(shape, np.float32), flags
-    rows, offset = tuple(Surroundings.of(shape[1])), np.float32(0.1)
+    rows = tuple(Surroundings.of(shape[1], offset=0.1, variance=3e-4))
     limits = FilmTables.of(calibration).limits
     around, half_way = np.empty(shape, np.uint8), np.empty(shape, np.float32)
     found = np.empty(shape, np.uint8)
     for u in range(shape[0] + PAD):
-        enter_row(images, u, offset, rows)
+        enter_row(images, u, rows)
         if u >= PAD:
             i = u - PAD
-            decide(log_ratio, i, offset, limits, rows, around[i], half_way[i], found)
+            decide(log_ratio, i, limits, rows, around[i], half_way[i], found)
 
     npt.assert_array_equal(around, np.where(flags == 0, beyond, flags))
     sound = flags == 0
