@@ -17,14 +17,13 @@ from __future__ import annotations
 
 import difflib
 import json
-import math
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from erlif.core.errors import FrameError
 from erlif.readers.base import Format, FrameFile
-from erlif.readers.raw import FrameLayout, RawFrames, count_frames
+from erlif.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.readers.sidecar import find_beside, read_text
 
 _FORMATS = {
@@ -143,9 +142,12 @@ def _interval(entries: dict[str, Any], path: Path) -> float | None:
     if rate is None:
         return None
     numeric = isinstance(rate, (int, float)) and not isinstance(rate, bool)
-    if not numeric or not 0 < rate < math.inf:
-        raise FrameError(f"{path.name} has frame_rate = {rate}; expected a number of Hz above 0.")
-    return 1 / float(rate)
+    interval = frame_interval(rate) if numeric else None
+    if interval is None:
+        raise FrameError(
+            f"{path.name} has frame_rate = {str(rate)[:40]}; expected a number of Hz above 0."
+        )
+    return interval
 
 
 def _is_raw(path: Path, head: bytes) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
 from erlif.readers.base import TRUNCATED, Format, FrameFile
-from erlif.readers.raw import FrameLayout, RawFrames, count_frames
+from erlif.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.readers.source import Source
 
 _MAGIC = b"\xed\xfe\0\0"
@@ -86,7 +86,8 @@ class NorpixFrames(RawFrames):
         if known[0] and (len(stamps) == 1 or np.ptp(stamps[known]) > 0):
             elapsed: Array = stamps - stamps[0]
             return elapsed
-        return np.arange(len(stamps)) / self.rate if self.rate > 0 else None
+        interval = frame_interval(self.rate)
+        return None if interval is None else interval * np.arange(len(stamps), dtype=np.float64)
 
     def _read_stamp(self, index: int) -> float:
         """Time of a frame from the start of its epoch; NaN for a truncated frame. [s]"""
@@ -135,6 +136,8 @@ def open_norpix(path: Path) -> FrameFile:
     layout = _find_layout(header)
 
     start = 8192 if version >= _LARGER_HEADER else max(header_size, 1024)
+    if not layout.size:
+        raise FrameError("the file holds no image")
     if header.step < layout.size:
         raise FrameError(
             f"the header is damaged: frames of {layout.size} bytes cannot lie {header.step} apart"
@@ -149,7 +152,7 @@ def open_norpix(path: Path) -> FrameFile:
         bits=None if header.format in _HIGH_BITS and bits < header.bits else bits,
     )
     file.has_microseconds = version >= _LARGER_HEADER
-    file.rate = header.rate if 0 < header.rate < float("inf") else 0.0
+    file.rate = header.rate
     return file
 
 

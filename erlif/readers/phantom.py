@@ -23,7 +23,7 @@ import numpy as np
 from erlif.core.arrays import Array, Counts
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile
-from erlif.readers.raw import FrameLayout, RawFrames
+from erlif.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.readers.source import Source
 
 
@@ -144,7 +144,8 @@ class PhantomFrames(RawFrames):
 class _Setup:
     """What is needed of the SETUP structure."""
 
-    rate: float
+    rate: int
+    step: int
     depth: int
     end: int
 
@@ -185,7 +186,7 @@ def open_phantom(path: Path) -> FrameFile:
 
     # counts of 8 bits may come from a camera of more
     bits = 12 if layout.packing is not None else min(setup.depth, bitmap.bits) or None
-    interval = 1 / setup.rate if times is None and setup.rate > 0 else None
+    interval = frame_interval(setup.rate, step=setup.step) if times is None else None
     file = PhantomFrames(
         path, layout, places, before=2 * _NUMBER.size, bits=bits, interval=interval
     )
@@ -207,7 +208,7 @@ def _read_setup(source: Source, start: int) -> _Setup:
         return int(struct.unpack("<I", source.read(start + place, 4))[0])
 
     rate = number(_RATE) or rate
-    return _Setup(rate / max(number(_DECIMATION), 1), number(_DEPTH), start + length)
+    return _Setup(rate, max(number(_DECIMATION), 1), number(_DEPTH), start + length)
 
 
 def _read_times(source: Source, start: int, header: _FileHeader) -> Array | None:

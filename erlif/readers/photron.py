@@ -15,7 +15,7 @@ from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.readers.base import Format, FrameFile
-from erlif.readers.raw import FrameLayout, RawFrames
+from erlif.readers.raw import FrameLayout, RawFrames, frame_interval
 from erlif.readers.sidecar import find_beside, read_text
 
 _HEADERS = (".cihx", ".cih")
@@ -124,7 +124,7 @@ def read_photron_header(text: str) -> PhotronHeader:
         frames=_whole(entries, "frames"),
         stored_bits=stored,
         bits=None if high else min(depth, stored),
-        interval=max(step, 1) / rate if rate > 0 else None,
+        interval=frame_interval(rate, step=max(step, 1)),
     )
 
 

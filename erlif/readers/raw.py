@@ -32,6 +32,9 @@ _MOST_MISSING = 10
 """Frames in a header for each frame in the file above which the header is taken as damaged. A
 recording that was interrupted or copied in part has fewer."""
 
+_SLOWEST, _FASTEST, _MOST_SKIPPED = 1e-6, 1e9, 10**9
+"""Rates of cameras, from a frame in eleven days on, and frames left out between two. [1/s]"""
+
 _DENSEST = 1.6
 """Decoded over stored size of 10-bit counts in 16 bits, the most of all packings."""
 
@@ -217,6 +220,33 @@ def count_frames(size: int, *, start: int, step: int) -> int:
     2
     """
     return max(0, -(-(size - start) // step))
+
+
+def frame_interval(rate: float, *, step: int = 1) -> float | None:
+    """Time between two frames.
+
+    Parameters
+    ----------
+    rate : float
+        Frames per second that the camera took, as a header has it. [1/s]
+    step : int
+        Every how many of them one was saved.
+
+    Returns
+    -------
+    float or None
+        None where the header has no rate, or one that no camera has. [s]
+
+    Examples
+    --------
+    >>> frame_interval(50_000, step=2500)
+    0.05
+    >>> frame_interval(0) is None
+    True
+    """
+    if not _SLOWEST <= rate <= _FASTEST or not 0 < step <= _MOST_SKIPPED:
+        return None
+    return step / rate
 
 
 def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:

@@ -83,6 +83,8 @@ def test_a_missing_description_is_asked_for(tmp_path):
         ('"Mono12p"', '"BayerRG12p"', "has the pixel_format 'BayerRG12p'. Read are Mono8,"),
         ('"Mono12p"', "12", "has the pixel_format 12. Read are"),
         ("frame_rate = 100", "frame_rate = 0", "has frame_rate = 0; expected a number of Hz"),
+        ("frame_rate = 100", "frame_rate = " + "9" * 400, "has frame_rate = 999"),
+        ("frame_rate = 100", "frame_rate = 1e-320", "has frame_rate = 1e-320"),
         ("frame_rate = 100", "frame_rate = nan", "has frame_rate = nan; expected a number"),
     ],
 )

@@ -68,7 +68,21 @@ def test_stamps_that_were_not_set_give_way_to_the_rate(tmp_path, opened):
     frames = random_frames(np.random.default_rng(1))
     file = opened(write_seq(tmp_path / "a.seq", frames, rate=250.0))
     npt.assert_allclose(file.times, [0, 0.004, 0.008])
-    assert opened(write_seq(tmp_path / "b.seq", frames, rate=0.0)).times is None
+    # 5e-324 was found by damaging files at random: its reciprocal overflows
+    for number, rate in enumerate((0.0, -1.0, 5e-324, float("nan"), float("inf"))):
+        path = write_seq(tmp_path / f"{number}.seq", frames, rate=rate)
+        assert opened(path).times is None
+
+
+def test_frames_without_rows_at_a_step_of_zero_are_refused(tmp_path):
+    """Found by damaging files at random."""
+    path = write_seq(tmp_path / "a.seq", random_frames(np.random.default_rng(1)))
+    data = bytearray(path.read_bytes())
+    for place in (552, 564, 580):
+        struct.pack_into("<I", data, place, 0)
+    path.write_bytes(data)
+    with pytest.raises(FrameError, match="holds no image"):
+        open_norpix(path)
 
 
 def test_padded_rows(tmp_path, opened):

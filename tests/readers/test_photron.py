@@ -114,7 +114,8 @@ def test_a_damaged_header_is_refused(old, new, words):
 def test_a_header_without_a_rate_has_no_times():
     text = "Total Frame : 1\nImage Width : 4\nImage Height : 4\nColor Bit : 8\n"
     assert read_photron_header(text).interval is None
-    assert read_photron_header(text + "Record Rate(fps) : 0\n").interval is None
+    for rate in ("0", "1e-320", "-5"):
+        assert read_photron_header(text + f"Record Rate(fps) : {rate}\n").interval is None
 
 
 def test_entities_of_the_header_are_not_followed(tmp_path):

@@ -11,7 +11,7 @@ from readers.writers import pack_counts, random_frames
 
 from erlif.core.errors import FrameError
 from erlif.readers.base import TRUNCATED, FrameKind
-from erlif.readers.raw import FrameLayout, RawFrames, count_frames
+from erlif.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.readers.unpack import Packing
 
 
@@ -118,3 +118,13 @@ def test_a_lying_header_is_refused_without_memory(opened, frames, shape, count, 
 def test_an_incomplete_last_frame_is_counted():
     sizes = [0, 100, 101, 149, 150, 151]
     assert [count_frames(size, start=100, step=50) for size in sizes] == [0, 0, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, 1e-320, 10**400, float("inf"), float("nan")])
+def test_a_rate_that_no_camera_has_gives_no_times(rate):
+    assert frame_interval(rate) is None
+
+
+def test_frames_left_out_lengthen_the_interval():
+    assert frame_interval(50_000, step=2500) == 0.05
+    assert frame_interval(50_000, step=0) is None
