@@ -7,6 +7,7 @@ from erlif.files.contents import (
     fastest_trigger,
     flag_shares,
     has_identity,
+    motion_of,
     region_of,
     settings_of,
 )
@@ -32,6 +33,7 @@ __all__ = [
     "flag_shares",
     "has_group",
     "has_identity",
+    "motion_of",
     "open_film",
     "open_netcdf",
     "refuse_existing",

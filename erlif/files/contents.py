@@ -47,6 +47,34 @@ def settings_of(film: xr.Dataset) -> RunSettings:
     return RunSettings.model_validate(tomllib.loads(str(film.attrs["settings"])))
 
 
+def motion_of(film: xr.Dataset) -> str:
+    """Read the kind of [mechanism] in the settings of a film.
+
+    Parameters
+    ----------
+    film : Dataset
+        Result of `erlif.process`.
+
+    Returns
+    -------
+    str
+        "crank-rocker", "slider-crank", "rotation" or "sinusoidal"; empty without [mechanism].
+
+    Raises
+    ------
+    OutputError
+        If the film does not hold its settings.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> motion_of(example_film())
+    'crank-rocker'
+    """
+    mechanism = settings_of(film).mechanism
+    return "" if mechanism is None else mechanism.kind
+
+
 def region_of(film: xr.Dataset) -> RegionOfInterest:
     """Read the region of interest of a film.
 

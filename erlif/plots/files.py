@@ -29,7 +29,8 @@ from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
-from erlif.plots.trend import speed_figure
+from erlif.plots.trend import speed_figure, speed_over_load
+from erlif.plots.triggers import has_varying_speed
 from erlif.settings import read_fixture_settings, read_run_settings
 
 logger = logging.getLogger(__name__)
@@ -234,6 +235,13 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         except (ErlifError, OSError) as error:
             return f"the frames could not be read again: {error}"
 
+    if name == "speed_against_angle" and not has_varying_speed(source.film):
+        return _describe_steady(source.film)
+    if name == "film_over_cycle" and source.film.sizes["trigger"] < 2:
+        return "the film has a single trigger"
+    if name == "film_against_speed":
+        return _reason_without_trend(source.film)
+
     if name == "fixture_profile":
         if source.fixture_dir is None:
             return (
@@ -245,6 +253,27 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
             read_profile(source.fixture_dir / settings.fixture.profile)
         except ErlifError as error:
             return str(error)
+    return None
+
+
+def _describe_steady(film: xr.Dataset) -> str:
+    """Why there is no figure of the speed."""
+    if "sliding_speed" not in film:
+        return "the film has no speed"
+    speed = 1e3 * float(film.sliding_speed[0])
+    return f"the sliding speed is the same at all triggers, {speed:.4g} mm/s"
+
+
+def _reason_without_trend(film: xr.Dataset) -> str | None:
+    """Why the film cannot be drawn against speed over load; None if it can."""
+    if "speed_exponent" not in film:
+        lacking = [] if "load" in film else ["load"]
+        if "rocker_speed" not in film and "sliding_speed" not in film:
+            lacking = ["speed", *lacking]
+        return f"the film has no {' and no '.join(lacking)}"
+    x = speed_over_load(film)
+    if np.ptp(x) <= _SAME * x.max():
+        return "speed over load is the same at all triggers"
     return None
 
 

@@ -85,9 +85,20 @@ def image_height(film: xr.Dataset, width: float) -> float:
 
 def label_position(ax: Axes, film: xr.Dataset) -> None:
     """Label the axes of an image of the joint."""
-    along = settings_of(film).optics.x_axis
-    ax.set_xlabel("x (sliding) [mm]" if along == "sliding" else "x (axial) [mm]")
-    ax.set_ylabel("y (axial) [mm]" if along == "sliding" else "y (sliding) [mm]")
+    x, y = axis_labels(film)
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+
+
+def axis_labels(film: xr.Dataset) -> tuple[str, str]:
+    """Labels of x and y of an image, with their directions unless nothing moves."""
+    settings = settings_of(film)
+    if settings.mechanism is None and "sliding_speed" not in film:
+        return "x [mm]", "y [mm]"
+    across = "axial" if settings.linkage is not None or settings.joint is not None else "across"
+    along_x = settings.optics.x_axis == "sliding"
+    x, y = ("sliding", across) if along_x else (across, "sliding")
+    return f"x ({x}) [mm]", f"y ({y}) [mm]"
 
 
 def bare_image(ax: Axes) -> None:
@@ -267,7 +278,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     ax = given_or_new(ax)
     profile = average_across_sliding(film, trigger=trigger)
     x, h = profile.position.values, profile.thickness.values
-    artists = _draw_profile(ax, profile, np.zeros_like(x))
+    artists = _draw_profile(ax, film, profile, np.zeros_like(x))
 
     gap = rigid_gap(profile, film)
     if gap is not None:
@@ -323,14 +334,15 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     profile = average_across_sliding(film, trigger=trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values
-    artists = _draw_profile(ax, profile, np.zeros_like(x) if gap is None else gap.thickness(x))
+    base = np.zeros_like(x) if gap is None else gap.thickness(x)
+    artists = _draw_profile(ax, film, profile, base)
 
     artists.append(ax.axhline(0, color=RETURN, linewidth=0.8))
     ax.set_ylabel("measured −\nrigid gap [µm]")
     return artists
 
 
-def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
+def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) -> list[Artist]:
     """Draw the profile less `base`, with its random band and the limits of its shared error."""
     # a profile along y runs to the right as well, so that both directions compare
     x, h = profile.position.values, profile.thickness.values - base
@@ -347,8 +359,9 @@ def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
     (above,) = ax.plot(x, centre + shared, label="shared, 95 %", **look)
     (below,) = ax.plot(x, centre - shared, **look)
 
-    axis = str(profile.position.attrs["long_name"]).partition(",")[0]
-    ax.set_xlabel(f"{axis} (sliding) [mm]")
+    x_label, y_label = axis_labels(film)
+    along_x = str(profile.position.attrs["long_name"]).startswith("x")
+    ax.set_xlabel(x_label if along_x else y_label)
     ax.set_xlim(float(x[0]), float(x[-1]))
     return [line, band, above, below]
 
@@ -356,6 +369,8 @@ def _draw_profile(ax: Axes, profile: xr.Dataset, base: Array) -> list[Artist]:
 @styled
 def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     """Draw the map at one trigger, its profile along sliding, and the difference to a rigid gap.
+
+    Without the radii of [joint] there is no gap, and no difference to it.
 
     Parameters
     ----------
@@ -382,14 +397,18 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
     figure = new_figure(TWO_COLUMNS, image_height(film, _WIDE * TWO_COLUMNS) + _AROUND)
-    panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
+    if settings_of(film).joint is None:
+        panels = figure.subplot_mosaic("mp", width_ratios=(1.25, 1))
+    else:
+        panels = figure.subplot_mosaic("mp;mr", width_ratios=(1.25, 1), height_ratios=(2.2, 1))
     thickness_map(film, trigger=trigger, ax=panels["m"])
     sliding_profile(film, trigger=trigger, ax=panels["p"])
-    profile_residual(film, trigger=trigger, ax=panels["r"])
 
     # the profile and the difference below it share the axis
-    panels["p"].set_xlabel("")
-    panels["p"].tick_params(labelbottom=False)
+    if "r" in panels:
+        profile_residual(film, trigger=trigger, ax=panels["r"])
+        panels["p"].set_xlabel("")
+        panels["p"].tick_params(labelbottom=False)
 
     # one legend below all panels, so that map and profiles end at one height
     below_map = panels["m"].get_legend()
@@ -402,7 +421,7 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
 
     panels["m"].set_title("")
     figure.suptitle(describe_trigger(film, trigger))
-    for name, text in (("m", "a"), ("p", "b"), ("r", "c")):
+    for name, text in zip(panels, "abc", strict=False):
         letter(panels[name], text)
     return figure
 
@@ -470,8 +489,9 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
         shrink=0.9,
         pad=0.01 * columns,  # of the width of a column
     )
+    quantity = _small_title(film, 0)[0]
     figure.supxlabel(
-        "encoder angle above each map; each map "
+        f"{quantity} above each map; each map "
         f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
         fontsize=6.5,
     )
@@ -482,6 +502,8 @@ def _sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
     """Triggers of a sheet, by stroke."""
     count = film.sizes["trigger"]
     chosen = np.unique(np.linspace(0, count - 1, min(count, _SHEET_MOST)).round().astype(np.intp))
+    if "stroke" not in film:
+        return [("", chosen)]
     strokes = film.stroke.values[chosen]
     groups = [(name, chosen[strokes == sign]) for name, sign in (("outward", 1), ("return", -1))]
     return [(name, members) for name, members in groups if members.size]
@@ -507,6 +529,15 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
         vmax=limits[1],
         extent=pixel_edges(film),
     )
-    ax.set_title(f"{float(one.encoder_angle):.2f}°", fontsize=6, pad=1.5)
+    ax.set_title(_small_title(film, trigger)[1], fontsize=6, pad=1.5)
     bare_image(ax)
     return image
+
+
+def _small_title(film: xr.Dataset, trigger: int) -> tuple[str, str]:
+    """What stands above the maps of a sheet, and its value for one of them."""
+    if "encoder_angle" in film:
+        return "encoder angle", f"{float(film.encoder_angle[trigger]):.2f}°"
+    if "time" in film:
+        return "time", f"{float(film.time[trigger]):.3g} s"
+    return "trigger", f"{trigger}"

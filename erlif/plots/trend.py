@@ -26,9 +26,15 @@ from erlif.plots.style import (
     new_figure,
     styled,
 )
+from erlif.plots.triggers import stroke_looks
 from erlif.trend import SLOWEST
 
-_LABEL = "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]"
+_LABELS = {
+    "rocker_speed": "speed over load, |ω|/F [10⁻³ rad s⁻¹ N⁻¹]",
+    "sliding_speed": "sliding speed over load, v/F [10⁻³ m s⁻¹ N⁻¹]",
+}
+"""Labels of the axis by the speed: that of the joint in a linkage, else the sliding speed."""
+
 _TALL = 0.4  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _DASHES = (0, (3, 1.5))
@@ -36,9 +42,14 @@ _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _ROOM = 0.3  # above the curves for the legend, as a power of the range of the axis
 
 
+def _speed_name(film: xr.Dataset) -> str:
+    """The speed that the exponents of a film belong to."""
+    return "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+
+
 def speed_over_load(film: xr.Dataset) -> Array:
-    """Speed over load of each trigger, without sign. [rad s-1 N-1]"""
-    return np.asarray(np.abs(film.rocker_speed.values) / film["load"].values)
+    """Speed over load of each trigger, without sign. [rad s-1 N-1, else m s-1 N-1]"""
+    return np.asarray(np.abs(film[_speed_name(film)].values) / film["load"].values)
 
 
 @styled
@@ -81,16 +92,16 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
         artists += _draw_points(ax, film, name, colour)
         lines += _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
 
-    ax.set_xlabel(_LABEL)
+    ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
-    ax.legend(handles=[*lines, *_stroke_keys()], loc="best")
+    ax.legend(handles=[*lines, *_stroke_keys(film)], loc="best")
     return [*artists, *lines]
 
 
 def _used_in_fit(film: xr.Dataset) -> Mask:
     """Triggers fast enough for the fit of the power."""
-    speed = np.abs(film.rocker_speed.values)
+    speed = np.abs(film[_speed_name(film)].values)
     return np.asarray(speed >= SLOWEST * speed.max())
 
 
@@ -100,9 +111,9 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
     value, std = film[name].values, film[f"{name}_std"].values
     drawable = np.isfinite(value) & (value > 0)  # the scale is logarithmic
     artists: list[Artist] = []
-    for sign, look in STROKES.items():
+    for members, look in stroke_looks(film):
         for used, paint in ((fitted, colour), (~fitted, MUTED)):
-            which = (film.stroke.values == sign) & used & drawable
+            which = members & used & drawable
             if not which.any():
                 continue
             bars = ax.errorbar(
@@ -111,7 +122,7 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
                 std[which],
                 fmt=str(look["marker"]),
                 color=paint,
-                markerfacecolor=paint if sign > 0 else "white",
+                markerfacecolor="white" if look["markerfacecolor"] == "white" else paint,
                 elinewidth=0.7,
             )
             artists.append(bars.lines[0])
@@ -134,8 +145,10 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     )
 
 
-def _stroke_keys() -> list[Line2D]:
+def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
     """Keys of the markers of the strokes, in the colour of neither statistic."""
+    if "stroke" not in film:
+        return []
     return [
         Line2D(
             [],
@@ -177,17 +190,18 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
     artists: list[Artist] = []
-    for sign, look in STROKES.items():
-        which = (film.stroke.values == sign) & (value > 0)
+    for members, look in stroke_looks(film):
+        which = members & (value > 0)
+        label = f"measured minimum, {look['label']}" if "stroke" in film else "measured minimum"
         bars = ax.errorbar(
             x[which],
             value[which],
             film.film_min_std.values[which],
             fmt=str(look["marker"]),
             color=MINIMUM,
-            markerfacecolor=MINIMUM if sign > 0 else "white",
+            markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
             elinewidth=0.7,
-            label=f"measured minimum, {look['label']}",
+            label=label,
         )
         artists.append(bars.lines[0])
 
@@ -202,7 +216,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             x[order], film[name].values[order], color=colour, linestyle=dashes, label=label
         )
 
-    ax.set_xlabel(_LABEL)
+    ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
     low, high = ax.get_ylim()
@@ -233,12 +247,12 @@ def speed_figure(film: xr.Dataset) -> Figure:
     Parameters
     ----------
     film : xarray.Dataset
-        As `erlif.process` returns it.
+        As `erlif.process` returns it, with a speed and a load.
 
     Returns
     -------
     Figure
-        Two columns wide.
+        Two columns wide; one, without the theory, where the film has none.
 
     Examples
     --------
@@ -246,6 +260,11 @@ def speed_figure(film: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in speed_figure(example_film()).axes]
     ['film thickness [µm]', 'film thickness [µm]']
     """
+    if "film_theory" not in film:
+        figure = new_figure()
+        film_against_speed(film, ax=figure.add_subplot())
+        return figure
+
     figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)

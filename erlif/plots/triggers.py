@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array, Mask
-from erlif.files import settings_of
+from erlif.files import motion_of
 from erlif.plots.style import OUTWARD, STROKES
-from erlif.settings import RotationSettings, SinusoidalSettings
 
 _STEADY = 1e-6
 """Relative range of a speed below which it is the same at all triggers."""
@@ -57,14 +56,13 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
     >>> choose_abscissa(example_film()).label
     'crank angle [°]'
     """
-    kind = settings_of(film).mechanism
-    disc = isinstance(kind, RotationSettings)
+    motion = motion_of(film)
+    disc = motion == "rotation"
     if "crank_angle" in film:
         angle = film.crank_angle.values
         turns = np.count_nonzero(np.diff(angle) < 0)
         if not (disc and turns > 1 and "time" in film):
-            slider = isinstance(kind, SinusoidalSettings)
-            what = "disc" if disc else "drive" if slider else "crank"
+            what = {"rotation": "disc", "sinusoidal": "drive"}.get(motion, "crank")
             return Abscissa(angle, f"{what} angle [°]", True)
 
     if "time" in film and np.ptp(film.time.values) > 0:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import xarray as xr
+
+from erlif.files import settings_of
+from erlif.plots.triggers import has_varying_speed
 
 
 @dataclass(frozen=True)
@@ -86,3 +91,55 @@ CAPTIONS = {
     ),
 }
 """Captions by the name of the figure, as in `erlif.plots.files.DRAWN`."""
+
+
+def caption_of(name: str, film: xr.Dataset) -> Caption:
+    """Choose the caption of a figure by the motion and by what the film holds.
+
+    Parameters
+    ----------
+    name : str
+        Name of the figure, as in `erlif.plots.files.DRAWN`.
+    film : xarray.Dataset
+        As `erlif.process` returns it.
+
+    Returns
+    -------
+    Caption
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> caption_of("film_over_cycle", example_film()).title
+    'Film thickness and speed over the cycle'
+    """
+    caption, settings = CAPTIONS[name], settings_of(film)
+    if name == "thickness_map" and settings.joint is None:
+        text = caption.text.replace(
+            ", with the gap of rigid bodies h = h_min + x²/2R fitted to it. (c) Difference of the "
+            "two.",
+            ".",
+        )
+        return replace(caption, text=text)
+    if name == "film_against_speed" and "film_theory" not in film:
+        text = caption.text.replace("(a) ", "").partition(" (b)")[0]
+        return replace(caption, text=text)
+    if name == "map_sheet" and settings.mechanism is None:
+        return replace(caption, title="Maps of the run")
+    if settings.linkage is not None:
+        return caption
+
+    # without a linkage there may be neither strokes nor a speed
+    if name == "speed_against_angle":
+        strokes = "filled circles where the position rises, open squares where it falls."
+        points = f" The points are the triggers: {strokes}" if "stroke" in film else ""
+        text = f"Speed of the moving surface against the one at rest.{points}"
+        return replace(caption, title="Sliding speed", text=text)
+    if name == "film_over_cycle":
+        dotted = " Dotted: the slider turns back." if "position" in film else ""
+        if has_varying_speed(film):
+            text = caption.text.partition(" Dotted")[0].replace("speed.", "sliding speed.")
+            return replace(caption, title="Film thickness and speed", text=text + dotted)
+        text = "Mean and minimum film thickness with 95 % bands of random and shared errors."
+        return replace(caption, title="Film thickness over the run", text=text)
+    return caption

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from erlif.files import describe_trigger
 from erlif.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.plots.style import ONE_COLUMN, figure_bytes
-from erlif.report.captions import CAPTIONS, Caption
+from erlif.report.captions import Caption, caption_of
 
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map")
@@ -20,7 +20,7 @@ def figures_section(source: FigureSource) -> str:
     """Draw all figures of a film as HTML, and list those that are left out with the reason."""
     parts, missing = [], []
     for name, draw in DRAWN.items():
-        caption = CAPTIONS[name]
+        caption = caption_of(name, source.film)
         reason = reason_missing(name, source)
         if reason is not None:
             missing.append(f"<li>{caption.title}: {escape(reason)}</li>")

@@ -45,7 +45,7 @@ def summarise(film: xr.Dataset) -> str:
         _film_line(film, "film_min", "minimum film thickness"),
         _film_line(film, "film_mean", "mean film thickness"),
         *_flag_lines(film),
-        _trend_line(film),
+        *_trend_lines(film),
         *_theory_lines(film),
     ]
     notes = [note for note in str(film.attrs.get("notes", "")).split("\n") if note]
@@ -64,7 +64,8 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     Returns
     -------
     str
-        Range of the minimum film thickness over the cycle, speed exponent, triggers, frame pairs.
+        Range of the minimum film thickness over the cycle, speed exponent where the film has a
+        speed and a load, triggers, frame pairs.
 
     Examples
     --------
@@ -76,11 +77,14 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     thickness = "no film"
     if np.isfinite(minimum).any():
         thickness = f"{np.nanmin(minimum):.2f} to {np.nanmax(minimum):.2f} um"
-    exponent = "not fitted"
-    if np.isfinite(float(film.speed_exponent)):
-        exponent = f"{float(film.speed_exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
+    trend = ""
+    if "speed_exponent" in film:
+        exponent = "not fitted"
+        if np.isfinite(float(film.speed_exponent)):
+            exponent = f"{float(film.speed_exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
+        trend = f"n = {exponent}, "
     return (
-        f"minimum film thickness {thickness}, n = {exponent}, {film.sizes['trigger']} triggers "
+        f"minimum film thickness {thickness}, {trend}{film.sizes['trigger']} triggers "
         f"from {int(film.frames_used.sum())} frame pairs"
     )
 
@@ -116,22 +120,27 @@ def _flag_lines(film: xr.Dataset) -> list[str]:
     ]
 
 
-def _trend_line(film: xr.Dataset) -> str:
+def _trend_lines(film: xr.Dataset) -> list[str]:
     """Fitted powers of speed over load."""
+    if "speed_exponent" not in film:
+        return []
     title, exponent = "power of speed over load", film.speed_exponent
     if not np.isfinite(float(exponent)):
-        return _line(title, "not fitted: fewer than five triggers can be used")
+        reason = "not fitted: fewer than five triggers can be used, or it hardly varies"
+        return [_line(title, reason)]
     minimum = f"{float(exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
     mean = f"{float(film.speed_exponent_mean):.3f} ± {float(film.speed_exponent_mean_std):.3f}"
     used = exponent.attrs["triggers_used"]
-    return _line(title, f"minimum: n = {minimum}, mean: n = {mean}; {used} triggers")
+    return [_line(title, f"minimum: n = {minimum}, mean: n = {mean}; {used} triggers")]
 
 
 def _theory_lines(film: xr.Dataset) -> list[str]:
     """Predicted film at the highest speed, and the reason for the regime."""
+    if "film_theory" not in film:
+        return []
     theory = film.film_theory
     # hydrodynamic theory is closest to its assumptions where the speed is highest
-    top = int(np.argmax(np.abs(film.rocker_speed.values)))
+    top = int(np.argmax(film.sliding_speed.values))
     speed, load = float(film.sliding_speed[top]), float(film["load"][top])
     formula = float(film.film_hamrock_dowson[top])
     return [

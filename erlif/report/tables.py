@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.flags import Flag
+from erlif.files import motion_of
 from erlif.plots.files import FigureSource
 from erlif.plots.maps import flag_swatch, flag_title
 from erlif.plots.style import FLAG_COLOURS
@@ -115,11 +117,15 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     ]
     if "film_parameter" in film:
         rows.append(("Film parameter Λ", with_span(film.film_parameter.values)))
-    rows.append(("Load", f"{with_span(film['load'].values)} N"))
+    if "rocker_speed" not in film and "sliding_speed" in film:
+        rows.append(("Sliding speed", f"{with_span(1e3 * film.sliding_speed.values)} mm/s"))
+    if "load" in film:
+        rows.append(("Load", f"{with_span(film['load'].values)} N"))
 
     # limits of the theory are sentences, too long for a cell
     caption = "Results (± is one standard deviation, random and shared)"
-    notes = str(film.film_theory.attrs.get("notes", "")).split("\n")
+    limits_of = film.film_theory.attrs if "film_theory" in film else {}
+    notes = str(limits_of.get("notes", "")).split("\n")
     limits = " ".join(escape(note) for note in notes if note)
     below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
     return make_table(rows, caption=caption) + below
@@ -136,7 +142,9 @@ def _film_rows(film: xr.Dataset) -> list[tuple[str, str]]:
         if np.isfinite(value).any():
             low, high = int(np.nanargmin(value)), int(np.nanargmax(value))
             ends = [with_error(float(value[k]), float(std[k])) for k in (low, high)]
-            rows.append((f"{title}, over the cycle", f"{ends[0]} to {ends[1]} µm"))
+            over = "over the cycle" if "crank_angle" in film else "over the run"
+            span = f"{ends[0]} to {ends[1]}" if low != high else ends[0]
+            rows.append((f"{title}, {over}", f"{span} µm"))
     return rows
 
 
@@ -155,6 +163,8 @@ def _exponent_rows(film: xr.Dataset) -> list[tuple[str, str]]:
 
 def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     """Predicted films, and the measured minimum relative to them."""
+    if "film_theory" not in film:
+        return []
     theory = film.film_theory
     share = film.film_min.values / theory.values
     known = share[np.isfinite(share)]
@@ -234,33 +244,67 @@ def _swatch(flag: Flag) -> str:
     return f'<span class="swatch" style="background:{flag_swatch(flag)}"></span>'
 
 
+@dataclass(frozen=True)
+class _Column:
+    """A column of the table of the triggers: shown where the film has all its variables."""
+
+    title: str
+    needs: tuple[str, ...]
+    write: Callable[[dict[str, float]], str]
+
+
+def _number(name: str, digits: int, scale: float = 1.0) -> Callable[[dict[str, float]], str]:
+    return lambda one: with_digits(scale * one[name], digits)
+
+
+def _film(name: str) -> Callable[[dict[str, float]], str]:
+    return lambda one: with_error(one[name], one[f"{name}_std"])
+
+
+_COLUMNS = (
+    _Column("Stroke", ("stroke",), lambda one: "outward" if one["stroke"] > 0 else "return"),
+    _Column("Time [s]", ("time",), _number("time", 3)),
+    _Column("Encoder [°]", ("encoder_angle",), _number("encoder_angle", 2)),
+    _Column("Crank [°]", ("crank_angle",), _number("crank_angle", 2)),
+    _Column("Position [mm]", ("position",), _number("position", 3)),
+    _Column("Speed [rad/s]", ("rocker_speed",), _number("rocker_speed", 3)),
+    _Column("Sliding [mm/s]", ("sliding_speed",), _number("sliding_speed", 1, 1e3)),
+    _Column("Load [N]", ("load",), _number("load", 1)),
+    _Column("Oil [°C]", ("temperature",), _number("temperature", 2)),
+    _Column("Frame pairs", ("frames_used",), lambda one: f"{int(one['frames_used'])}"),
+    _Column("Mean film thickness [µm]", ("film_mean",), _film("film_mean")),
+    _Column("Minimum film thickness [µm]", ("film_min",), _film("film_min")),
+    _Column("Theory [µm]", ("film_theory",), _number("film_theory", 1)),
+    _Column("2.65 formula [µm]", ("film_hamrock_dowson",), _number("film_hamrock_dowson", 3)),
+    _Column("Λ", ("film_parameter",), _number("film_parameter", 1)),
+)
+
+
+_ANGLES = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]"}
+"""Title of the column of the crank angle by the kind of motion."""
+
+
 def trigger_table(film: xr.Dataset, valid: Array) -> str:
     """Make the table of the triggers; `valid` (trigger,) is the share of valid pixels."""
-    warm, rough = "temperature" in film, "film_parameter" in film
-    head = ["Trigger", "Stroke", "Encoder [°]", "Crank [°]", "Speed [rad/s]", "Sliding [mm/s]"]
-    head += ["Load [N]", *(["Oil [°C]"] if warm else []), "Frame pairs"]
-    head += ["Mean film thickness [µm]", "Minimum film thickness [µm]"]
-    head += ["Theory [µm]", "2.65 formula [µm]", *(["Λ"] if rough else []), "Valid pixels"]
+    columns = [column for column in _COLUMNS if all(name in film for name in column.needs)]
+    titles = [column.title for column in columns]
+    if "Crank [°]" in titles:
+        titles[titles.index("Crank [°]")] = _ANGLES.get(motion_of(film), "Crank [°]")
 
+    # columns of text from the log are not part of the table
+    shown = [
+        str(name)
+        for name in film
+        if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
+    ]
     rows = []
     for k in range(film.sizes["trigger"]):
-        # columns of text from the log are not part of the table
-        one = {
-            str(name): float(film[name].values[k])
-            for name in film
-            if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
-        }
-        row = [f"{k}", "outward" if one["stroke"] > 0 else "return"]
-        row += [with_digits(one["encoder_angle"], 2), with_digits(one["crank_angle"], 2)]
-        row += [with_digits(one["rocker_speed"], 3), with_digits(1e3 * one["sliding_speed"], 1)]
-        row += [with_digits(one["load"], 1)]
-        row += [with_digits(one["temperature"], 2)] if warm else []
-        row += [f"{int(one['frames_used'])}"]
-        row += [with_error(one[name], one[f"{name}_std"]) for name in ("film_mean", "film_min")]
-        row += [with_digits(one["film_theory"], 1), with_digits(one["film_hamrock_dowson"], 3)]
-        row += [with_digits(one["film_parameter"], 1)] if rough else []
-        rows.append([*row, f"{100 * valid[k]:.1f} %"])
+        one = {name: float(film[name].values[k]) for name in shown}
+        cells = [column.write(one) for column in columns]
+        rows.append([f"{k}", *cells, f"{100 * valid[k]:.1f} %"])
 
-    table = make_table(rows, head=head, numbers=[0, *range(2, len(head))])
+    head = ["Trigger", *titles, "Valid pixels"]
+    numbers = [n for n, title in enumerate(head) if title != "Stroke"]
+    table = make_table(rows, head=head, numbers=numbers)
     look = 'class="wide" tabindex="0" role="region" aria-label="Table of the triggers"'
     return f"<div {look}>{table}</div>"

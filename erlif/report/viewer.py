@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from erlif.files import describe_trigger, region_of, settings_of
-from erlif.plots.maps import common_limits, flag_swatch, flag_title
+from erlif.files import describe_trigger, region_of
+from erlif.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
 from erlif.plots.style import FLAG_COLOURS, colour_map
 from erlif.report.maps import MapCoding, describe_coding
 from erlif.report.tables import flag_key
@@ -55,7 +55,7 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
     pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
     region = region_of(film)
-    sliding = settings_of(film).optics.x_axis == "sliding"
+    x_label, y_label = axis_labels(film)
 
     # a sample of maps is enough for one colour scale of all
     count = film.sizes["trigger"]
@@ -68,8 +68,8 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
         "x": [float(x[0]), pitch[0]],
         "y": [float(y[0]), pitch[1]],
         "pixelAspect": pitch[1] / pitch[0],
-        "xLabel": f"x ({'sliding' if sliding else 'axial'}) [mm]",
-        "yLabel": f"y ({'axial' if sliding else 'sliding'}) [mm]",
+        "xLabel": x_label,
+        "yLabel": y_label,
         "region": [*region.x, *region.y],
         "limits": [round(limit, 3) for limit in limits],
         "palette": _palette(),
