@@ -94,7 +94,9 @@ FILM = (
         T,
         "float64",
         "degree",
-        "Encoder angle as logged, mean of the frames.",
+        "Encoder angle as logged, counted on where the encoder starts again at 0, mean of the "
+        "frames. Attributes for a linkage: mounted_on; zero, the angle of that link at reading 0 "
+        "[degree], with zero_std where it was fitted; direction, rising or falling.",
         "the angle is logged",
     ),
     Variable(

@@ -22,6 +22,7 @@ from erlif.ingest import (
     open_run,
     read_frames,
 )
+from erlif.kinematics import encoder_notes
 from erlif.pipeline.cameras import characterise_cameras
 from erlif.pipeline.film import describe_cycle, describe_triggers
 from erlif.pipeline.joint import locate_run
@@ -141,6 +142,7 @@ def _check_log(run: Run) -> Iterator[Note]:
     """Triggers, cycles, top speed, and what the film will lack for want of a table."""
     yield from run.log_notes
     located = locate_run(run)
+    yield from encoder_notes(located)
     triggers = describe_triggers(run, located)
     yield Note(Level.NOTE, "encoder log", describe_cycle(located))
     yield from note_omissions(run.settings, triggers)

@@ -159,7 +159,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     every = [frames or _all_frames(cycle, trigger) for trigger, frames in enumerate(usable)]
     for name, column in columns.items():
         if column.dtype.kind in "fiu":
-            values = np.array([float(column.values[frames].mean()) for frames in every])
+            values = np.array([_mean_column(column, frames) for frames in every])
         else:
             values = np.array([str(column.values[frames[0]]) for frames in every])
         film[name] = ("trigger", values, column.attrs)
@@ -426,6 +426,15 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
         blur_difference_comment="half the blur variance of camera 2 less that of camera 1, along x "
         "and y [px2]",
     )
+
+
+def _mean_column(column: xr.DataArray, frames: Sequence[int]) -> float:
+    """Mean of a column over the frames of a trigger."""
+    values = column.values[list(frames)].astype(float)
+    if column.attrs.get("mounted_on") == "crank":
+        # 359 and 1 degree are near 0, and readings may count on over several turns
+        values = values[0] + (values - values[0] + 180.0) % 360.0 - 180.0
+    return float(values.mean())
 
 
 def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:

@@ -61,7 +61,13 @@ def locate_run(run: Run) -> xr.Dataset:
                 mechanism=build_linkage(links),
                 crank_speed=links.crank_speed,
                 pin_radius=None if settings.joint is None else settings.joint.pin_radius,
-                encoder=Encoder(encoder.mounted_on, encoder.zero, per_cycle),
+                encoder=Encoder(
+                    encoder.mounted_on,
+                    encoder.zero,
+                    per_cycle,
+                    direction=encoder.direction,
+                    bins=encoder.bins,
+                ),
             )
         case RotationSettings() as disc:
             return locate_rotation(

@@ -30,6 +30,7 @@ from erlif.files import (
 )
 from erlif.ingest import Run, hash_files_beside_frames, hash_inputs, open_run, sign_inputs
 from erlif.ingest.hashes import Digests
+from erlif.kinematics import encoder_notes
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.film import (
@@ -203,7 +204,12 @@ def process_run(
         # the whole: statistics, theory, exponent, and the record of how it was made
         frames = [one for result in results for one in result.frames]
         drift = mean_drift(frames)
-        notes = [*run.log_notes, *notes_on_cameras, *describe_frame_notes(frames, run.pairs)]
+        notes = [
+            *run.log_notes,
+            *encoder_notes(cycle),
+            *notes_on_cameras,
+            *describe_frame_notes(frames, run.pairs),
+        ]
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
         film.attrs["identity"] = identify_work(run, calibration, hashes)

@@ -74,20 +74,29 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
         angle = mechanism.rocker_angle(_CYCLE)
         speed = mechanism.rocker_speed(_CYCLE, crank_speed=omega)
 
+    sign = -1.0 if film.encoder_angle.attrs.get("direction") == "falling" else 1.0
     if encoder.mounted_on == "crank":
-        reading = np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
+        reading = sign * np.degrees(_CYCLE - (encoder.zero or 0.0)) % 360
     else:
-        reading = np.degrees(angle - _zero(encoder.zero, film, mechanism.limits()))
+        if encoder.mounted_on == "coupler":
+            angle = mechanism.coupler_angle(_CYCLE)
+        reading = sign * np.degrees(angle - _zero(encoder.zero, film, mechanism.limits()))
+
+        # an encoder that starts again at 0 was counted on, by whole turns
+        away = float(film.encoder_angle.mean()) - (reading.min() + reading.max()) / 2
+        reading = reading + 360 * np.round(away / 360)
     return LinkageCycle(np.degrees(_CYCLE), np.asarray(reading), np.asarray(speed))
 
 
 def _zero(given: float | None, film: xr.Dataset, limits: tuple[float, float]) -> float:
     """Link angle at reading 0. [rad]
 
-    Without a setting, the readings are centred between the dead points.
+    Films of earlier versions do not hold it; the readings are then centred between dead points.
     """
     if given is not None:
         return given
+    if "zero" in film.encoder_angle.attrs:
+        return float(np.radians(film.encoder_angle.attrs["zero"]))
     reading = np.radians(film.encoder_angle.values)
     return sum(limits) / 2 - float(reading.min() + reading.max()) / 2
 

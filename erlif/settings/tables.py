@@ -299,8 +299,9 @@ class EncoderSettings(Settings):
         "there is none, as for a static film.",
         examples=["encoder.csv"],
     )
-    mounted_on: Literal["rocker", "crank"] = Field(
-        "rocker", description="Link whose angle the encoder measures."
+    mounted_on: Literal["rocker", "crank", "coupler"] = Field(
+        "rocker",
+        description="Link whose angle against the ground link the encoder measures.",
     )
     zero: Angle | None = Field(
         None,
@@ -313,9 +314,21 @@ class EncoderSettings(Settings):
         None,
         ge=1,
         description="Triggers in one cycle, for folding several cycles; 1 averages all frames of a "
-        "static film. Default: from the angles of the log for a linkage; without a linkage each "
-        "frame is a trigger.",
+        "static film. Default: from the angles of the log for a linkage, if its triggers repeat "
+        "from cycle to cycle; else each frame is a trigger.",
         examples=[50],
+    )
+    bins: int | None = Field(
+        None,
+        ge=2,
+        description="Parts of a cycle, by the angle of the crank, over which frames are averaged. "
+        "No part holds frames of both strokes. Default: none.",
+        examples=[50],
+    )
+    direction: Literal["rising", "falling"] | None = Field(
+        None,
+        description="Whether the reading rises or falls while the angle of the link rises. "
+        "Default: as the log shows; rising where it does not show it.",
     )
 
     # columns of the log
@@ -388,6 +401,12 @@ class EncoderSettings(Settings):
         description='Time of the first frame on the clock of a continuous log. "fit" finds it from '
         "the light of the frames over the cycle. Default: none.",
     )
+
+    @model_validator(mode="after")
+    def _one_grouping(self) -> Self:
+        if self.bins is not None and self.triggers_per_cycle is not None:
+            raise ValueError("give either bins or triggers_per_cycle")
+        return self
 
     @model_validator(mode="after")
     def _one_source_of_times(self) -> Self:

@@ -1,0 +1,282 @@
+"""The readings of an encoder as angles of the link that carries it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+from erlif.core.products import EncoderLog
+from erlif.kinematics.direction import find_direction
+from erlif.models.mechanism import CrankRocker, SliderCrank
+
+ENCODER_ERROR = math.radians(0.1)
+"""A reading this far beyond a dead point is taken as the dead point. [rad]"""
+
+_TURN = 2 * math.pi
+
+Mechanism = CrankRocker | SliderCrank
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """Where the encoder sits and what it counts.
+
+    Attributes
+    ----------
+    mounted_on : Literal['rocker', 'crank', 'coupler']
+        Link that carries it.
+    zero : float | None
+        Angle of that link at reading 0; None: the extremes of the log are the dead points.
+        [rad]
+    triggers_per_cycle : int | None
+        None: as the angles suggest.
+    direction : Literal['rising', 'falling'] | None
+        Whether the reading rises or falls while the angle of the link rises; None: as the log
+        suggests, else rising.
+    bins : int | None
+        Parts of a cycle over which frames are averaged; None: frames are folded by their angles.
+    """
+
+    mounted_on: Literal["rocker", "crank", "coupler"] = "rocker"
+    zero: float | None = None
+    triggers_per_cycle: int | None = None
+    direction: Literal["rising", "falling"] | None = None
+    bins: int | None = None
+
+
+class LinkAngle(NamedTuple):
+    """Angle of the link that carries the encoder.
+
+    Attributes
+    ----------
+    angle : Array
+        Within the reach of the link; 0 to 2 pi on the crank. (frame,) [rad]
+    reading : Array
+        Reading of the encoder, counted on where it starts again at 0. (frame,) [degree]
+    zero : float
+        Angle of the link at reading 0. [rad]
+    zero_std : float | None
+        Its standard deviation where it was fitted. [rad]
+    falling : bool
+        Whether the reading falls while the angle rises.
+    direction_found : bool
+        Whether the log decided that.
+    """
+
+    angle: Array
+    reading: Array
+    zero: float
+    zero_std: float | None
+    falling: bool
+    direction_found: bool
+
+
+def read_link_angle(
+    log: EncoderLog, mechanism: Mechanism, encoder: Encoder, *, crank_speed: float
+) -> LinkAngle:
+    """Turn the readings of a log into angles of the link that carries the encoder.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        angle (frame) [degree] and number (frame); time (frame) [s] where it is logged.
+    mechanism : CrankRocker or SliderCrank
+    encoder : Encoder
+    crank_speed : float
+        [rad s-1]
+
+    Returns
+    -------
+    LinkAngle
+
+    Raises
+    ------
+    EncoderError
+        If the reading does not change, the link cannot reach it, or the log does not determine the
+        zero.
+
+    Notes
+    -----
+    Without a zero, the link angle at reading 0 lies between the value at which the smallest reading
+    is the lower dead point and that at which the largest one is the upper dead point. Its
+    estimate is the middle, its standard deviation that of the uniform distribution, the length
+    over the square root of 12. The noise of the readings is added where the log has times.
+
+    Examples
+    --------
+    An encoder that starts again at 0 after 360 degrees:
+
+    >>> import xarray as xr
+    >>> rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", [0, 1]), "angle": ("frame", [355.0, 4])}))
+    >>> found = read_link_angle(log, rig, Encoder(zero=np.radians(60)), crank_speed=12.0)
+    >>> np.degrees(found.angle).round(), found.reading
+    (array([55., 64.]), array([355., 364.]))
+    """
+    logged = log.angle.values
+    if logged.size > 1 and np.ptp(logged) == 0:
+        raise EncoderError(
+            f"Expected the angle of a moving {encoder.mounted_on} in the log; it is "
+            f"{logged[0]:g} deg in all {logged.size} rows. Choose the column of the encoder with "
+            "angle in [encoder] of run.toml, or leave [mechanism] out for a joint at rest."
+        )
+    if encoder.mounted_on == "crank":
+        return _read_crank(log, encoder)
+    return _read_swing(log, mechanism, encoder, crank_speed)
+
+
+def _read_crank(log: EncoderLog, encoder: Encoder) -> LinkAngle:
+    """Crank angle of an encoder that sits on the crank."""
+    # steps of more than half a turn are steps backwards
+    reading = np.radians(log.angle.values)
+    step = np.diff(reading) % _TURN
+    falls = bool(step.size and np.median(step) > math.pi)
+    if "angle_rate" in log:
+        falls = bool(np.median(log["angle_rate"].values) < 0)
+    if falls and encoder.direction == "rising":
+        raise EncoderError(
+            "Expected the readings to rise as the crank turns; they fall. Write direction = "
+            '"falling" in [encoder], or check mounted_on, which places the encoder on the crank.'
+        )
+    if encoder.direction == "falling" and step.size and not falls:
+        raise EncoderError(
+            "Expected the readings to fall as the crank turns, because of direction in [encoder]; "
+            "they rise. Correct direction, or mounted_on, which places the encoder on the crank."
+        )
+
+    zero = encoder.zero or 0.0
+    angle = ((-reading if falls else reading) + zero) % _TURN
+    found = encoder.direction is None and falls
+    return LinkAngle(np.asarray(angle), log.angle.values, zero, None, falls, found)
+
+
+def _read_swing(
+    log: EncoderLog, mechanism: Mechanism, encoder: Encoder, crank_speed: float
+) -> LinkAngle:
+    """Angle of a link that swings."""
+    low, high = _limits(mechanism, encoder)
+    counted = _count_on(log.angle.values)
+    reading = np.radians(counted)
+
+    # a reading that falls is a rising one of the other sign
+    signs = {"rising": [1], "falling": [-1], None: [1, -1]}[encoder.direction]
+    sign = signs[0]
+    noise = 0.0
+    if "time" in log and reading.size > 1:
+        found = find_direction(
+            log["time"].values,
+            reading,
+            lambda crank: _link_angle_at(mechanism, encoder, crank),
+            crank_speed=crank_speed,
+        )
+        noise = found.noise
+        if encoder.direction is None and found.sign:
+            sign = found.sign
+
+    if encoder.zero is not None:
+        zero = encoder.zero
+        if encoder.direction is None and not _fits(sign * reading + zero, low, high):
+            # only one of the signs may leave the readings within reach
+            sign = next((one for one in signs if _fits(one * reading + zero, low, high)), 1)
+        angle = _turn_into(sign * reading + zero, low, high)
+        _check_reach(angle, log, counted, sign, zero, (low, high))
+        zero_std = None
+    else:
+        zero, zero_std = _fit_zero(sign * reading, low, high, noise, encoder)
+        angle = sign * reading + zero
+    angle = np.clip(angle, low, high)
+    found_here = encoder.direction is None and sign < 0
+    return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
+
+
+def _limits(mechanism: Mechanism, encoder: Encoder) -> tuple[float, float]:
+    if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
+        return mechanism.coupler_limits()
+    return mechanism.limits()  # the rod of a slider-crank is its coupler
+
+
+def _link_angle_at(mechanism: Mechanism, encoder: Encoder, crank: Array) -> Array:
+    """Angle of the link at crank angles. [rad]"""
+    if isinstance(mechanism, SliderCrank) or encoder.mounted_on == "coupler":
+        return np.asarray(mechanism.coupler_angle(crank))
+    return np.asarray(mechanism.rocker_angle(crank))
+
+
+def _count_on(reading: Array) -> Array:
+    """Readings that go on where the encoder starts again at 0 or at 360. [degree]"""
+    # a link that swings moves by less than half a turn from frame to frame
+    turns = np.round(np.diff(reading) / 360.0)
+    if not turns.size or np.abs(turns).max() != 1:
+        return reading  # nothing starts again, or these are no readings of a link that swings
+    return np.asarray(reading - 360.0 * np.concatenate([[0.0], np.cumsum(turns)]))
+
+
+def _turn_into(angle: Array, low: float, high: float) -> Array:
+    """Angles moved by whole turns, so that they lie about the reach of the link. [rad]"""
+    away = (float(angle.min()) + float(angle.max())) / 2 - (low + high) / 2
+    turns = round(away / _TURN) if abs(away) < 2 * _TURN else 0
+    return angle - turns * _TURN
+
+
+def _fits(angle: Array, low: float, high: float) -> bool:
+    moved = _turn_into(angle, low, high)
+    return bool(moved.min() >= low - ENCODER_ERROR and moved.max() <= high + ENCODER_ERROR)
+
+
+def _check_reach(
+    angle: Array,
+    log: EncoderLog,
+    counted: Array,
+    sign: int,
+    zero: float,
+    limits: tuple[float, float],
+) -> None:
+    """Refuse an angle that the link cannot reach."""
+    low, high = limits
+    worst = int(np.argmax(np.maximum(low - angle, angle - high)))
+    if low - ENCODER_ERROR <= angle[worst] <= high + ENCODER_ERROR:
+        return
+    first, last = sorted(math.degrees(sign * (limit - zero)) for limit in limits)
+    raise EncoderError(
+        f"Frame {int(log.number[worst])}, column angle_deg: "
+        f"{counted[worst]:.3f} deg is link angle "
+        f"{math.degrees(angle[worst]):.3f} deg, which the linkage cannot reach; its range is "
+        f"{math.degrees(low):.3f} to {math.degrees(high):.3f} deg, readings "
+        f"{first:.3f} to {last:.3f} "
+        "deg. Check zero, direction and mounted_on in [encoder], or the links in [mechanism]."
+    )
+
+
+def _fit_zero(
+    reading: Array, low: float, high: float, noise: float, encoder: Encoder
+) -> tuple[float, float]:
+    """Link angle at reading 0 with its standard deviation, from the extremes of the log. [rad]"""
+    swing = float(np.ptp(reading))
+    slack = high - low - swing
+    if slack < -2 * ENCODER_ERROR:
+        raise EncoderError(
+            "Expected encoder angles within the swing of the linkage, "
+            f"{math.degrees(high - low):.3f} deg; column angle_deg spans "
+            f"{math.degrees(swing):.3f} deg. Check the links in [mechanism], or mounted_on and "
+            "units in [encoder]."
+        )
+
+    # a log over a whole cycle comes as near to both dead points as its steps are long
+    step = float(np.abs(np.diff(reading)).max()) if reading.size > 1 else 0.0
+    if slack > 2 * step + 2 * ENCODER_ERROR:
+        raise EncoderError(
+            "Expected a log that reaches both ends of the swing of the linkage, "
+            f"{math.degrees(high - low):.3f} deg, because zero is not given; column angle_deg "
+            f"spans {math.degrees(swing):.3f} deg. Give zero in [encoder], or check the links in "
+            f"[mechanism] and mounted_on, which places the encoder on the {encoder.mounted_on}."
+        )
+
+    zero = (low + high) / 2 - (float(reading.min()) + float(reading.max())) / 2
+    # each extreme has the noise of one reading at most; the zero is the mean of two
+    std = math.hypot(max(slack, 0.0) / math.sqrt(12), noise / math.sqrt(2))
+    return zero, max(std, -slack / math.sqrt(12))

@@ -1,0 +1,190 @@
+"""Trigger and cycle of each frame."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+from erlif.core.products import EncoderLog
+from erlif.kinematics.encoder import Encoder, Mechanism
+
+_SINGLE_CYCLE = 1.5
+"""Turns of the crank below which a log without triggers_per_cycle counts as one cycle."""
+
+_OFF_ANGLE = 0.5
+"""Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
+
+_REPEATED = 0.2
+"""The same where triggers_per_cycle is not given: triggers that creep by less do no harm."""
+
+_CLEAR = 0.25
+"""Distance from a dead point, in steps of the crank, beyond which the stroke is certain."""
+
+_BACK = 1.5 * math.pi
+"""A larger step of a slow crank is a small one backwards. [rad]"""
+
+_TURN = 2 * math.pi
+
+
+class Fold(NamedTuple):
+    """Trigger and cycle of each frame.
+
+    Attributes
+    ----------
+    trigger : numpy.ndarray
+        Counted from 0 without gaps. (frame,)
+    cycle : numpy.ndarray
+        Turn of the crank, counted from 0. (frame,)
+    remark : str
+        How the frames were grouped, where that is not the usual way.
+    """
+
+    trigger: npt.NDArray[np.int64]
+    cycle: npt.NDArray[np.int64]
+    remark: str = ""
+
+
+def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mechanism) -> Fold:
+    """Group the frames of several cycles.
+
+    With bins, frames within the same part of a stroke form a trigger; no bin holds frames of both
+    strokes. With triggers_per_cycle, frames that many apart do. Otherwise that number is taken
+    from the angles; where the triggers of the cycles are at different angles, each frame is a
+    trigger of its own.
+
+    Parameters
+    ----------
+    crank : array, (frame,)
+        Crank angle. [rad]
+    log : EncoderLog
+        angle (frame) [degree] and number (frame).
+    encoder : Encoder
+    mechanism : CrankRocker or SliderCrank
+
+    Returns
+    -------
+    Fold
+
+    Raises
+    ------
+    EncoderError
+        If the frames of a trigger are at different angles with the given triggers_per_cycle.
+
+    Examples
+    --------
+    Two turns, five frames in each, averaged over the two strokes:
+
+    >>> import xarray as xr
+    >>> from erlif.models.mechanism import SliderCrank
+    >>> turn = np.arange(10) * 72.0
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", np.arange(10)), "angle": ("frame", turn)}))
+    >>> fold = fold_frames(np.radians(turn), log, Encoder("crank", bins=2), SliderCrank(1.0, 3.0))
+    >>> fold.trigger.tolist()
+    [1, 1, 0, 0, 1, 1, 1, 0, 0, 1]
+    """
+    if encoder.bins is not None:
+        return _fold_by_phase(crank, encoder.bins, mechanism)
+
+    since = log.number.values - log.number.values[0]
+    if encoder.triggers_per_cycle is not None:
+        fold = Fold(since % encoder.triggers_per_cycle, since // encoder.triggers_per_cycle)
+        _check_angles(fold, log, encoder)
+        return fold
+
+    # the step that follows the last frame completes its turn
+    turned = float(np.sum(_steps(crank))) / _TURN
+    cycles = turned + turned / max(since[-1], 1)
+    frames = int(since[-1] + 1)
+    per_cycle = frames if cycles < _SINGLE_CYCLE else round(frames / cycles)
+    fold = Fold(since % per_cycle, since // per_cycle)
+    off, spacing = _deviations(fold, log, encoder)
+    if off.max() <= _REPEATED * spacing and not _mixes_strokes(fold, crank, mechanism):
+        return fold
+    remark = (
+        f"{frames / cycles:.2f} triggers per cycle do not repeat from cycle to cycle: each frame "
+        "is a trigger of its own; bins in [encoder] averages frames of one part of a stroke"
+    )
+    return Fold(np.arange(since.size), _count_turns(crank, float(crank[0])), remark)
+
+
+def _fold_by_phase(crank: Array, bins: int, mechanism: Mechanism) -> Fold:
+    """Frames by their part of the cycle, strokes apart."""
+    at_smallest, at_largest = mechanism.dead_points()
+    phase = (crank - at_smallest) % _TURN
+    rise = (at_largest - at_smallest) % _TURN
+
+    # each stroke has bins of one length, in number as its share of the cycle
+    rising = min(max(round(bins * rise / _TURN), 1), bins - 1)
+    outward = np.floor(phase / rise * rising)
+    back = rising + np.floor((phase - rise) / (_TURN - rise) * (bins - rising))
+    part = np.where(phase < rise, np.minimum(outward, rising - 1), np.minimum(back, bins - 1))
+
+    occupied, trigger = np.unique(part.astype(np.int64), return_inverse=True)
+    frames = np.bincount(trigger)
+    empty = bins - occupied.size
+    remark = f"{bins} bins of the cycle, {frames.min()} to {frames.max()} frames in each"
+    if empty:
+        remark += f"; {empty} without frames are left out"
+    return Fold(trigger.astype(np.int64), _count_turns(crank, at_smallest), remark)
+
+
+def _steps(crank: Array) -> Array:
+    """Turn of the crank from frame to frame; noise about a dead point may set it back. [rad]"""
+    step = np.diff(crank) % _TURN
+    slow = step.size > 0 and float(np.median(step)) < math.pi
+    return np.where(slow & (step > _BACK), step - _TURN, step)
+
+
+def _count_turns(crank: Array, start: float) -> npt.NDArray[np.int64]:
+    """Turns since the beginning of the log, each from the crank angle `start` on."""
+    first = (crank[0] - start) % _TURN
+    turned = first + np.concatenate([[0.0], np.cumsum(_steps(crank))])
+    return np.asarray(np.floor(turned / _TURN + 1e-9), np.int64)  # rounding at a whole turn
+
+
+def _mixes_strokes(fold: Fold, crank: Array, mechanism: Mechanism) -> bool:
+    """Whether a trigger holds frames of both strokes, clear of the dead points."""
+    at_smallest, at_largest = mechanism.dead_points()
+    phase = (crank - at_smallest) % _TURN
+    outward = phase < (at_largest - at_smallest) % _TURN
+
+    # a frame nearer to a dead point than a quarter of a step may be on either side of it
+    away = np.min(
+        [np.abs((crank - at + np.pi) % _TURN - np.pi) for at in (at_smallest, at_largest)], 0
+    )
+    step = float(np.median(_steps(crank))) if crank.size > 1 else 0.0
+    clear = away > _CLEAR * step
+    count = [np.bincount(fold.trigger, clear & side) for side in (outward, ~outward)]
+    return bool(((count[0] > 0) & (count[1] > 0)).any())
+
+
+def _deviations(fold: Fold, log: EncoderLog, encoder: Encoder) -> tuple[Array, float]:
+    """Distance of each frame from the first of its trigger, and the spacing. [degree]"""
+    # filled from the back, so that the first frame of each trigger is the reference
+    reading = log.angle.values
+    first = np.empty(fold.trigger.max() + 1)
+    first[fold.trigger[::-1]] = reading[::-1]
+    off = np.abs(reading - first[fold.trigger])
+    if encoder.mounted_on == "crank":
+        off = np.abs((off + 180) % 360 - 180)  # readings may differ by whole turns
+    spacing = float(np.median(np.abs(np.diff(reading)))) if reading.size > 1 else math.inf
+    return off, spacing
+
+
+def _check_angles(fold: Fold, log: EncoderLog, encoder: Encoder) -> None:
+    off, spacing = _deviations(fold, log, encoder)
+    if off.max() <= _OFF_ANGLE * spacing:
+        return
+    worst = int(np.argmax(off))
+    raise EncoderError(
+        f"Expected the frames of one trigger at one angle; with {encoder.triggers_per_cycle} "
+        f"triggers per cycle (triggers_per_cycle) frame {int(log.number[worst])} is "
+        f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to the "
+        "number of triggers per turn of the crank and keep every row; or take it out where the "
+        "triggers do not repeat, and average by bins = 50."
+    )

@@ -1,0 +1,238 @@
+"""Position and speed of a linkage at every frame, from the encoder log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError, ModelError
+from erlif.core.notes import Level, Note
+from erlif.core.products import EncoderLog, require
+from erlif.kinematics.encoder import Encoder, LinkAngle, Mechanism, read_link_angle
+from erlif.kinematics.folding import fold_frames
+from erlif.models.mechanism import CrankRocker, SliderCrank
+
+_BACKWARD_COST = 3.0
+"""Cost per radian beyond half a turn between frames: a slow crank is not a fast one in reverse."""
+
+_EVEN_STEP = 1e-3
+"""Added to steps before their logarithm, so that frames at rest do not decide. [rad]"""
+
+
+def locate_frames(
+    log: EncoderLog,
+    *,
+    mechanism: Mechanism,
+    crank_speed: float,
+    pin_radius: float | None,
+    encoder: Encoder | None = None,
+) -> xr.Dataset:
+    """Find the position of the mechanism in its cycle at each frame.
+
+    Parameters
+    ----------
+    log : EncoderLog
+        angle (frame) [degree] and number (frame); where logged, time (frame) [s] and angle_rate
+        (frame), the rate of the angle [degree s-1].
+    mechanism : CrankRocker or SliderCrank
+    crank_speed : float
+        [rad s-1]
+    pin_radius : float or None
+        None where it is not known; there is then no sliding speed. [m]
+    encoder : Encoder, optional
+        Default: on the rocker, its zero found from the dead points.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger and cycle, counted from 0; encoder_angle [degree]; stroke, +1 where
+        the angle rises and -1 where it falls; crank_angle [degree, 0 to 360]; rocker_speed
+        [rad s-1, signed]; sliding_speed [m s-1]. For a slider-crank the rocker is the connecting
+        rod, and its speed that of the joint between crank and rod.
+
+    Raises
+    ------
+    EncoderError
+        If the linkage cannot reach a logged angle, the angle does not change, or the log does not
+        fold into cycles.
+
+    Examples
+    --------
+    A crank at constant speed, logged every 90 degrees:
+
+    >>> mechanism = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    >>> log = EncoderLog(xr.Dataset({"number": ("frame", np.arange(4)),
+    ...                              "angle": ("frame", [0.0, 90.0, 180.0, 270.0])}))
+    >>> cycle = locate_frames(log, mechanism=mechanism, crank_speed=12.0, pin_radius=0.033,
+    ...                       encoder=Encoder("crank"))
+    >>> cycle.crank_angle.values.round()
+    array([  0.,  90., 180., 270.])
+    """
+    require(log, "angle", "number")
+
+    # on the crank the reading is the crank angle; on the rocker two crank angles fit each reading
+    encoder = encoder or Encoder()
+    link = read_link_angle(log, mechanism, encoder, crank_speed=crank_speed)
+    on_crank = encoder.mounted_on == "crank"
+    crank = link.angle if on_crank else _crank_from_swing(link, log, mechanism, encoder)
+    fold = fold_frames(crank, log.assign(angle=("frame", link.reading)), encoder, mechanism)
+
+    # the crank pin of a slider-crank turns against the rod, the rocker pin against the frame
+    if isinstance(mechanism, SliderCrank):
+        speed = np.asarray(mechanism.joint_speed(crank, crank_speed=crank_speed))
+        angle_rate = np.asarray(mechanism.coupler_speed(crank, crank_speed=crank_speed))
+    else:
+        speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=crank_speed))
+        angle_rate = speed
+    stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
+
+    swings = encoder.mounted_on == "rocker" and not link.falling
+    rising = "+1 angle rising, -1 falling" if swings else "+1 rocker angle rising, -1 falling"
+    columns = {
+        "trigger": (fold.trigger, "1", "encoder trigger of the cycle"),
+        "cycle": (fold.cycle, "1", "turn of the crank"),
+        "stroke": (stroke, "1", rising),
+        "crank_angle": (np.degrees(crank), "degree", "crank angle from the ground link"),
+        "rocker_speed": (speed, "rad s-1", "angular speed in the joint, signed"),
+    }
+    if pin_radius is not None:
+        meaning = "surface speed of the pin against the bushing"
+        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "m s-1", meaning)
+    located = xr.Dataset(
+        {
+            name: ("frame", values, {"units": unit, "long_name": meaning})
+            for name, (values, unit, meaning) in columns.items()
+        },
+        {"frame": np.arange(crank.size)},
+    )
+    located["encoder_angle"] = ("frame", link.reading, _describe_encoder(link, encoder))
+    return located.assign_attrs(grouping=fold.remark)
+
+
+def entrained_stroke(mechanism: Mechanism, *, pin_radius: float) -> float:
+    """Travel of the entrained oil in half a cycle, pin radius times half the swing.
+
+    Parameters
+    ----------
+    mechanism : CrankRocker or SliderCrank
+    pin_radius : float
+        [m]
+
+    Returns
+    -------
+    float
+        Infinite for a slider-crank, whose crank pin turns all the way. [m]
+
+    Examples
+    --------
+    >>> entrained_stroke(SliderCrank(0.05, 0.2), pin_radius=0.01)
+    inf
+    """
+    if isinstance(mechanism, SliderCrank):
+        return math.inf
+    low, high = mechanism.limits()
+    return pin_radius * (high - low) / 2
+
+
+def encoder_notes(located: xr.Dataset) -> list[Note]:
+    """What was fitted or found about the encoder, and how the frames were grouped.
+
+    Parameters
+    ----------
+    located : xarray.Dataset
+        From `locate_frames`.
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> angle = ("frame", [1.0], {"zero": 48.1, "zero_std": 0.25})
+    >>> str(encoder_notes(xr.Dataset({"encoder_angle": angle}))[0])
+    'encoder: zero fitted to the dead points of the linkage, 48.100 ± 0.250 deg'
+    """
+    attrs = located["encoder_angle"].attrs if "encoder_angle" in located else {}
+    texts = []
+    if "zero_std" in attrs:
+        texts.append(
+            f"zero fitted to the dead points of the linkage, {attrs['zero']:.3f} ± "
+            f"{attrs['zero_std']:.3f} deg"
+        )
+    if attrs.get("direction_found"):
+        texts.append("its reading falls while the angle of its link rises, as the log shows")
+    if remark := located.attrs.get("grouping"):
+        texts.append(remark)
+    return [Note(Level.NOTE, "encoder", text) for text in texts]
+
+
+def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | float | int]:
+    """Attributes of the encoder angle: how the reading becomes the angle of the link."""
+    attrs: dict[str, str | float | int] = {
+        "units": "degree",
+        "long_name": "encoder angle as logged",
+        "mounted_on": encoder.mounted_on,
+        "direction": "falling" if link.falling else "rising",
+        "zero": math.degrees(link.zero),
+    }
+    if link.zero_std is not None:
+        attrs["zero_std"] = math.degrees(link.zero_std)
+    if link.direction_found:
+        attrs["direction_found"] = 1
+    return attrs
+
+
+def _crank_from_swing(
+    link: LinkAngle, log: EncoderLog, mechanism: Mechanism, encoder: Encoder
+) -> Array:
+    """Crank angle from the angle of a link that swings. [rad]"""
+    inverse = mechanism.crank_angle
+    if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
+        inverse = mechanism.crank_angle_from_coupler
+    if "angle_rate" not in log:
+        return _follow_crank(link.angle, inverse)
+
+    # a log in time shows the direction of the motion at each frame
+    rising = log["angle_rate"].values > 0
+    return np.asarray(inverse(link.angle, rising=rising != link.falling))
+
+
+def _follow_crank(angle: Array, inverse: Callable[..., Array]) -> Array:
+    """Crank angle of each reading. [rad]
+
+    Two crank angles fit a reading, one on either stroke. Of all sequences of these the one with the
+    most even steps is taken (Viterbi's algorithm): near a dead point a single step does not
+    determine whether the stroke has turned, its neighbours do.
+    """
+    try:
+        options = np.stack([inverse(angle, rising=True), inverse(angle, rising=False)])
+    except ModelError as error:
+        raise EncoderError(str(error)) from error
+    if angle.size == 1:
+        return np.asarray(options[0])
+
+    turn = 2 * math.pi
+    step = (options[None, :, 1:] - options[:, None, :-1]) % turn  # (from, to, frame)
+    step[step > turn - 1e-7] = 0.0  # rounding at a standstill
+    size = np.log(step + _EVEN_STEP)
+    backward = _BACKWARD_COST * np.maximum(step - math.pi, 0.0)
+
+    # the cost of a pair of steps is the square of the change of their logarithm
+    cost = backward[:, :, 0]
+    came_from = np.empty((angle.size - 2, 2, 2), np.intp)
+    for k in range(1, angle.size - 1):
+        change = size[None, :, :, k] - size[:, :, None, k - 1]  # (before, from, to)
+        total = cost[:, :, None] + change**2
+        came_from[k - 1] = total.argmin(axis=0)
+        cost = total.min(axis=0) + backward[:, :, k]
+
+    # from the cheapest last pair back to the first frame
+    side = np.empty(angle.size, np.intp)
+    side[-2:] = np.unravel_index(cost.argmin(), cost.shape)
+    for k in range(angle.size - 3, -1, -1):
+        side[k] = came_from[k][side[k + 1], side[k + 2]]
+    return np.asarray(options[side, np.arange(angle.size)])

@@ -1,0 +1,225 @@
+"""Readings of encoders on every link, wrapped, reversed and without a zero."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+
+from erlif.core.errors import EncoderError
+from erlif.kinematics import Encoder, encoder_notes, locate_frames, read_link_angle
+from erlif.models.mechanism import CrankRocker
+
+CRANK, COUPLER, ROCKER, GROUND = 5.5, 44.0, 26.0, 51.0  # cm, Farzaneh (2002)
+OMEGA = 114 * 2 * math.pi / 60
+LINKAGE = CrankRocker(0.055, 0.44, 0.26, 0.51)
+
+
+def rocker_pin(crank):
+    """Rocker pin at a crank angle, from the two circles on which it lies. [cm]"""
+    x, y = CRANK * math.cos(crank), CRANK * math.sin(crank)
+
+    def gap(psi):
+        return math.hypot(GROUND - ROCKER * math.cos(psi) - x, ROCKER * math.sin(psi) - y) - COUPLER
+
+    psi = brentq(gap, math.radians(30), math.radians(90), xtol=1e-14)
+    return psi, math.atan2(ROCKER * math.sin(psi) - y, GROUND - ROCKER * math.cos(psi) - x)
+
+
+FINE = np.linspace(0, 2 * np.pi, 2001)
+ANGLES = {"rocker": 0, "coupler": 1}
+CURVES = {link: np.degrees([rocker_pin(t)[n] for t in FINE]) for link, n in ANGLES.items()}
+
+
+def angle_of(link, crank):
+    return np.interp(np.asarray(crank) % (2 * np.pi), FINE, CURVES[link])
+
+
+def log_of(angle, time=None, **columns):
+    data = {"number": np.arange(len(angle)), "angle": np.asarray(angle, float), **columns}
+    if time is not None:
+        data["time"] = time
+    return xr.Dataset({name: ("frame", values) for name, values in data.items()})
+
+
+def locate(log, **encoder):
+    return locate_frames(
+        log, mechanism=LINKAGE, crank_speed=OMEGA, pin_radius=0.033, encoder=Encoder(**encoder)
+    )
+
+
+def apart(a, b):
+    return np.abs((np.asarray(a) - np.asarray(b) + 180) % 360 - 180)
+
+
+CYCLE = np.radians(7.0 + np.arange(0, 360, 4.0))
+
+
+# mounting
+
+
+def test_the_coupler_of_the_source_swings_by_14_degrees():
+    """Crank and rocker are parallel at its dead points, the extremes of the curve."""
+    assert np.ptp(CURVES["coupler"]) == pytest.approx(14.362, abs=2e-3)
+
+
+@pytest.mark.parametrize("link", ["rocker", "coupler"])
+@pytest.mark.parametrize("zero", [0.0, 33.3])
+def test_crank_and_joint_speed_are_the_same_from_either_link(link, zero):
+    reading = angle_of(link, CYCLE) - zero
+    found = locate(log_of(reading), mounted_on=link, zero=math.radians(zero))
+    assert apart(found.crank_angle, np.degrees(CYCLE)).max() < 0.2
+    step = 1e-3
+    speed = (angle_of("rocker", CYCLE + step) - angle_of("rocker", CYCLE - step)) / (2 * step)
+    np.testing.assert_allclose(found.rocker_speed, np.radians(speed) * OMEGA, atol=0.02)
+    np.testing.assert_array_equal(found.stroke, np.sign(speed))
+    assert found.encoder_angle.mounted_on == link
+
+
+# readings that start again
+
+
+@pytest.mark.parametrize("link", ["rocker", "coupler"])
+@pytest.mark.parametrize("given", [True, False])
+def test_an_encoder_that_starts_again_at_zero_is_one_stroke(link, given):
+    turned = 360.0 - float(CURVES[link].mean())
+    reading = (angle_of(link, CYCLE) + turned) % 360
+    assert np.ptp(reading) > 300
+    zero = -math.radians(turned) if given else None
+    found = locate(log_of(reading), mounted_on=link, zero=zero)
+    assert np.abs(np.diff(found.encoder_angle)).max() < 2
+    tolerance = 0.2 if given else 2.0  # the extremes are no dead points exactly
+    assert apart(found.crank_angle, np.degrees(CYCLE)).max() < tolerance
+
+
+def test_frames_of_one_trigger_on_either_side_of_zero_are_near_each_other():
+    reading = np.array([350, 353, 356, 359, 2, 5, 2, 359, 356, 353] * 2, float)
+    reading += np.where(np.arange(20) < 10, 0.2, -0.2)
+    found = locate(log_of(reading % 360), zero=math.radians(63 - 360), triggers_per_cycle=10)
+    assert int(found.trigger.max()) == 9
+    np.testing.assert_allclose(found.encoder_angle[:10] - found.encoder_angle[10:], 0.4, atol=1e-9)
+
+
+# direction
+
+
+@pytest.mark.parametrize("link", ["rocker", "coupler"])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("speed", [1.0, 0.97])
+def test_the_direction_is_found_from_the_times_of_the_log(link, sign, speed):
+    """The crank may be a little slower than set; the encoder has an error of 0.02 degree."""
+    rng = np.random.default_rng(3)
+    crank = 1.0 + np.arange(120) * 2 * np.pi / 49.7
+    reading = sign * angle_of(link, crank) + 0.02 * rng.standard_normal(crank.size)
+    found = locate(log_of(reading, crank / (speed * OMEGA)), mounted_on=link)
+    assert found.encoder_angle.direction == {1: "rising", -1: "falling"}[sign]
+    assert np.median(apart(found.crank_angle, np.degrees(crank))) < 1
+    far = np.abs(np.gradient(angle_of("rocker", crank))) > 0.2
+    np.testing.assert_array_equal(
+        found.stroke[far], np.sign(np.gradient(angle_of("rocker", crank)))[far]
+    )
+
+
+@pytest.mark.parametrize("direction", ["falling", None])
+def test_a_falling_reading_is_stated_or_follows_from_the_reach(direction):
+    reading = 100.0 - angle_of("rocker", CYCLE)
+    found = locate(log_of(reading), zero=math.radians(100.0), direction=direction)
+    assert apart(found.crank_angle, np.degrees(CYCLE)).max() < 0.2
+    notes = [str(note) for note in encoder_notes(found)]
+    assert len(notes) == (direction is None)
+
+
+def test_without_times_the_reading_is_taken_as_rising():
+    found = locate(log_of(-angle_of("rocker", CYCLE)))
+    assert found.encoder_angle.direction == "rising"
+
+
+def test_a_direction_that_contradicts_the_crank_is_refused():
+    reading = np.arange(0, 360, 10.0)
+    for direction, readings in (("falling", reading), ("rising", -reading)):
+        with pytest.raises(EncoderError, match="direction"):
+            locate(log_of(readings), mounted_on="crank", direction=direction)
+
+
+# zero
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_the_standard_deviation_of_a_fitted_zero_covers_its_error(noise):
+    """Marks of an encoder every 0.96 degree, at random against the dead points; forty seeds."""
+    pulls = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
+        marks = np.arange(low + rng.uniform(0, 0.96), high, 0.96)
+        swing = np.concatenate([marks, marks[::-1]])
+        rising = CURVES["rocker"].argmin(), CURVES["rocker"].argmax()
+        up = np.interp(marks, *sorted_branch(rising[0], rising[1]))
+        down = np.interp(marks[::-1], *sorted_branch(rising[1], rising[0]))
+        crank = np.unwrap(np.concatenate([up, down]))
+        true = rng.uniform(-20, 20)
+        reading = swing - true + noise * rng.standard_normal(swing.size)
+        found = locate(log_of(reading, crank / OMEGA)).encoder_angle
+        assert found.direction == "rising"
+        pulls.append((found.zero - true) / found.zero_std)
+    assert np.abs(pulls).max() < 3
+    assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.3
+
+
+def sorted_branch(start, stop):
+    """Rocker angle and crank angle of one stroke, in the order of the rocker angle."""
+    places = np.arange(start, stop if stop > start else stop + FINE.size - 1)
+    angle = CURVES["rocker"][places % (FINE.size - 1)]
+    crank = FINE[1] * places
+    order = np.argsort(angle)
+    return angle[order], crank[order]
+
+
+def test_a_fitted_zero_is_reported_with_its_standard_deviation():
+    low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
+    reading = np.concatenate(
+        [np.arange(low + 0.3, high, 1.0), np.arange(low + 0.3, high, 1.0)[::-1]]
+    )
+    slack = (high - low) - np.ptp(reading)
+    found = locate(log_of(reading))
+    assert found.encoder_angle.zero_std == pytest.approx(slack / math.sqrt(12), rel=1e-3)
+    note = str(encoder_notes(found)[0])
+    assert note == (
+        "encoder: zero fitted to the dead points of the linkage, "
+        f"{found.encoder_angle.zero:.3f} ± {slack / math.sqrt(12):.3f} deg"
+    )
+    given = locate(log_of(reading), zero=0.0)
+    assert "zero_std" not in given.encoder_angle.attrs
+    assert encoder_notes(given) == []
+
+
+# refusals
+
+
+@pytest.mark.parametrize("link", ["rocker", "crank", "coupler"])
+def test_an_angle_that_does_not_change_is_refused(link):
+    with pytest.raises(EncoderError, match=rf"a moving {link} in the log; it is 55 deg in all 7"):
+        locate(log_of([55.0] * 7), mounted_on=link)
+
+
+def test_a_swing_that_the_linkage_does_not_make_is_refused():
+    """Ten degrees to and fro, on a linkage that swings by 24.43."""
+    reading = 5 * np.sin(np.linspace(0, 4 * np.pi, 60))
+    with pytest.raises(
+        EncoderError, match=r"24\.426 deg, because zero is not given; .* spans 9\.9"
+    ):
+        locate(log_of(reading))
+    with pytest.raises(EncoderError, match=r"24\.426 deg; column angle_deg spans 49\.\d* deg"):
+        locate(log_of(5 * reading))
+
+
+def test_the_coupler_does_not_reach_what_the_rocker_does():
+    with pytest.raises(EncoderError, match=r"14\.362 deg; column angle_deg spans 24\.4"):
+        locate(log_of(angle_of("rocker", CYCLE)), mounted_on="coupler")
+
+
+def test_readings_that_jump_by_several_turns_are_no_swing():
+    log = log_of([55.0, 1e5, 56.0])
+    with pytest.raises(EncoderError, match="cannot reach"):
+        read_link_angle(log, LINKAGE, Encoder(zero=0.0), crank_speed=OMEGA)
