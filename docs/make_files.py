@@ -95,8 +95,7 @@ FILM = (
         "float64",
         "degree",
         "Encoder angle as logged, counted on where the encoder starts again at 0, mean of the "
-        "frames. Attributes for a linkage: mounted_on; zero, the angle of that link at reading 0 "
-        "[degree], with zero_std where it was fitted; direction, rising or falling.",
+        "frames.",
         "the angle is logged",
     ),
     Variable(
@@ -266,6 +265,31 @@ VARIABLE_ATTRIBUTES = (
     Attribute("regimes_by_trigger", "Of film_theory: the regime of each trigger."),
     Attribute("reason", "Of film_theory: why this regime was selected."),
     Attribute("notes", "Of film_theory: assumptions of the formula and how far they hold."),
+    Attribute(
+        "mounted_on",
+        "Of the encoder angle: link that carries the encoder.",
+        "the motion is that of a linkage",
+    ),
+    Attribute(
+        "direction",
+        "Of the encoder angle: whether it rises or falls while the angle of that link rises.",
+        "the motion is that of a linkage",
+    ),
+    Attribute(
+        "direction_found",
+        "Of the encoder angle: 1 where the log showed that the reading falls.",
+        "that is so",
+    ),
+    Attribute(
+        "zero",
+        "Of the encoder angle: angle of that link at reading 0 [degree].",
+        "the motion is that of a linkage",
+    ),
+    Attribute(
+        "zero_std",
+        "Of the encoder angle: standard deviation of the zero [degree].",
+        "the zero was fitted",
+    ),
     Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
     Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
 )
