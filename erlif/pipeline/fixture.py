@@ -23,13 +23,14 @@ from erlif.core.timing import stage
 from erlif.ingest import FramePairs, Run, hash_inputs, open_fixture, skipped_notes
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.pulse_order import check_pulses
 from erlif.pipeline.results import (
     FrameResult,
     describe_frame_notes,
     known_digests,
     mean_drift,
 )
-from erlif.ratio import RatioSum
+from erlif.ratio import RatioSum, sample_pulse
 from erlif.registration import move_map
 
 _logger = logging.getLogger(__name__)
@@ -73,6 +74,7 @@ def calibrate(
 
     with stage("ratio", _logger):
         ratio, frames = combine_all(prepared.chain, progress)
+        notes_on_pulses = check_pulses(frames, fixture.pairs)
     with stage("fit", _logger):
         calibration = fit_calibration(
             ratio,
@@ -102,6 +104,7 @@ def calibrate(
         notes=(
             *calibration.notes,
             *prepared.notes,
+            *notes_on_pulses,
             *describe_frame_notes(frames, fixture.pairs),
             *skipped_notes(fixture.pairs),
         ),
@@ -118,7 +121,10 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
         for done, frame in enumerate(usable, 1):
             ratios = chain.ratio(frame)
             total.add(ratios)
-            frames.append(FrameResult.of(frame, ratios))
+            pulse = sample_pulse(
+                *(ratios[name].values[0] for name in ("signal_camera1", "log_ratio", "flags"))
+            )
+            frames.append(FrameResult.of(frame, ratios, pulse=pulse))
             progress("ratio", done, len(usable))
     return total.mean(), frames
 

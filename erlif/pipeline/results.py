@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,11 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages
 from erlif.ingest import FramePairs, depth_warning
+from erlif.ratio import NO_PULSE, PulseSample
 from erlif.trend import FilmStatistics
+
+_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse")
+"""Arrays of a trigger with one row for each frame pair."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,8 @@ class FrameResult:
     digests : tuple[str, str]
         SHA-256 of the files of camera 1 and camera 2 as they were read, hexadecimal; empty where a
         file holds more than this frame.
+    pulse : PulseSample
+        Means by which the pulse is recognised.
     """
 
     frame: int
@@ -40,10 +46,16 @@ class FrameResult:
     peaks: tuple[int, int]
     pulse_energy: float = float("nan")
     digests: tuple[str, str] = ("", "")
+    pulse: PulseSample = field(default=NO_PULSE, compare=False)
 
     @classmethod
     def of(
-        cls, frame: int, ratios: RatioImages, *, pulse_energy: float = float("nan")
+        cls,
+        frame: int,
+        ratios: RatioImages,
+        *,
+        pulse_energy: float = float("nan"),
+        pulse: PulseSample = NO_PULSE,
     ) -> FrameResult:
         """Result of one frame pair, from the coordinates of its ratio image."""
         one, two = (
@@ -56,6 +68,7 @@ class FrameResult:
             (int(ratios.peak_camera1[0]), int(ratios.peak_camera2[0])),
             pulse_energy,
             (one, two),
+            pulse,
         )
 
 
@@ -80,8 +93,8 @@ class TriggerResult:
     def to_arrays(self) -> dict[str, AnyArray]:
         """Arrays by name, for a file."""
         arrays = {
-            f"film_{field.name}": np.asarray(getattr(self.statistics, field.name))
-            for field in fields(FilmStatistics)
+            f"film_{one.name}": np.asarray(getattr(self.statistics, one.name))
+            for one in fields(FilmStatistics)
         }
         return arrays | {
             "pixels": np.array(self.pixels, np.int64),
@@ -90,17 +103,20 @@ class TriggerResult:
             "peaks": np.array([one.peaks for one in self.frames], np.int64).reshape(-1, 2),
             "pulse_energy": np.array([one.pulse_energy for one in self.frames], float),
             "digests": np.array([one.digests for one in self.frames], "S64").reshape(-1, 2),
+            "pulse": np.array([one.pulse for one in self.frames], np.float32).reshape(
+                -1, *np.shape(NO_PULSE)
+            ),
         }
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, AnyArray]) -> TriggerResult:
         """Read back what `to_arrays` made."""
         kept: dict[str, Any] = {}
-        for field in fields(FilmStatistics):
-            value = arrays[f"film_{field.name}"]
-            kept[field.name] = value if value.ndim else float(value)
+        for one in fields(FilmStatistics):
+            value = arrays[f"film_{one.name}"]
+            kept[one.name] = value if value.ndim else float(value)
         statistics = FilmStatistics(**kept)
-        columns = (arrays[name] for name in ("frame", "drift", "peaks", "pulse_energy", "digests"))
+        columns = (arrays[name] for name in _COLUMNS)
         frames = tuple(
             FrameResult(
                 int(frame),
@@ -108,10 +124,16 @@ class TriggerResult:
                 (int(peaks[0]), int(peaks[1])),
                 float(energy),
                 (digests[0].decode(), digests[1].decode()),
+                PulseSample(*pulse),
             )
-            for frame, drift, peaks, energy, digests in zip(*columns, strict=True)
+            for frame, drift, peaks, energy, digests, pulse in zip(*columns, strict=True)
         )
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()))
+
+
+def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:
+    """What is kept of the frame pairs of several triggers."""
+    return [one for result in results for one in result.frames]
 
 
 def mean_drift(frames: Iterable[FrameResult]) -> Array:

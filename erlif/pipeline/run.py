@@ -6,7 +6,8 @@ import hashlib
 import json
 import logging
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -47,8 +48,9 @@ from erlif.pipeline.film import (
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.pulse_order import PulseError, check_pulses
 from erlif.pipeline.register import stored_map
-from erlif.pipeline.results import describe_frame_notes, known_digests, mean_drift
+from erlif.pipeline.results import describe_frame_notes, frames_in, known_digests, mean_drift
 from erlif.pipeline.swap import refuse_swapped_cameras
 from erlif.pipeline.triggers import TriggerTask, run_triggers
 from erlif.registration import MapNodes, move_map
@@ -188,7 +190,7 @@ def process_run(
         release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        with stage("film", _logger):
+        with stage("film", _logger), discarded_after(PulseError, unfinished):
             task = trigger_task(run, chain, calibration)
             results = run_triggers(
                 task,
@@ -197,17 +199,20 @@ def process_run(
                 engine=engine,
                 progress=progress,
                 places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
+                inspect=lambda first: check_pulses(frames_in(first), run.pairs),
             )
+            frames = frames_in(results)
+            notes_on_pulses = check_pulses(frames, run.pairs)
 
         release_memory()
 
         # the whole: statistics, theory, exponent, and the record of how it was made
-        frames = [one for result in results for one in result.frames]
         drift = mean_drift(frames)
         notes = [
             *run.log_notes,
             *encoder_notes(cycle),
             *notes_on_cameras,
+            *notes_on_pulses,
             *describe_frame_notes(frames, run.pairs),
         ]
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
@@ -221,6 +226,16 @@ def process_run(
             write_film(unfinished, film, groups)
         _log_film(film, output)
     return True
+
+
+@contextmanager
+def discarded_after(kind: type[Exception], unfinished: PartialFilm) -> Iterator[None]:
+    """Remove unfinished work of which nothing can be used after an exception."""
+    try:
+        yield
+    except kind:
+        unfinished.discard()
+        raise
 
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:

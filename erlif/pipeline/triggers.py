@@ -23,9 +23,12 @@ from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.results import FrameResult, TriggerResult
-from erlif.ratio import smooth_ratio
+from erlif.ratio import sample_pulse, smooth_ratio
 from erlif.thickness import measure_pulse_energy, measure_thickness
 from erlif.trend import FilmCurve, Region, summarise_blocks
+
+EARLY = 24
+"""Triggers after which a run is inspected for the first time."""
 
 
 @dataclass(frozen=True)
@@ -71,18 +74,22 @@ class TriggerTask(PickledByFields):
         attenuation = self.calibration.attenuation_camera1
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0])
+            pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
             film = measure_film(ratio, self.tables, self.region)
             energy = measure_pulse_energy(
                 ratio.light_one, film.thickness, film.flags, attenuation=attenuation
             )
-            kept.append(FrameResult(frames[0], ratio.drift, ratio.peaks, energy, ratio.digests))
+            kept.append(
+                FrameResult(frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse)
+            )
         else:
             total = PairSum(self.chain.pairs.shape)
             for frame in frames:
                 pair = self.chain.measure(frame)
                 total.add(pair)
+                pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
                 energy = measure_pulse(pair, self.tables, attenuation=attenuation)
-                kept.append(FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests))
+                kept.append(FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse))
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
@@ -194,6 +201,7 @@ def run_triggers(
     engine: Engine,
     progress: Progress,
     places: Sequence[Path] = (),
+    inspect: Callable[[Sequence[TriggerResult]], object] | None = None,
 ) -> list[TriggerResult]:
     """Compute the triggers that are not finished yet, and return the results of all.
 
@@ -210,13 +218,15 @@ def run_triggers(
     progress : callable
     places : sequence of Path, optional
         Files that every process of the engine reads.
+    inspect : callable, optional
+        Receives the results of the first triggers as soon as there are `EARLY`; what it raises ends
+        the work. A long run in a wrong order is refused early.
 
     Returns
     -------
     list of TriggerResult
         In the order of the triggers.
     """
-
     triggers = range(len(frames_of))
     todo = [trigger for trigger in triggers if not unfinished.has(trigger)]
     finished = len(frames_of) - len(todo)
@@ -229,6 +239,8 @@ def run_triggers(
             unfinished.put(trigger, made.chunks, made.numbers)
         numbers[trigger] = made.numbers
         progress("film", place[trigger], len(frames_of))
+        if inspect is not None and len(numbers) == EARLY:
+            inspect([TriggerResult.from_arrays(one) for one in numbers.values()])
 
     engine.compute(TriggerWork(task, frames_of, unfinished.maps, tuple(places)), todo, collect)
 

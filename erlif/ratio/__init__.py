@@ -5,6 +5,7 @@ from erlif.ratio.bubbles import find_bubbles
 from erlif.ratio.camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
 from erlif.ratio.log_ratio import compute_ratio, log_gradient
 from erlif.ratio.noise_fit import NoiseUnknowns
+from erlif.ratio.pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
 from erlif.ratio.sharpness import (
     BlurDifference,
     BlurMoments,
@@ -14,18 +15,23 @@ from erlif.ratio.sharpness import (
 from erlif.ratio.smoothing import smooth_ratio
 
 __all__ = [
+    "NO_PULSE",
     "BlurDifference",
     "BlurMoments",
     "NoiseEstimate",
     "NoiseUnknowns",
     "NoiseView",
+    "PulseFault",
+    "PulseSample",
     "RatioSum",
     "combine_frames",
     "compute_ratio",
     "estimate_camera_noise",
     "find_bubbles",
+    "find_pulse_faults",
     "log_gradient",
     "measure_blur_difference",
+    "sample_pulse",
     "smooth_ratio",
     "take_out_ghost",
 ]

@@ -1,0 +1,115 @@
+"""Frame pairs whose images show different laser pulses, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from erlif.core.errors import FrameError
+from erlif.core.notes import Level, Note
+from erlif.ingest import FramePairs
+from erlif.pipeline.results import FrameResult
+from erlif.ratio import PulseFault, find_pulse_faults
+
+_LISTED = 10
+"""Frames that a message names; the others are counted."""
+
+
+class PulseError(FrameError):
+    """A recording whose cameras show different laser pulses."""
+
+
+def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+    """Refuse a recording whose cameras show different pulses in a pair.
+
+    Parameters
+    ----------
+    frames : sequence of FrameResult
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of Note
+        Images that are repeated, and pairs for which no other partner is found.
+
+    Raises
+    ------
+    PulseError
+        If camera 2 is late, early or reversed as a whole, if images of it are exchanged, or if all
+        pairs are copies of one.
+    """
+    ordered = sorted(frames, key=lambda one: one.frame)
+    numbers = [one.frame for one in ordered]
+    notes = []
+    for fault in find_pulse_faults([one.pulse for one in ordered]):
+        named = [numbers[k] for k in fault.frames]
+        if fault.kind == "repeated":
+            notes.append(_describe_repeated(named, len(ordered), pairs))
+        elif fault.kind == "unknown" and 2 * len(named) > len(ordered):
+            raise PulseError(
+                "Expected both cameras to show the same laser pulse in every frame pair; in "
+                f"{len(named)} of {len(ordered)} pairs camera 2 shows another pulse, in no simple "
+                "order. Check the triggering of the cameras and the numbers of the files."
+            )
+        elif fault.kind == "unknown":
+            notes.append(
+                Note(
+                    Level.WARNING,
+                    f"frame pairs {_list(named)}",
+                    "camera 2 shows another laser pulse than camera 1, and no frame of camera 1 "
+                    "shows that pulse: the film of these pairs is wrong by the speckle of the "
+                    "laser. Check the triggering of the cameras, and leave these pairs out",
+                )
+            )
+        else:
+            raise PulseError(_describe_order(fault, numbers, pairs))
+    return notes
+
+
+def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note:
+    names = [pairs.pages[0][k].name for k in frames]
+    if len(frames) == count > 1:
+        raise PulseError(
+            f"Expected a new exposure in every frame pair; all {count} pairs show the same image "
+            f"({names[0]}, {names[1]}, ...). Export the recording again, one frame for each pulse."
+        )
+    return Note(
+        Level.WARNING,
+        f"frame pairs {_list(frames)}",
+        "they show the same image to the last count: a camera or its export was stuck, or a file "
+        "was copied. Each is used as if it were a new exposure",
+    )
+
+
+def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
+    """What is wrong with the order of camera 2, and how to mend it."""
+    expected = "Expected both cameras to show the same laser pulse in every frame pair; "
+    if fault.kind == "reversed":
+        return (
+            f"{expected}the frames of camera 2 are in reverse order. Number them in the order of "
+            "the pulses."
+        )
+    if fault.kind == "late":
+        number = abs(fault.lag)
+        pulses = "one pulse" if number == 1 else f"{number} pulses"
+        which = "late" if fault.lag > 0 else "early"
+        first, last = ("2", "1") if fault.lag > 0 else ("1", "2")
+        frames = "frame" if number == 1 else f"{number} frames"
+        return (
+            f"{expected}camera 2 is {pulses} {which}. Remove the first {frames} of camera {first} "
+            f"and the last {frames} of camera {last}, with the rows of the encoder log that belong "
+            "to the pairs lost."
+        )
+    pairing = [
+        f"{pairs.pages[1][numbers[k]].name} shows the pulse of {pairs.pages[0][numbers[n]].name}"
+        for k, n in zip(fault.frames, fault.partners, strict=True)
+    ]
+    more = f", and {len(pairing) - _LISTED} more" if len(pairing) > _LISTED else ""
+    return (
+        f"{expected}images of camera 2 are exchanged: {', '.join(pairing[:_LISTED])}{more}. Give "
+        "them the numbers of their pulses."
+    )
+
+
+def _list(frames: list[int]) -> str:
+    shown = ", ".join(str(k) for k in frames[:_LISTED])
+    return shown if len(frames) <= _LISTED else f"{shown} and {len(frames) - _LISTED} more"

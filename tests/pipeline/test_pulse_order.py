@@ -1,0 +1,96 @@
+"""Recordings whose cameras show different laser pulses, through the command line."""
+
+import shutil
+
+import pytest
+from conftest import SMALL, Laboratory
+
+import erlif
+from erlif.pipeline.pulse_order import PulseError
+from erlif.rig import RigSettings, simulate
+
+
+def rename(frames, order):
+    """Give the file at place k the content of the file at place order[k]."""
+    content = [path.read_bytes() for path in frames]
+    for path, n in zip(frames, order, strict=True):
+        path.write_bytes(content[n])
+
+
+@pytest.mark.parametrize(
+    ("order", "words"),
+    [
+        ([0, 2, 1, 3, 4, 5], "images of camera 2 are exchanged: frame_0001.tif shows the pulse of"),
+        ([1, 2, 3, 4, 5, 0], "camera 2 is one pulse early"),
+        ([5, 0, 1, 2, 3, 4], "camera 2 is one pulse late"),
+        ([4, 5, 0, 1, 2, 3], "camera 2 is 2 pulses late"),
+        ([5, 4, 3, 2, 1, 0], "camera 2 are in reverse order"),
+    ],
+)
+def test_camera_2_in_another_order_is_refused_as_what_it_is(lab, refused, order, words):
+    rename(lab.frames(2), order)
+    message = refused("process", lab.run)
+    assert message.startswith("Expected both cameras to show the same laser pulse")
+    assert words in message
+
+
+def test_one_image_for_all_pairs_is_refused(lab, refused):
+    for camera in (1, 2):
+        first, *others = lab.frames(camera)
+        for path in others:
+            shutil.copy(first, path)
+    assert "all 6 pairs show the same image" in refused("process", lab.run)
+
+
+def test_a_stuck_pair_is_named_in_the_notes(lab):
+    for camera in (1, 2):
+        shutil.copy(lab.frames(camera)[2], lab.frames(camera)[3])
+    film = erlif.process(lab.run)
+    assert "frame pairs 2, 3: they show the same image to the last count" in film.notes
+
+
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory):
+    """The same rig with more pulses, of the run and of the fixture; never to be changed."""
+    longer = Laboratory(tmp_path_factory.mktemp("longer"))
+    more = {"cycles": 2, "fixture_frames": 6}
+    simulate(longer.directory, seed=11, rig=RigSettings(**{**vars(SMALL), **more}))
+    return longer
+
+
+def test_an_image_of_a_pulse_that_camera_1_lacks_is_named_in_the_notes(lab, longer):
+    """Camera 2 shows the same film in a later pulse."""
+    shutil.copy(longer.frames(2)[10], lab.frames(2)[4])
+    film = erlif.process(lab.run)
+    assert "frame pairs 4: camera 2 shows another laser pulse than camera 1" in film.notes
+
+
+def test_a_fixture_in_another_order_is_refused(longer, tmp_path, refused):
+    fixture = tmp_path / "fixture"
+    shutil.copytree(longer.fixture, fixture)
+    rename(sorted((fixture / "camera2").iterdir()), [0, 1, 2, 3, 5, 4])
+    assert "images of camera 2 are exchanged" in refused("calibrate", fixture)
+
+
+def test_a_sound_fixture_is_calibrated(longer, tmp_path, command):
+    shutil.copytree(longer.fixture, tmp_path / "fixture")
+    assert "pulse" not in command("calibrate", tmp_path / "fixture").output
+
+
+def test_recordings_in_order_have_no_note_on_pulses(film):
+    with erlif.open_film(film) as found:
+        assert "pulse" not in found.notes
+        assert "same image" not in found.notes
+
+
+def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
+    """A long run is refused before its end."""
+    from erlif.pipeline import triggers
+
+    rename(lab.frames(2), [5, 4, 3, 2, 1, 0])
+    seen = []
+    monkeypatch.setattr(triggers, "EARLY", 5)
+    with pytest.raises(PulseError):
+        erlif.process(lab.run, workers=1, progress=lambda what, *rest: seen.append((what, *rest)))
+    assert ("film", 5, 6) in seen
+    assert ("film", 6, 6) not in seen
