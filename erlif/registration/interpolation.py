@@ -59,33 +59,31 @@ def filter_columns(image: AnyArray, out: AnyArray, start: int, stop: int) -> Non
     period = 2 * n - 2
 
     # the causal filter starts with the sum over the mirrored samples before the first
-    for t in range(start, stop):
-        out[_at(m), _at(t + m)] = image[_at(0), _at(t)]
+    for x in range(start, stop):
+        out[m, x + m] = image[0, x]
     power = z
     for k in range(1, _START):
         j = k % period
         if j >= n:
             j = period - j
-        for t in range(start, stop):
-            out[_at(m), _at(t + m)] += power * image[_at(j), _at(t)]
+        for x in range(start, stop):
+            out[m, x + m] += power * image[j, x]
         power *= z
     for row in range(1, n):
         y, at, before = _at(row), _at(m + row), _at(m + row - 1)
         for t in range(start, stop):
-            x = _at(t + m)
-            out[at, x] = image[y, _at(t)] + z * out[before, x]
+            column = _at(t + m)
+            out[at, column] = image[y, _at(t)] + z * out[before, column]
 
     # the anticausal filter runs back; the gain of 6 makes the sum of the weights 1
     gain = z / (z * z - np.float32(1))
-    last, before = _at(m + n - 1), _at(m + n - 2)
-    for t in range(start, stop):
-        x = _at(t + m)
-        out[last, x] = np.float32(6) * gain * (out[last, x] + z * out[before, x])
+    for x in range(start + m, stop + m):
+        out[m + n - 1, x] = np.float32(6) * gain * (out[m + n - 1, x] + z * out[m + n - 2, x])
     for row in range(n - 2, -1, -1):
         at, after = _at(m + row), _at(m + row + 1)
         for t in range(start, stop):
-            x = _at(t + m)
-            out[at, x] = z * (out[after, x] - np.float32(6) * out[at, x])
+            column = _at(t + m)
+            out[at, column] = z * (out[after, column] - np.float32(6) * out[at, column])
 
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)

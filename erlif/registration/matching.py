@@ -111,15 +111,13 @@ def _add_products(
         one_a, one_b = a[y, x], b[y, x]
         e = one_a - one_b
 
+        # each is half a gradient
+        cross = four * (ax * bx + ay * by)
+        w = weight[y, x]
+
         # one NaN of the warped image among the neighbours takes the pixel out
-        ok = abs(gx) + abs(gy) + abs(e) < np.float32(KNOWN)
-        gx = gx if ok else zero
-        gy = gy if ok else zero
-        e = e if ok else zero
-        one_a = one_a if ok else zero
-        one_b = one_b if ok else zero
-        cross = four * (ax * bx + ay * by) if ok else zero  # each is half a gradient
-        w = weight[y, x] if ok else zero
+        if not abs(gx) + abs(gy) + abs(e) < np.float32(KNOWN):
+            gx = gy = e = one_a = one_b = cross = w = zero
 
         # large differences lose weight; the score is w e share, so its slope is w (1 - t) share^2
         t = e * e * limit[z, x]
@@ -165,8 +163,8 @@ def _cell_sums(
             for i in range(_LINES, strip.size):
                 strip[i] = np.float32(0)
             for y in range(max(r * step, EDGE), min((r + 1) * step, h - EDGE)):
-                _gradient(a, y, left, width, strip, _AX)
-                _gradient(b, y, left, width, strip, _BX)
+                for k in range(2):
+                    _gradient(b if k == 1 else a, y, left, width, strip, _BX if k == 1 else _AX)
                 cell = min(r, limit.shape[0] - 1)
                 _add_products(a, b, weight, y, left, width, limit, cell, strip)
 

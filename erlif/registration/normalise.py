@@ -173,18 +173,19 @@ def _flatten(
     low = np.float32(floor)
     last = mean.shape[0] - 1
     for row in range(start, stop):
-        place = (row + 0.5) / CELL - 0.5
-        above = int(np.floor(place))
-        part = np.float32(place - above)
+        above = (row - CELL // 2) // CELL
+        part = np.float32((row - above * CELL + 0.5) / CELL - 0.5)
         y, y0, y1 = _at(row), _at(max(above, 0)), _at(min(above + 1, last))
         for t in range(out.shape[1]):
             x = _at(t)
             level = mean[y0, x] + part * (mean[y1, x] - mean[y0, x])
             per_rms = scale[y0, x] + part * (scale[y1, x] - scale[y0, x])
             value = (np.float32(light[y, x]) / level - one) * per_rms
-            ok = (level > low) & (weight[y, x] > zero) & (abs(value) < np.float32(LARGEST))
-            out[y, x] = value if ok else zero
-            out_weight[y, x] = weight[y, x] if ok else zero
+            w = weight[y, x]
+            if not ((level > low) & (w > zero) & (abs(value) < np.float32(LARGEST))):
+                value = w = zero
+            out[y, x] = value
+            out_weight[y, x] = w
 
 
 def normalise(
