@@ -128,7 +128,7 @@ class CompressedImage(FrameFile):
         return counts
 
 
-class ImageSet(FrameFile):
+class SetFrames(FrameFile):
     """The IM7 files of a SET folder, one after the other; each is open while it is read.
 
     Parameters
@@ -245,7 +245,7 @@ def open_set(path: Path) -> FrameFile:
         raise FrameError(f"the folder {folder.name} holds more than {_MOST_FILES} images")
 
     # B00001 to B99999, then B100000
-    return ImageSet(sorted(images, key=lambda found: (len(found.name), found.name)))
+    return SetFrames(sorted(images, key=lambda found: (len(found.name), found.name)))
 
 
 def _is_im7(path: Path, head: bytes) -> bool:

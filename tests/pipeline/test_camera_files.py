@@ -1,0 +1,122 @@
+"""The same run in the files of other cameras: the same film, bit for bit."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+import tifffile
+import xarray as xr
+from readers.writers import write_cine, write_genicam, write_im7, write_mraw, write_seq
+
+import erlif
+
+
+def read_pages(*paths):
+    """Counts of TIFF files, (page, y, x)."""
+    pages = [tifffile.imread(path) for path in paths]
+    return np.concatenate([page if page.ndim == 3 else page[np.newaxis] for page in pages])
+
+
+def to_mraw(run):
+    """Frames and darks of 12 bits packed, flats of 16 bits with the older header."""
+    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".mraw"), 1):
+        write_mraw(run / f"camera{camera}.mraw", frames, stored=12)
+        write_mraw(run / f"camera{camera}_dark.mraw", darks, stored=12)
+        write_mraw(run / f"camera{camera}_flat.mraw", flats, stored=16, header="cih")
+
+
+def to_cine(run):
+    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".cine"), 1):
+        write_cine(run / f"camera{camera}.cine", frames, stored="packed 12")
+        write_cine(run / f"camera{camera}_dark.cine", darks, height_sign=-1)
+        write_cine(run / f"camera{camera}_flat.cine", flats)
+
+
+def to_seq(run):
+    times = 1_700_000_000 + 0.1 * np.arange(99)
+    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".seq"), 1):
+        write_seq(run / f"camera{camera}.seq", frames, times=times)
+        write_seq(run / f"camera{camera}_dark.seq", darks, version=4)
+        write_seq(run / f"camera{camera}_flat.seq", flats, align=1)
+
+
+def to_raw(run):
+    for camera, (frames, darks, flats) in enumerate(take_pages(run, ".raw"), 1):
+        write_genicam(run / f"camera{camera}.raw", frames, "Mono12p", frame_rate=50)
+        write_genicam(run / f"camera{camera}_dark.raw", darks, "Mono12Packed", sidecar="json")
+        write_genicam(run / f"camera{camera}_flat.raw", flats, "Mono12", header_bytes=0)
+
+
+def to_set(run):
+    """Both cameras in each image, as DaVis stores the frames of one trigger."""
+    (one, *references), (two, *others) = take_pages(run, ".set", both="both")
+    names = [f"images/B{number:05}.im7" for number in range(len(one))]
+    (run / "images").mkdir()
+    for number, (name, pair) in enumerate(zip(names, zip(one, two, strict=True), strict=True)):
+        write_im7(run / name, np.array(pair), packing=number % 4)
+    (run / "images.set").write_text("SetType = 1")
+    for name, a, b in zip(("dark", "flat"), references, others, strict=True):
+        pairs = np.stack([a, b], axis=1).reshape(-1, *a.shape[1:])
+        (run / f"both_{name}").mkdir()
+        for number in range(len(a)):
+            path = run / f"both_{name}" / f"B{number:05}.im7"
+            write_im7(path, pairs[2 * number : 2 * number + 2], packing=1)
+        (run / f"both_{name}.set").write_text("SetType = 1")
+    add_parts(run, "channel 1", "channel 2", files="images.set")
+
+
+def to_halves(run):
+    """Two cameras on one sensor: MRAW frames with one image beside the other."""
+    (one, *references), (two, *others) = take_pages(run, ".mraw", both="both")
+    write_mraw(run / "both.mraw", np.concatenate([one, two], axis=2), stored=12)
+    for name, a, b in zip(("dark", "flat"), references, others, strict=True):
+        write_mraw(run / f"both_{name}.mraw", np.concatenate([a, b], axis=2))
+    add_parts(run, "left", "right", files="both.mraw")
+
+
+def take_pages(run, suffix, *, both=""):
+    """Frames, darks and flats of both cameras; the TIFF files go and run.toml names new ones."""
+    text, found = (run / "run.toml").read_text(), []
+    for camera in ("camera1", "camera2"):
+        found.append(
+            (
+                read_pages(*sorted((run / camera).glob("*.tif"))),
+                read_pages(run / f"{camera}_dark.tif"),
+                read_pages(run / f"{camera}_flat.tif"),
+            )
+        )
+        shutil.rmtree(run / camera)
+        text = text.replace(f'"{camera}/*.tif"', f'"{both or camera}{suffix}"')
+        for name in ("dark", "flat"):
+            (run / f"{camera}_{name}.tif").unlink()
+            text = text.replace(f'"{camera}_{name}.tif"', f'"{both or camera}_{name}{suffix}"')
+    (run / "run.toml").write_text(text)
+    return found
+
+
+def add_parts(run, one, two, *, files):
+    """Give both cameras the same files, and each its part."""
+    text = (run / "run.toml").read_text()
+    for part in (one, two):
+        text = text.replace(
+            f'files = "both{files[files.index(".") :]}"', f'FILES\npart = "{part}"', 1
+        )
+    (run / "run.toml").write_text(text.replace("FILES", f'files = "{files}"'))
+
+
+@pytest.mark.parametrize("convert", [to_mraw, to_cine, to_seq, to_raw, to_set, to_halves])
+def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film, convert):
+    convert(lab.run)
+    erlif.process(lab.run, output=lab.film, workers=1).close()
+    for group in ("/", "registration"):
+        with (
+            xr.open_dataset(film, group=group) as tiff,
+            xr.open_dataset(lab.film, group=group) as new,
+        ):
+            assert list(tiff.variables) == list(new.variables)
+            for name in tiff.variables:
+                values, expected = new[name].values, tiff[name].values
+                assert values.dtype == expected.dtype
+                assert values.tobytes() == expected.tobytes(), name
