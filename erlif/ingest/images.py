@@ -94,6 +94,8 @@ class CameraFiles:
         Time of each page from the first one, (page,); None where no header has it. [s]
     companions : list[Path]
         Other files that hold a part of the recording, such as the header beside raw data.
+    bits : int | None
+        Significant bits of a count after the headers; None where they state none, or differ.
     """
 
     pages: list[Page] = field(default_factory=list)
@@ -101,6 +103,7 @@ class CameraFiles:
     faults: dict[int, str] = field(default_factory=dict)
     times: Array | None = None
     companions: list[Path] = field(default_factory=list)
+    bits: int | None = None
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -167,7 +170,11 @@ def find_pages(
 
     # an unreadable file is kept as one page, so that the frames after it keep their numbers
     found = CameraFiles()
+    depths: set[int | None] = set()
     for path in paths:
+        # a pattern may match a file of counts and the header beside it, which are one recording
+        if path in found.companions:
+            continue
         try:
             read = _read_headers(path, selection)
         except FrameError as error:
@@ -186,6 +193,8 @@ def find_pages(
         # the clocks of two files may have started at different times
         found.times = read.times if len(paths) == 1 else None
         found.companions += read.companions
+        depths.add(read.bits)
+    found.bits = depths.pop() if len(depths) == 1 else None
     return found
 
 
@@ -374,6 +383,7 @@ class _Headers(NamedTuple):
     alone: bool
     times: Array | None
     companions: Sequence[Path]
+    bits: int | None
 
 
 def _read_headers(path: Path, selection: Selection) -> _Headers:
@@ -396,6 +406,7 @@ def _read_headers(path: Path, selection: Selection) -> _Headers:
             len(file.kinds) == 1 and not file.companions,
             None if times is None else times[places] - times[places[0]],
             file.companions,
+            file.bits,
         )
     finally:
         file.close()

@@ -28,7 +28,12 @@ from erlif.ingest.images import (
     read_page,
 )
 
-IMAGE_SUFFIXES = frozenset({".tif", ".tiff", ".png", ".bmp", ".pgm", ".jp2"})
+IMAGE_SUFFIXES = frozenset(
+    {
+        *(".tif", ".tiff", ".png", ".bmp", ".pgm", ".jp2"),
+        *(".mraw", ".cine", ".cin", ".seq", ".raw", ".im7", ".b16", ".spe"),
+    }
+)
 """Formats in which cameras store grey counts, and which erlif has a reader for."""
 
 OWN_OUTPUT = frozenset({"figures", "calibration.png", "film.zarr"})
@@ -84,6 +89,8 @@ class CountsSample:
         Smallest usual bit depth that holds the counts, unused bits left out.
     full_scale_seen : bool
         Whether several pixels are at the full scale of that depth, which makes it certain.
+    stated : bool
+        Whether that depth is the one in the headers of the files.
     """
 
     pages: int
@@ -91,6 +98,7 @@ class CountsSample:
     unused_bits: int
     bit_depth: int
     full_scale_seen: bool
+    stated: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,6 +117,8 @@ class ImageSet:
         Different sizes and types, the most frequent first: "320 x 256 uint16".
     faults : tuple[str, ...]
         Names of files that cannot be read, with the reason.
+    bits : int | None
+        Significant bits of a count after the headers; None where they state none, or differ.
     """
 
     files: tuple[Path, ...]
@@ -116,6 +126,7 @@ class ImageSet:
     pages: int
     kinds: tuple[str, ...]
     faults: tuple[str, ...]
+    bits: int | None = None
 
 
 @dataclass(frozen=True)
@@ -375,7 +386,7 @@ def _describe_camera(label: str, group: dict[str, list[Path]], directory: Path) 
         darks=darks,
         flats=flats,
         backgrounds=dry,
-        counts=_sample_counts([*_spread(pages), *_spread(flat_pages)], directory),
+        counts=_sample_counts([*_spread(pages), *_spread(flat_pages)], directory, frames.bits),
     )
 
 
@@ -384,11 +395,13 @@ def _describe_set(
 ) -> tuple[ImageSet, list[tuple[Page, tuple[int, ...]]]]:
     """Headers of the files, and the readable grey pages with their shapes."""
     pages, kinds, faults, count = [], Counter[str](), [], 0
+    depths: set[int | None] = set()
     for path in files:
         name = os.path.relpath(path, directory)
         found = find_pages(directory, glob.escape(name), "frames")
         faults += [f"{name}: {reason}" for reason in found.faults.values()]
         count += len(found.pages)
+        depths.add(found.bits)
         for place, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True)):
             if place not in found.faults:
                 kinds[str(kind)] += 1
@@ -396,7 +409,8 @@ def _describe_set(
 
     usual = tuple(kind for kind, _ in kinds.most_common())
     pattern = _find_pattern(files, directory)
-    return ImageSet(tuple(files), pattern, count, usual, tuple(faults)), pages
+    bits = depths.pop() if len(depths) == 1 else None
+    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits), pages
 
 
 def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
@@ -445,7 +459,7 @@ def _spread(pages: Sequence[tuple[Page, tuple[int, ...]]]) -> list[tuple[Page, t
 
 
 def _sample_counts(
-    pages: Sequence[tuple[Page, tuple[int, ...]]], directory: Path
+    pages: Sequence[tuple[Page, tuple[int, ...]]], directory: Path, stated: int | None
 ) -> CountsSample | None:
     """Largest count, unused bits and bit depth of some pages."""
     highest, used, levels, read, wide = 0, 0, 0, 0, False
@@ -472,8 +486,11 @@ def _sample_counts(
 
     bits = (highest >> unused).bit_length()
     depth = next(depth for depth in (USUAL_DEPTHS if wide else (8,)) if bits <= depth)
+    # dim frames fit fewer bits than the camera has, which its header states
+    fits = stated is not None and bits <= stated and not unused
+    depth = stated if stated is not None and fits else depth
     full_scale = ((1 << depth) - 1) << unused
-    return CountsSample(read, highest, unused, depth, top[full_scale] > 1)
+    return CountsSample(read, highest, unused, depth, top[full_scale] > 1, fits)
 
 
 def _common_wavelength(names: Sequence[str]) -> int | None:

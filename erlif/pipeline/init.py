@@ -209,6 +209,8 @@ def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
             f"Divide the counts by {factor} and save the images again",
         )
         draft.set(f"{table}.bit_depth", counts.bit_depth, f"{seen}, left-aligned by {factor}.")
+    elif counts.stated:
+        draft.set(f"{table}.bit_depth", counts.bit_depth, f"After the headers; {seen}.")
     elif counts.full_scale_seen:
         draft.set(f"{table}.bit_depth", counts.bit_depth, f"Full scale is reached: {seen}.")
     else:

@@ -11,6 +11,7 @@ import pytest
 import tifffile
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from readers.writers import random_frames, write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
@@ -307,3 +308,14 @@ def test_a_run_within_a_sixteenth_of_full_scale_is_reported(bit_depth, highest, 
 @pytest.mark.parametrize(("bit_depth", "highest"), [(12, 256), (16, 4096), (8, 16)])
 def test_a_run_above_a_sixteenth_of_full_scale_is_not_reported(bit_depth, highest):
     assert depth_warning(highest, bit_depth=bit_depth, camera=1) is None
+
+
+@pytest.mark.parametrize("header", ["cih", "cihx"])
+def test_counts_and_the_header_beside_them_are_one_recording(tmp_path, header):
+    frames = random_frames(np.random.default_rng(1))
+    write_mraw(tmp_path / "cam.mraw", frames, header=header)
+    found = find_pages(tmp_path, "cam.*", "frames")
+    assert len(found.pages) == 3
+    assert not found.faults
+    assert found.bits == 12
+    assert len(found.companions) == 1

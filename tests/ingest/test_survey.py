@@ -5,6 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from readers.writers import (
+    random_frames,
+    write_cine,
+    write_genicam,
+    write_im7,
+    write_mraw,
+    write_seq,
+)
 
 from erlif.core.errors import FrameError
 from erlif.ingest.survey import survey_directory
@@ -257,3 +265,47 @@ def test_more_than_two_cameras_are_all_listed(tmp_path):
         "camera 2",
         "camera 3",
     ]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "write"),
+    [
+        (".mraw", lambda path, frames: write_mraw(path, frames, stored=16, depth=12)),
+        (".cine", lambda path, frames: write_cine(path, frames, depth=12)),
+        (".seq", lambda path, frames: write_seq(path, frames, significant=12)),
+        (".raw", lambda path, frames: write_genicam(path, frames, "Mono12p")),
+    ],
+)
+def test_recordings_of_cameras_are_found_with_the_depth_of_their_headers(tmp_path, suffix, write):
+    """Dim frames would fit 8 bits; the header beside the counts is no second recording."""
+    frames = random_frames(np.random.default_rng(1), bits=6).astype(np.uint16)
+    for camera in (1, 2):
+        write(tmp_path / f"camera{camera}{suffix}", frames)
+    found = survey_directory(tmp_path)
+    assert [camera.frames.pattern for camera in found.cameras] == [
+        f"camera1{suffix}",
+        f"camera2{suffix}",
+    ]
+    for camera in found.cameras:
+        assert camera.frames.pages == 3
+        assert not camera.frames.faults
+        assert camera.counts.bit_depth == 12
+        assert camera.counts.stated
+
+
+def test_counts_above_the_depth_of_the_header_overrule_it(tmp_path):
+    frames = random_frames(np.random.default_rng(1), bits=14)
+    write_mraw(tmp_path / "camera1.mraw", frames, stored=16, depth=12)
+    (camera,) = survey_directory(tmp_path).cameras
+    assert camera.counts.bit_depth == 14
+    assert not camera.counts.stated
+
+
+def test_images_of_davis_are_found_one_by_one(tmp_path):
+    for camera in (1, 2):
+        for number in range(3):
+            path = tmp_path / f"cam{camera}" / f"B{number:05}.im7"
+            path.parent.mkdir(exist_ok=True)
+            write_im7(path, random_frames(np.random.default_rng(number), frames=1))
+    patterns = [camera.frames.pattern for camera in survey_directory(tmp_path).cameras]
+    assert patterns == ["cam1/*.im7", "cam2/*.im7"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
+from readers.writers import write_mraw
 
 import erlif
 from erlif.core.errors import FrameError, OutputError
@@ -149,6 +150,17 @@ def test_left_aligned_counts_are_noticed(tmp_path):
     assert "12-bit counts, left-aligned" in text
     assert "Divide the counts by 16" in text
     assert read(tmp_path)["camera1"]["bit_depth"] == 12
+
+
+def test_recordings_of_a_camera_have_the_depth_of_their_headers(tmp_path):
+    counts = np.linspace(60, 200, 4 * 64 * 80).reshape(4, 64, 80).astype(np.uint16)
+    for camera in (1, 2):
+        write_mraw(tmp_path / f"camera{camera}.mraw", counts, stored=16, depth=12)
+    erlif.init(tmp_path)
+    assert read(tmp_path)["camera2"]["files"] == "camera2.mraw"
+    assert read(tmp_path)["camera2"]["bit_depth"] == 12
+    text = (tmp_path / "run.toml").read_text(encoding="utf-8")
+    assert "After the headers; largest count 200 in 4 images." in text
 
 
 def test_the_columns_of_the_log_decide_whether_a_load_is_needed(folder):
