@@ -1,4 +1,4 @@
-"""Compiled steps on single rows of an image, from which the passes are built.
+"""Sums over squares around each pixel of a row, by compiled steps on rows of an image.
 
 Sums over squares are taken down the columns first and then along the row. Down the columns the sums
 of 1, 2, 4 and 8 rows are kept in rings of rows, each made of two of the ring before, so that no
