@@ -10,7 +10,14 @@ import click
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.ending import echo_aside
 from erlif.commands.loading import large_imports
-from erlif.commands.options import OVERWRITE, PATH, SCHEDULER, SKIP_BAD_FRAMES, WORKERS
+from erlif.commands.options import (
+    ALLOW_OUTSIDE,
+    OVERWRITE,
+    PATH,
+    SCHEDULER,
+    SKIP_BAD_FRAMES,
+    WORKERS,
+)
 from erlif.commands.progress import echo_above, show_progress
 from erlif.commands.status import BAD_INPUT, DEFECT, INTERRUPTED
 
@@ -33,6 +40,7 @@ if TYPE_CHECKING:
 @WORKERS
 @SCHEDULER
 @SKIP_BAD_FRAMES
+@ALLOW_OUTSIDE
 @OVERWRITE
 def batch(
     runs: tuple[Path, ...],
@@ -41,6 +49,7 @@ def batch(
     workers: int | None,
     scheduler: str | None,
     skip_bad_frames: bool,
+    allow_outside: bool,
     overwrite: bool,
 ) -> None:
     """Turn many run directories into film-thickness maps.
@@ -67,6 +76,7 @@ def batch(
                 resume=resume,
                 overwrite=overwrite,
                 skip_bad_frames=skip_bad_frames,
+                allow_outside=allow_outside,
                 workers=workers,
                 scheduler=scheduler,
                 report=lambda outcome: echo_above(_describe(outcome)),

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import PATH
+from erlif.commands.options import ALLOW_OUTSIDE, PATH
 from erlif.commands.progress import show_progress
 
 
@@ -24,8 +24,13 @@ from erlif.commands.progress import show_progress
     multiple=True,
     help="Film thickness in um for which the budget is made; may be repeated.",
 )
+@ALLOW_OUTSIDE
 def budget(
-    run_dir: Path, calibration: Path | None, trigger: int | None, films: tuple[float, ...]
+    run_dir: Path,
+    calibration: Path | None,
+    trigger: int | None,
+    films: tuple[float, ...],
+    allow_outside: bool,
 ) -> None:
     """Print the uncertainty of one map, term by term.
 
@@ -42,6 +47,7 @@ def budget(
             trigger=trigger,
             calibration=calibration,
             films=films or None,
+            allow_outside=allow_outside,
             progress=progress,
         )
     click.echo(render_budget(found), nl=False)

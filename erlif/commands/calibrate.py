@@ -10,7 +10,7 @@ import click
 
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
-from erlif.commands.options import OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, SKIP_BAD_FRAMES, expect_suffix
 from erlif.commands.progress import show_progress
 from erlif.core.errors import CalibrationError, ErlifError
 
@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", type=PATH, help="Default: FIXTURE_DIR/calibration.nc.")
 @click.option("--against", type=PATH, help="Report the drift from this earlier calibration.")
 @SKIP_BAD_FRAMES
+@ALLOW_OUTSIDE
 @OVERWRITE
 def calibrate(
     fixture_dir: Path,
     output: Path | None,
     against: Path | None,
     skip_bad_frames: bool,
+    allow_outside: bool,
     overwrite: bool,
 ) -> None:
     """Fit the ratio-thickness calibration to a fixture; writes calibration.nc and its figure.
@@ -60,7 +62,10 @@ def calibrate(
 
     with announced_compiling(), show_progress() as progress:
         calibration = pipeline.calibrate(
-            fixture_dir, skip_bad_frames=skip_bad_frames, progress=progress
+            fixture_dir,
+            skip_bad_frames=skip_bad_frames,
+            allow_outside=allow_outside,
+            progress=progress,
         )
     save_calibration(calibration, output, overwrite=overwrite)
     figure = write_calibration_figure(calibration, picture)

@@ -30,6 +30,12 @@ SKIP_BAD_FRAMES = click.option(
     help="Leave out unreadable frame pairs; the output lists them.",
 )
 
+ALLOW_OUTSIDE = click.option(
+    "--allow-outside",
+    is_flag=True,
+    help="Follow links and names of files that leave the directory.",
+)
+
 
 def expect_suffix(output: Path, *suffixes: str) -> None:
     """Refuse an output name whose suffix belongs to another file format.

@@ -9,6 +9,7 @@ import click
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import (
+    ALLOW_OUTSIDE,
     OVERWRITE,
     PATH,
     SCHEDULER,
@@ -28,6 +29,7 @@ from erlif.commands.progress import show_progress
 @WORKERS
 @SCHEDULER
 @SKIP_BAD_FRAMES
+@ALLOW_OUTSIDE
 @OVERWRITE
 def process(
     run_dir: Path,
@@ -36,6 +38,7 @@ def process(
     workers: int | None,
     scheduler: str | None,
     skip_bad_frames: bool,
+    allow_outside: bool,
     overwrite: bool,
 ) -> None:
     """Turn a run directory into film-thickness maps.
@@ -68,6 +71,7 @@ def process(
             output=output,
             overwrite=overwrite,
             skip_bad_frames=skip_bad_frames,
+            allow_outside=allow_outside,
             workers=workers,
             scheduler=scheduler,
             progress=progress,

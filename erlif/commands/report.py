@@ -7,14 +7,15 @@ from pathlib import Path
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 
 
 @click.command()
 @click.argument("film", type=PATH)
 @click.option("-o", "--output", type=PATH, help="Default: report.html beside FILM.")
+@ALLOW_OUTSIDE
 @OVERWRITE
-def report(film: Path, output: Path | None, overwrite: bool) -> None:
+def report(film: Path, output: Path | None, allow_outside: bool, overwrite: bool) -> None:
     """Write one self-contained HTML page about a film.
 
     \b
@@ -26,5 +27,5 @@ def report(film: Path, output: Path | None, overwrite: bool) -> None:
     output = output or film.parent / "report.html"
     expect_suffix(output, ".html")
     with announced_compiling():
-        page = write_report(film, output, overwrite=overwrite)
+        page = write_report(film, output, overwrite=overwrite, allow_outside=allow_outside)
     click.echo(str(page))

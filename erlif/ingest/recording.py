@@ -13,6 +13,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError, FrameError
 from erlif.core.notes import Note
 from erlif.core.products import EncoderLog
+from erlif.ingest.containment import named_files, refuse_outside
 from erlif.ingest.encoder_log import check_rows, read_log
 from erlif.ingest.frames import FramePairs
 from erlif.ingest.logs.columns import MEANINGS, ColumnChoice
@@ -89,7 +90,11 @@ one on the clock of the log [s], with a note on how it was found."""
 
 
 def open_run(
-    run_dir: Path, *, skip_bad_frames: bool = False, find_start: FindStart | None = None
+    run_dir: Path,
+    *,
+    skip_bad_frames: bool = False,
+    allow_outside: bool = False,
+    find_start: FindStart | None = None,
 ) -> Run:
     """Open a run directory: settings, files of both cameras and encoder log, checked together.
 
@@ -99,6 +104,8 @@ def open_run(
         Directory with ``run.toml``.
     skip_bad_frames : bool
         Leave out frame pairs with an unreadable file instead of refusing the run.
+    allow_outside : bool
+        Follow links and names that leave the directory.
     find_start : callable, optional
         Finds the time of the first frame in a continuous log where the settings ask for it.
 
@@ -118,6 +125,8 @@ def open_run(
     (50, 50)
     """
     settings = read_run_settings(run_dir)
+    if not allow_outside:
+        refuse_outside(run_dir, named_files(settings))
     pairs = _open_pairs(run_dir, settings, skip_bad_frames=skip_bad_frames)
 
     log, notes = _open_log(run_dir, settings, pairs, find_start)
@@ -224,7 +233,9 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
     return pairs.times
 
 
-def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture:
+def open_fixture(
+    fixture_dir: Path, *, skip_bad_frames: bool = False, allow_outside: bool = False
+) -> Fixture:
     """Open a fixture directory: settings and files of both cameras, checked together.
 
     Parameters
@@ -233,6 +244,8 @@ def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture
         Directory with ``fixture.toml``.
     skip_bad_frames : bool
         Leave out frame pairs with an unreadable file instead of refusing the fixture.
+    allow_outside : bool
+        Follow links and names that leave the directory.
 
     Returns
     -------
@@ -250,6 +263,8 @@ def open_fixture(fixture_dir: Path, *, skip_bad_frames: bool = False) -> Fixture
     (12, 12)
     """
     settings = read_fixture_settings(fixture_dir)
+    if not allow_outside:
+        refuse_outside(fixture_dir, named_files(settings))
     pairs = _open_pairs(fixture_dir, settings, skip_bad_frames=skip_bad_frames)
     return Fixture(fixture_dir, settings, pairs)
 

@@ -73,6 +73,7 @@ def batch(
     resume: bool = False,
     overwrite: bool = False,
     skip_bad_frames: bool = False,
+    allow_outside: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
     report: Callable[[RunOutcome], None] | None = None,
@@ -90,7 +91,7 @@ def batch(
     resume : bool
         Keep a film that was made from the same inputs and settings by the same version, and do not
         compute it again.
-    overwrite, skip_bad_frames, workers, scheduler
+    overwrite, skip_bad_frames, allow_outside, workers, scheduler
         As for `erlif.process`.
     report : callable, optional
         Receives the outcome of each run when it is known.
@@ -127,6 +128,7 @@ def batch(
                 resume=resume,
                 overwrite=overwrite,
                 skip_bad_frames=skip_bad_frames,
+                allow_outside=allow_outside,
                 progress=progress,
             )
             outcomes.append(outcome)
@@ -216,6 +218,7 @@ def _process_entry(
     resume: bool,
     overwrite: bool,
     skip_bad_frames: bool,
+    allow_outside: bool,
     progress: Progress,
 ) -> RunOutcome:
     """Process one run and describe what became of it."""
@@ -231,6 +234,7 @@ def _process_entry(
             resume=resume,
             overwrite=overwrite,
             skip_bad_frames=skip_bad_frames,
+            allow_outside=allow_outside,
             engine=engine,
             progress=lambda what, done, total: progress(f"{name}, {what}", done, total),
         )

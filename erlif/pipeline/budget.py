@@ -99,6 +99,7 @@ def budget(
     trigger: int | None = None,
     calibration: Calibration | str | Path | None = None,
     films: tuple[float, ...] | None = None,
+    allow_outside: bool = False,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Compute what each source of error leaves in the map of one trigger.
@@ -114,6 +115,8 @@ def budget(
     films : tuple of float, optional
         Film thicknesses for whose pixels the budget is made; default: the 10th, 50th and 90th
         percentile of the map. [um]
+    allow_outside : bool
+        As for `erlif.process`.
     progress : callable, optional
         As for `erlif.process`.
 
@@ -136,12 +139,12 @@ def budget(
     >>> table = budget("data_samples/straight_bushing", trigger=12)  # doctest: +SKIP
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
-    run = open_run(Path(run_dir))
+    run = open_run(Path(run_dir), allow_outside=allow_outside)
     settings = run.settings
     cycle = locate_run(run)
     trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))
 
-    calibration = find_calibration(run, calibration, progress=progress)
+    calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     stored = stored_map(calibration.camera_map, settings.registration)
     chain = prepare_chain(run, progress, stored=stored).chain

@@ -37,13 +37,15 @@ Step = Callable[[], Iterator[Note]]
 """One part of the audit; it raises ErlifError where the input cannot be used."""
 
 
-def check(directory: str | Path) -> list[Note]:
+def check(directory: str | Path, *, allow_outside: bool = False) -> list[Note]:
     """Check everything in a run or fixture directory that can be checked without computing a film.
 
     Parameters
     ----------
     directory : path
         With ``run.toml`` or ``fixture.toml``.
+    allow_outside : bool
+        Follow links and names of files that leave the directory.
 
     Returns
     -------
@@ -61,7 +63,7 @@ def check(directory: str | Path) -> list[Note]:
     notes: list[Note] = []
     subject = "settings and files"
     try:
-        recording = _open(directory)
+        recording = _open(directory, allow_outside)
         height, width = recording.pairs.shape
         frames = f"{len(recording.pairs.usable)} pairs of {width} x {height} pixels"
         notes.append(Note(Level.NOTE, "frames", f"{frames}, {recording.settings.name!r}"))
@@ -75,12 +77,12 @@ def check(directory: str | Path) -> list[Note]:
     return notes
 
 
-def _open(directory: Path) -> Run | Fixture:
+def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
-        return open_run(directory)
+        return open_run(directory, allow_outside=allow_outside)
     if (directory / "fixture.toml").is_file():
-        return open_fixture(directory)
+        return open_fixture(directory, allow_outside=allow_outside)
     if not directory.is_dir():
         raise ConfigError(
             f"Expected a run (run.toml) or a fixture (fixture.toml) in {directory}; "

@@ -37,7 +37,11 @@ _logger = logging.getLogger(__name__)
 
 
 def calibrate(
-    fixture_dir: str | Path, *, skip_bad_frames: bool = False, progress: Progress = silent
+    fixture_dir: str | Path,
+    *,
+    skip_bad_frames: bool = False,
+    allow_outside: bool = False,
+    progress: Progress = silent,
 ) -> Calibration:
     """Fit a calibration to a fixture directory.
 
@@ -47,6 +51,8 @@ def calibrate(
         Directory with ``fixture.toml``, frames of both cameras and the CMM profile.
     skip_bad_frames : bool
         Leave out unreadable frame pairs.
+    allow_outside : bool
+        Follow links and names of files that leave the directory.
     progress : callable, optional
         Receives the name of the work, the number of parts that are done, and of all parts.
 
@@ -67,7 +73,9 @@ def calibrate(
     >>> low < 1 < 10 < high
     True
     """
-    fixture = open_fixture(Path(fixture_dir), skip_bad_frames=skip_bad_frames)
+    fixture = open_fixture(
+        Path(fixture_dir), skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
+    )
     settings = fixture.settings
     profile = read_profile(fixture.directory / settings.fixture.profile)
     prepared = prepare_chain(fixture, progress, tables_only=True)
@@ -130,7 +138,11 @@ def combine_all(chain: FrameChain, progress: Progress) -> tuple[RatioImages, lis
 
 
 def find_calibration(
-    run: Run, given: Calibration | str | Path | None, *, progress: Progress = silent
+    run: Run,
+    given: Calibration | str | Path | None,
+    *,
+    allow_outside: bool = False,
+    progress: Progress = silent,
 ) -> Calibration:
     """The calibration of a run.
 
@@ -140,6 +152,8 @@ def find_calibration(
     given : Calibration or path, optional
         Takes precedence. Default: the calibration that run.toml names; where its file does not
         exist and a fixture lies in its directory, that fixture is calibrated and the result kept.
+    allow_outside : bool
+        As for `calibrate`.
     progress : callable, optional
 
     Returns
@@ -165,7 +179,7 @@ def find_calibration(
     if path.exists() or not (path.parent / "fixture.toml").is_file():
         return open_calibration(path)
     with stage("calibration", _logger):
-        made = calibrate(path.parent, progress=progress)
+        made = calibrate(path.parent, allow_outside=allow_outside, progress=progress)
     with suppress(OutputError):  # a fixture directory that cannot be written is no obstacle
         save_calibration(made, path)
     return made

@@ -29,7 +29,9 @@ from erlif.settings import RunSettings
 _RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
 
 
-def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) -> xr.Dataset:
+def restore_images(
+    film_path: str | Path, run_dir: str | Path, *, trigger: int, allow_outside: bool = False
+) -> xr.Dataset:
     """Compute the images behind the map of one trigger.
 
     Parameters
@@ -40,6 +42,8 @@ def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) 
         Run directory that the film was made from.
     trigger : int
         Number of the trigger, counted from 0.
+    allow_outside : bool
+        Follow links and names of files that leave the run directory.
 
     Returns
     -------
@@ -71,7 +75,8 @@ def restore_images(film_path: str | Path, run_dir: str | Path, *, trigger: int) 
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
     stored = _read_stored(film_path, trigger)
-    run = replace(open_run(run_dir, skip_bad_frames=True), settings=stored.settings)
+    found = open_run(run_dir, skip_bad_frames=True, allow_outside=allow_outside)
+    run = replace(found, settings=stored.settings)
     _check_run(run, stored)
     frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]
     if not frames:

@@ -66,6 +66,7 @@ def process(
     output: str | Path | None = None,
     overwrite: bool = False,
     skip_bad_frames: bool = False,
+    allow_outside: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Progress = silent,
@@ -86,6 +87,8 @@ def process(
         Replace an existing output.
     skip_bad_frames : bool
         Leave out unreadable frame pairs; the film lists them.
+    allow_outside : bool
+        Follow links and names of files that leave the directory.
     workers : int, optional
         Threads; default: one per processor. The result does not depend on it.
     scheduler : str, optional
@@ -114,6 +117,7 @@ def process(
         options: dict[str, Any] = {
             "calibration": calibration,
             "skip_bad_frames": skip_bad_frames,
+            "allow_outside": allow_outside,
             "engine": engine,
             "progress": progress,
         }
@@ -133,6 +137,7 @@ def process_run(
     calibration: Calibration | str | Path | None,
     overwrite: bool,
     skip_bad_frames: bool,
+    allow_outside: bool,
     engine: Engine,
     progress: Progress,
     resume: bool = False,
@@ -148,7 +153,7 @@ def process_run(
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite, holds="thickness")
-    run = open_run(run_dir, skip_bad_frames=skip_bad_frames)
+    run = open_run(run_dir, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside)
     settings = run.settings
 
     # kinematics: which frames belong to which trigger, and how fast the joint moved there
@@ -157,7 +162,7 @@ def process_run(
     triggers = describe_triggers(run, cycle)
     _log_run(run, cycle)
 
-    calibration = find_calibration(run, calibration, progress=progress)
+    calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
     check_bands(calibration, (settings.camera1.band, settings.camera2.band))
     _log_calibration(calibration)
     digests = hash_files_beside_frames(run)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -129,6 +129,8 @@ class FigureSource:
         The run directory.
     fixture_dir : Path | None
         The fixture directory.
+    allow_outside : bool
+        Whether links and names of files that leave the run directory are followed.
     """
 
     film_path: Path
@@ -136,12 +138,18 @@ class FigureSource:
     trigger: int
     run_dir: Path | None
     fixture_dir: Path | None
+    allow_outside: bool = False
 
     @cached_property
     def images(self) -> xr.Dataset:
         """Images behind the map of the trigger; raises ErlifError."""
         assert self.run_dir is not None
-        return restore_images(self.film_path, self.run_dir, trigger=self.trigger)
+        return restore_images(
+            self.film_path,
+            self.run_dir,
+            trigger=self.trigger,
+            allow_outside=self.allow_outside,
+        )
 
     @cached_property
     def calibration(self) -> Calibration:
@@ -341,6 +349,7 @@ def write_figures(
     trigger: int | None = None,
     formats: Sequence[str] = ("png", "pdf"),
     overwrite: bool = False,
+    allow_outside: bool = False,
 ) -> list[Path]:
     """Write the figures of a film.
 
@@ -362,6 +371,8 @@ def write_figures(
         Of ``"png"``, ``"pdf"`` and ``"svg"``.
     overwrite : bool
         Replace existing files.
+    allow_outside : bool
+        Follow links and names of files that leave the run directory.
 
     Returns
     -------
@@ -393,6 +404,7 @@ def write_figures(
     written: list[Path] = []
     with open_film(film_path) as film:
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
+        source = replace(source, allow_outside=allow_outside)
         reasons = {name: reason_missing(name, source) for name in DRAWN}
         names = [name for name, reason in reasons.items() if reason is None]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -33,6 +34,7 @@ def write_report(
     run_dir: str | Path | None = None,
     fixture_dir: str | Path | None = None,
     overwrite: bool = False,
+    allow_outside: bool = False,
 ) -> Path:
     """Write one self-contained HTML page about a film.
 
@@ -51,6 +53,8 @@ def write_report(
         As for `erlif.plots.write_figures`.
     overwrite : bool
         Replace an existing page.
+    allow_outside : bool
+        Follow links and names of files that leave the run directory.
 
     Returns
     -------
@@ -76,7 +80,7 @@ def write_report(
     refuse_existing(out_path, overwrite=overwrite)
     with open_film(film_path) as film:
         source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
-        text = _make_page(source)
+        text = _make_page(replace(source, allow_outside=allow_outside))
     with replacing(out_path) as scratch:
         scratch.write_text(text, encoding="utf-8")
     return out_path
