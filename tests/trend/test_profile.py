@@ -20,7 +20,7 @@ INSIDE = (Y >= 1) & (Y <= 11)  # the axial extent of the region of interest [mm]
 CENTRE = 8.1  # mm
 NOISE = 0.01  # of the log ratio
 GRID = np.linspace(0.05, 40, 20000)
-EXACT, CORRELATED = np.zeros((3, 3)), (np.diag([1e-3, 2e-3, 1e-3]) ** 2)
+EXACT, CORRELATED = 1e-20 * np.eye(3), (np.diag([1e-3, 2e-3, 1e-3]) ** 2)
 
 
 def parabola(minimum=3.0, *, centre=CENTRE, radius=RADIUS):
