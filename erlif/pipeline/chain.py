@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
@@ -56,6 +57,11 @@ class FrameCorrection(PickledByFields):
     def tables(self) -> tuple[CameraTables, CameraTables]:
         """The references of both cameras as every frame needs them."""
         return tabulate(self.references, least_signal=self.least_signal)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields, and the tables where the references that make them are gone."""
+        gone = "dark" not in self.references
+        return super().__getstate__() | ({"tables": self.tables} if gone else {})
 
     def tabulated(self) -> FrameCorrection:
         """The same with the tables alone; of the references only the numbers are kept."""
@@ -175,10 +181,7 @@ class FrameChain(PickledByFields):
         return self.correct.references
 
     def tabulated(self) -> FrameChain:
-        """The chain with the tables alone, without the references from which they were made.
-
-        It measures frames as before, in this process; it cannot be sent to another one.
-        """
+        """The chain with the tables alone, without the references from which they were made."""
         return replace(self, correct=self.correct.tabulated())
 
     @cached_property

@@ -43,7 +43,7 @@ def prepare_chain(
         A map found before, to be used instead of a new one.
     tables_only : bool
         Whether the images of darks and flats may be dropped once they are in the tables of the
-        chain, which then cannot be sent to other processes.
+        chain.
 
     Returns
     -------

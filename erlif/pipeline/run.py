@@ -185,13 +185,13 @@ def process_run(
         own_map = calibration.camera_map
         nodes = None if own_map is None else MapNodes.of(own_map)
         calibration, own_map = replace(calibration, camera_map=None), None
-        prepared = prepare_chain(run, progress, stored=stored, tables_only=not engine.elsewhere)
+        prepared = prepare_chain(run, progress, stored=stored, tables_only=True)
         chain, notes_on_cameras = prepared.chain, prepared.notes
         refuse_swapped_cameras(chain, calibration, prepared.sample, stored=nodes)
 
         # the frames need neither the sample nor the map that was stored
         del prepared, stored
-        chain = chain if engine.elsewhere else chain.tabulated()
+        chain = chain.tabulated()
         release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger

@@ -1,5 +1,6 @@
 """Triggers to maps and results: order, resumption, progress, single frames and none."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -160,7 +161,7 @@ def test_smoothing_changes_the_maps_and_not_the_statistics(task):
 
 
 def test_film_needs_the_tables_of_the_references_alone(run, prepared, calibration, task):
-    chain = prepared.chain.tabulated()
+    chain = pickle.loads(pickle.dumps(prepared.chain.tabulated()))  # as a worker gets it
     assert not {"y", "x"} & chain.references.sizes.keys()
     whole, _ = task([2])
     whole = {name: image.copy() for name, image in whole.items()}
