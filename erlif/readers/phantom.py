@@ -121,7 +121,6 @@ def phantom_table() -> Counts:
     table = np.full(1024, _FULL_SCALE, np.uint16)
     steps = np.array([_FIRST_10, *map(int, _STEPS_10)])
     table[: _LAST_10 + 1] = np.cumsum(steps)
-    table.flags.writeable = False
     return table
 
 

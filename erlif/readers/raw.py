@@ -57,7 +57,7 @@ class FrameLayout:
     bottom_up : bool
         Whether the lowest row comes first.
     table : Counts | None
-        Counts by stored value, for values that the camera compressed; None for plain counts.
+        Counts by packed value, for values that the camera compressed; None for plain counts.
     """
 
     shape: tuple[int, int]
@@ -278,7 +278,8 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
 
         packed = np.empty(layout.size, np.uint8)
         source.fill(packed, offset)
-        counts: AnyArray = unpack(packed, rows * columns, layout.packing).reshape(rows, columns)
+        flat = unpack(packed, rows * columns, layout.packing, table=layout.table)
+        counts: AnyArray = flat.reshape(rows, columns)
     elif layout.row_bytes:
         padded = np.empty((rows, layout.row_bytes), np.uint8)
         source.fill(padded, offset)
@@ -288,8 +289,6 @@ def read_counts(source: Source, layout: FrameLayout, offset: int) -> AnyArray:
         counts = np.empty((rows, columns), layout.dtype)
         source.fill(counts, offset)
 
-    if layout.table is not None:
-        counts = layout.table.take(counts)
     if layout.bottom_up:
         counts = np.ascontiguousarray(counts[::-1])
     return counts.astype(layout.kind.dtype, copy=False)

@@ -34,6 +34,11 @@ class Packing(IntEnum):
     """10 bits, the low two of two pixels in a byte between: Mono10Packed."""
 
     @property
+    def bits(self) -> int:
+        """Bits of a pixel."""
+        return 10 if self in (Packing.HIGH_10, Packing.LOW_10, Packing.SPLIT_10) else 12
+
+    @property
     def group(self) -> tuple[int, int]:
         """Bytes and pixels of the smallest part that can be decoded by itself."""
         return (5, 4) if self in (Packing.HIGH_10, Packing.LOW_10) else (3, 2)
@@ -44,7 +49,12 @@ class Packing(IntEnum):
         return -(-pixels * size // count)
 
 
-def unpack(packed: AnyArray, pixels: int, packing: Packing) -> Counts:
+_NO_TABLE = np.empty(0, np.uint16)
+
+
+def unpack(
+    packed: AnyArray, pixels: int, packing: Packing, *, table: Counts | None = None
+) -> Counts:
     """Expand packed counts to 16 bits.
 
     Parameters
@@ -55,6 +65,8 @@ def unpack(packed: AnyArray, pixels: int, packing: Packing) -> Counts:
         Number of counts.
     packing : Packing
         Order of the bits.
+    table : array of uint16, (value,), optional
+        Counts by packed value, for a camera that compressed them; one for each possible value.
 
     Returns
     -------
@@ -64,7 +76,7 @@ def unpack(packed: AnyArray, pixels: int, packing: Packing) -> Counts:
     Raises
     ------
     ValueError
-        If there are fewer bytes than the pixels take.
+        If there are fewer bytes than the pixels take, or fewer counts in the table than values.
 
     Examples
     --------
@@ -79,19 +91,23 @@ def unpack(packed: AnyArray, pixels: int, packing: Packing) -> Counts:
     if packed.size < packing.size(pixels):
         raise ValueError(f"{pixels} pixels take {packing.size(pixels)} bytes, got {packed.size}")
 
+    if table is not None and table.size < 1 << packing.bits:
+        raise ValueError(f"a table of {1 << packing.bits} counts is needed, got {table.size}")
+
     # the kernel decodes whole groups; what the last of them holds beyond the pixels is cut off
     size, count = packing.group
     groups = -(-pixels // count)
     if packed.size < groups * size:
         packed = np.concatenate([packed, np.zeros(groups * size - packed.size, np.uint8)])
     counts = np.empty(groups * count, np.uint16)
-    _unpack(np.require(packed, np.uint8, ["C", "W"]), counts, int(packing))
+    stream = np.require(packed, np.uint8, ["C", "W"])
+    _unpack(stream, counts, int(packing), _NO_TABLE if table is None else table)
     return counts[:pixels]
 
 
 # one signature, so that one function is compiled for all orders: 0.3 s, once per machine
-@njit("void(uint8[::1], uint16[::1], int64)", nogil=True, cache=True)
-def _unpack(packed: AnyArray, counts: Counts, packing: int) -> None:
+@njit("void(uint8[::1], uint16[::1], int64, uint16[::1])", nogil=True, cache=True)
+def _unpack(packed: AnyArray, counts: Counts, packing: int, table: Counts) -> None:
     """Decode whole groups; branches stand outside the loops, which are vectorised."""
     if packing == 0:  # HIGH_12
         for n in range(counts.size // 2):
@@ -129,3 +145,7 @@ def _unpack(packed: AnyArray, counts: Counts, packing: int) -> None:
             a, b, c = packed[3 * n], packed[3 * n + 1], packed[3 * n + 2]
             counts[2 * n] = (a << 2) | (b & 3)
             counts[2 * n + 1] = (c << 2) | ((b >> 4) & 3)
+
+    if table.size:
+        for n in range(counts.size):
+            counts[n] = table[counts[n]]

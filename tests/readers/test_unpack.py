@@ -54,6 +54,16 @@ def test_too_few_bytes_are_refused():
         unpack(np.zeros(4, np.uint8), 3, Packing.HIGH_12)
 
 
+def test_values_that_were_compressed_are_expanded_by_their_table():
+    values = np.random.default_rng(3).integers(0, 1024, 101)
+    table = np.random.default_rng(4).integers(0, 4096, 1024).astype(np.uint16)
+    packed = np.frombuffer(pack_counts(values, "HIGH_10"), np.uint8)
+    found = unpack(packed, 101, Packing.HIGH_10, table=table)
+    npt.assert_array_equal(found, table[values])
+    with pytest.raises(ValueError, match="a table of 4096 counts is needed, got 1024"):
+        unpack(packed, 84, Packing.HIGH_12, table=table)
+
+
 def test_read_only_bytes_need_no_second_kernel():
     packed = np.frombuffer(b"\x12\x34\x56", np.uint8)
     assert unpack(packed, 2, Packing.HIGH_12).tolist() == [0x123, 0x456]

@@ -40,21 +40,18 @@ def counts_of_bits(packed: np.ndarray, packing: str) -> np.ndarray:
 
 def pack_counts(counts: np.ndarray, packing: str) -> bytes:
     """Pack counts bit by bit; the last byte is filled with zeros."""
-    flat = counts.reshape(-1).astype(int).tolist()
+    flat = counts.reshape(-1).astype(np.uint16)
     if packing.startswith("SPLIT"):
         low_bits = int(packing[-2:]) - 8
-        flat += [0] * (len(flat) % 2)
-        out = bytearray()
-        for one, two in zip(flat[::2], flat[1::2], strict=True):
-            mask = (1 << low_bits) - 1
-            out += bytes([one >> low_bits, (one & mask) | (two & mask) << 4, two >> low_bits])
-        return bytes(out)
+        one, two = np.append(flat, np.zeros(flat.size % 2, np.uint16)).reshape(-1, 2).T
+        low = [(count % 2**low_bits) for count in (one, two)]
+        groups = [one // 2**low_bits, low[0] + 16 * low[1], two // 2**low_bits]
+        return np.stack(groups, axis=1).astype(np.uint8).tobytes()
 
     order, depth = BIT_ORDERS[packing]
-    step = 1 if order == "big" else -1
-    text = "".join(f"{count:0{depth}b}"[::step] for count in flat)
-    text += "0" * (-len(text) % 8)
-    return bytes(int(text[n : n + 8][::step], 2) for n in range(0, len(text), 8))
+    places = np.arange(depth) if order == "little" else np.arange(depth)[::-1]
+    bits = (flat[:, np.newaxis] >> places.astype(np.uint16)) & 1
+    return np.packbits(bits.astype(np.uint8), bitorder=order).tobytes()
 
 
 def random_frames(rng: np.random.Generator, *, frames=3, rows=6, columns=8, bits=12) -> np.ndarray:
