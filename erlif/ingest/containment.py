@@ -6,13 +6,17 @@ this machine. They are followed only where the user asks for it.
 
 from __future__ import annotations
 
+import glob
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from erlif.core.errors import FrameError
 from erlif.ingest.images import match_files
 from erlif.settings import FixtureSettings, RunSettings
+
+_WITH_COMPANIONS = frozenset({".mraw", ".cih", ".cihx", ".raw", ".set"})
+"""Endings of files that are read together with others of their name."""
 
 
 def named_files(settings: RunSettings | FixtureSettings) -> list[str]:
@@ -75,7 +79,8 @@ def refuse_outside(directory: Path, names: Iterable[str]) -> None:
         if not (home / os.path.normpath(directory.resolve() / name)).is_relative_to(home):
             raise FrameError(_refusal(directory, f"{name} leaves the directory"))
 
-        for path in match_files(directory, name):
+        matched = match_files(directory, name)
+        for path in (file for found in matched for file in _with_companions(found)):
             # folders are resolved once, and a file only where it is a link itself
             if path.parent not in inside:
                 inside[path.parent] = path.parent.resolve().is_relative_to(home)
@@ -91,3 +96,13 @@ def _refusal(directory: Path, what: str) -> str:
         f"Expected the files of {directory} within it; {what}. Copy them there, or use "
         "--allow-outside."
     )
+
+
+def _with_companions(path: Path) -> Iterator[Path]:
+    """A file, and the header, the counts or the images beside it under its name."""
+    yield path
+    if path.suffix.lower() in _WITH_COMPANIONS:
+        yield from path.parent.glob(f"{glob.escape(path.stem)}.*")
+        folder = path.with_suffix("")
+        if folder.is_dir():
+            yield from folder.iterdir()

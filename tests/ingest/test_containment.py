@@ -2,10 +2,13 @@
 
 import shutil
 
+import numpy as np
 import pytest
+from readers.writers import random_frames, write_genicam, write_im7, write_mraw
 
 from erlif.core.errors import FrameError
 from erlif.ingest import open_fixture, open_run
+from erlif.ingest.containment import refuse_outside
 
 
 def move_out(lab, name):
@@ -70,3 +73,21 @@ def test_commands_follow_links_where_the_user_allows_it(lab, film, command, refu
     assert "--allow-outside" in refused("budget", lab.run)
     command("process", lab.run, "--allow-outside")
     assert "camera1" in command("check", lab.run, "--allow-outside").output
+
+
+@pytest.mark.parametrize("linked", ["a.cihx", "b.toml", "c", "c/B1.im7", "a.mraw"])
+def test_files_that_are_read_together_with_a_named_one_lie_in_the_directory(tmp_path, linked):
+    frames = random_frames(np.random.default_rng(1))
+    run = tmp_path / "run"
+    (run / "c").mkdir(parents=True)
+    write_mraw(run / "a.mraw", frames)
+    write_genicam(run / "b.raw", frames, "Mono12p")
+    write_im7(run / "c" / "B1.im7", frames)
+    (run / "c.set").write_text("SetType = 1")
+    names = ["a.mraw", "b.raw", "c.set"]
+    refuse_outside(run, names)
+
+    shutil.move(run / linked, tmp_path / "elsewhere")
+    (run / linked).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(FrameError, match=r"is a link to .*elsewhere"):
+        refuse_outside(run, names)
