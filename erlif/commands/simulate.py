@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from erlif.rig.settings import RigSettings
+from erlif.rig.settings import CHOICES, RigSettings
 
 _SIDE = re.compile("[0-9]{1,6}")
 """Digits of one side of a picture; other alphabets have digits that are no numbers."""
@@ -117,6 +117,33 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     help="Write the encoder's zero into run.toml.",
 )
 @click.option(
+    "--encoder",
+    default=DEFAULT.encoder,
+    show_default=True,
+    type=click.Choice(CHOICES["encoder"]),
+    help="Link that carries the encoder.",
+)
+@click.option(
+    "--reading",
+    default=DEFAULT.reading,
+    show_default=True,
+    type=click.Choice(CHOICES["reading"]),
+    help="What the encoder shows; wrapped and ticks start again at 0 within the stroke.",
+)
+@click.option(
+    "--pulses-per-cycle",
+    default=DEFAULT.pulses_per_cycle,
+    show_default=True,
+    help="Frames per turn at even crank angles, 50.89 for example; 0: at marks of the rocker.",
+)
+@click.option(
+    "--log",
+    default=DEFAULT.log,
+    show_default=True,
+    type=click.Choice(CHOICES["log"]),
+    help="One row for each of the frames, or a log in time at 10 kHz.",
+)
+@click.option(
     "--background",
     default=DEFAULT.background,
     show_default=True,
@@ -163,6 +190,10 @@ def simulate(
     fixture_frames: int,
     cmm_noise: float,
     zero: bool,
+    encoder: str,
+    reading: str,
+    pulses_per_cycle: float,
+    log: str,
     background: float,
     background_beam: float,
     background_pages: int,
@@ -199,6 +230,10 @@ def simulate(
         fixture_frames=fixture_frames,
         cmm_noise=cmm_noise,
         write_zero=zero,
+        encoder=encoder,
+        reading=reading,
+        pulses_per_cycle=pulses_per_cycle,
+        log=log,
         background=background,
         background_beam=background_beam,
         background_pages=background_pages,

@@ -194,19 +194,21 @@ def _crank_from_swing(
     if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
         inverse = mechanism.crank_angle_from_coupler
     if "angle_rate" not in log:
-        return _follow_crank(link.angle, inverse)
+        time = log["time"].values if "time" in log else None
+        return _follow_crank(link.angle, inverse, time)
 
     # a log in time shows the direction of the motion at each frame
     rising = log["angle_rate"].values > 0
     return np.asarray(inverse(link.angle, rising=rising != link.falling))
 
 
-def _follow_crank(angle: Array, inverse: Callable[..., Array]) -> Array:
+def _follow_crank(angle: Array, inverse: Callable[..., Array], time: Array | None) -> Array:
     """Crank angle of each reading. [rad]
 
     Two crank angles fit a reading, one on either stroke. Of all sequences of these the one with the
-    most even steps is taken (Viterbi's algorithm): near a dead point a single step does not
-    determine whether the stroke has turned, its neighbours do.
+    most even speed is taken (Viterbi's algorithm), or with the most even steps where no times are
+    logged: near a dead point a single step does not determine whether the stroke has turned, its
+    neighbours do.
     """
     try:
         options = np.stack([inverse(angle, rising=True), inverse(angle, rising=False)])
@@ -219,6 +221,8 @@ def _follow_crank(angle: Array, inverse: Callable[..., Array]) -> Array:
     step = (options[None, :, 1:] - options[:, None, :-1]) % turn  # (from, to, frame)
     step[step > turn - 1e-7] = 0.0  # rounding at a standstill
     size = np.log(step + _EVEN_STEP)
+    if time is not None and (np.diff(time) > 0).all():
+        size = size - np.log(np.diff(time))
     backward = _BACKWARD_COST * np.maximum(step - math.pi, 0.0)
 
     # the cost of a pair of steps is the square of the change of their logarithm

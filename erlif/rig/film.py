@@ -22,6 +22,7 @@ BARE_FILM = 0.05
 RESIDUAL_FILM = 0.02
 """Film left on the wall inside a bubble. [um]"""
 
+_FIRST_PULSE = 0.37  # steps of a divider after the smallest rocker angle
 _WAVES = 12  # turning marks
 _WAVELENGTHS = (5, 50)  # pixel: shortest and longest of the marks
 _WAVE_SPREAD = np.radians(3)  # of their direction about the axial one
@@ -73,6 +74,21 @@ def crank_angle(angle: Array, rising: Array, rig: RigSettings) -> Array:
     return (np.arctan2(pin_y, pin_x) + np.where(rising, -opening, opening)) % (2 * np.pi)
 
 
+def coupler_angle(crank_angle: Array, rig: RigSettings) -> Array:
+    """Direction of the coupler from crank pin to rocker pin against the ground link [rad]."""
+    psi = rocker_angle(crank_angle, rig)
+    return np.arctan2(
+        rig.rocker * np.sin(psi) - rig.crank * np.sin(crank_angle),
+        rig.ground - rig.rocker * np.cos(psi) - rig.crank * np.cos(crank_angle),
+    )
+
+
+def crank_at(time: Array, rig: RigSettings) -> Array:
+    """Crank angle [rad, rising without end] at a time [s] after the smallest rocker angle."""
+    start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
+    return np.asarray(start + time * rig.crank_speed * 2 * np.pi / 60)
+
+
 def rocker_range(rig: RigSettings) -> tuple[float, float]:
     """Smallest and largest rocker angle [rad]: crank and coupler folded, and in line."""
     r1, r2, r3, r4 = rig.crank, rig.coupler, rig.rocker, rig.ground
@@ -115,6 +131,8 @@ class Triggers(NamedTuple):
 def list_triggers(rig: RigSettings) -> Triggers:
     """List the encoder triggers, symmetric over the stroke, with the film of each.
 
+    Pulses of a divider come at even crank angles; those of all cycles are then listed.
+
     The film law is ``film_reference * (|speed|/top speed * mean load/load) ** exponent``, never
     below ``film_floor``.
     """
@@ -123,12 +141,19 @@ def list_triggers(rig: RigSettings) -> Triggers:
     marks = int((high - low) // rig.spacing)
     zero = float(low + (high - low - (marks - 1) * rig.spacing) / 2)
     up = np.arange(marks) * rig.spacing
-    reading = np.concatenate([up, up[::-1]])
+    reading: Array = np.concatenate([up, up[::-1]])
     rising = np.repeat([True, False], marks)
 
     # time runs from just after the lower dead point, where the crank angle is defined
     crank = crank_angle(np.radians(zero + reading), rising, rig)
     start = crank_angle(np.asarray(rocker_range(rig)[0] + 1e-12), np.asarray(True), rig)
+    time: Array = (crank - start) % (2 * np.pi) / (rig.crank_speed * 2 * np.pi / 60)
+    if rig.pulses_per_cycle:
+        number = np.arange(int(rig.pulses_per_cycle * rig.cycles))
+        time = np.asarray((number + _FIRST_PULSE) * 60 / (rig.pulses_per_cycle * rig.crank_speed))
+        crank = crank_at(time, rig)
+        reading = np.asarray(np.degrees(rocker_angle(crank, rig)) - zero)
+
     speed = rocker_speed(crank, rig)
     load = rig.load * (1 + rig.load_swing * np.sin(crank))
 
@@ -147,9 +172,9 @@ def list_triggers(rig: RigSettings) -> Triggers:
     return Triggers(
         reading=reading,
         zero=zero,
-        crank_angle=np.degrees(crank),
+        crank_angle=np.degrees(crank) % 360,
         speed=speed,
-        time=(crank - start) % (2 * np.pi) / (rig.crank_speed * 2 * np.pi / 60),
+        time=time,
         load=load,
         film_min=film_min,
     )

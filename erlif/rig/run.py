@@ -23,6 +23,7 @@ from erlif.rig.film import (
     draw_marks,
     list_triggers,
 )
+from erlif.rig.logger import encoder_toml, frame_times, read_encoder, write_log_in_time
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream
@@ -87,7 +88,7 @@ def write_run(
     rig = setup.rig
     triggers = list_triggers(rig)
     per_cycle = triggers.reading.size
-    frames = per_cycle * rig.cycles
+    frames = frame_times(triggers, rig).size
 
     # the order of the draws belongs to the bytes of a seed
     rng = random_stream(seed, "run")
@@ -115,7 +116,10 @@ def write_run(
             file["bubble"][k] = bubbles.lack(setup.x, setup.y) > 0
             progress("run frame", k + 1, frames)
 
-    write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
+    if rig.log == "continuous":
+        write_log_in_time(directory / "encoder.csv", triggers, rig, _TEMPERATURE[0])
+    else:
+        write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
 
 
@@ -219,9 +223,9 @@ def write_encoder_log(
     The temperature drifts by 0.2 degree; the energy meter is good to half a per cent.
     """
     frames = energy.size
-    time = np.concatenate(
-        [triggers.time + cycle * 60 / rig.crank_speed for cycle in range(rig.cycles)]
-    )
+    time = frame_times(triggers, rig)
+    reading = read_encoder(np.radians(triggers.crank_angle), triggers, rig).values
+    digits, column = (0, "encoder [ticks]") if rig.reading == "ticks" else (4, "angle_deg")
     mean, amplitude = _TEMPERATURE
     temperature = mean + amplitude * np.sin(
         2 * np.pi * np.arange(frames) / frames + rng.uniform(0, 2 * np.pi)
@@ -230,10 +234,10 @@ def write_encoder_log(
 
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["frame", "time_s", "angle_deg", "load_N", "temperature_C", "laser_mJ"])
+        table.writerow(["frame", "time_s", column, "load_N", "temperature_C", "laser_mJ"])
         for k in range(frames):
             row = k % triggers.reading.size
-            angle, load = f"{triggers.reading[row]:.4f}", f"{triggers.load[row]:.3f}"
+            angle, load = f"{reading[row]:.{digits}f}", f"{triggers.load[row]:.3f}"
             table.writerow(
                 [k, f"{time[k]:.6f}", angle, load, f"{temperature[k]:.2f}", f"{meter[k]:.2f}"]
             )
@@ -289,18 +293,14 @@ y = [{upper + edge:.6g}, {lower - edge:.6g}]
 thickness = "{rig.reference:g} um"
 uncertainty = "{_REFERENCE_STD:g} um"
 """
-    zero = f'zero = "{triggers.zero:.6f} deg"\n' if rig.write_zero else ""
+    zero = read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero
     return f"""calibration = "../fixture/calibration.nc"
 
 [run]
 name = "virtual straight bushing"
 
 {camera_toml(rig, background=rig.background_pages > 0)}
-[encoder]
-file = "encoder.csv"
-mounted_on = "rocker"
-{zero}triggers_per_cycle = {triggers.reading.size}
-
+{encoder_toml(triggers, rig, zero)}
 [mechanism]
 kind = "crank-rocker"
 crank = "{rig.crank:g} cm"

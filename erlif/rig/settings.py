@@ -7,6 +7,12 @@ from erlif.core.errors import ModelError
 
 SMALLEST_PICTURE = 32
 """Fewest rows and columns. [pixel]"""
+CHOICES = {
+    "encoder": ("rocker", "coupler", "crank"),
+    "reading": ("degrees", "wrapped", "ticks"),
+    "log": ("frames", "continuous"),
+}
+"""Settings that are one of several words."""
 LARGEST_SPACING = 10.0
 """Largest trigger spacing; the rocker turns by 24 degrees. [degree]"""
 LARGEST_SCALE = 0.2
@@ -91,7 +97,17 @@ class RigSettings:
     cycles : int
         Turns of the crank that are photographed.
     write_zero : bool
-        Write the rocker angle at encoder reading 0 into run.toml.
+        Write the link angle at encoder reading 0 into run.toml.
+    encoder : str
+        Link that carries the encoder: rocker, coupler or crank.
+    reading : str
+        What it shows: degrees; wrapped, degrees that start again at 0 within the stroke; or
+        ticks, which do so too.
+    pulses_per_cycle : float
+        Frames in one turn at even crank angles, in place of the spacing; they need not repeat
+        from turn to turn. 0: the spacing holds.
+    log : str
+        One row for each of the frames, or continuous.
     pin_radius : float
         Radius of the pin. [mm]
     bushing_radius : float
@@ -203,6 +219,10 @@ class RigSettings:
     spacing: float = 0.96
     cycles: int = 1
     write_zero: bool = True
+    encoder: str = "rocker"
+    reading: str = "degrees"
+    pulses_per_cycle: float = 0.0
+    log: str = "frames"
 
     # joint
     pin_radius: float = 33.36
@@ -285,7 +305,14 @@ class RigSettings:
                     f"Expected {name} of the virtual rig as a number{among}; got {value}. "
                     "Choose another value."
                 )
-        if 2 * SWING / max(self.spacing, 1e-12) * self.cycles > MOST_FRAMES:
+        for name, words in CHOICES.items():
+            if getattr(self, name) not in words:
+                raise ModelError(
+                    f"Expected {name} of the virtual rig as one of {', '.join(words)}; got "
+                    f"{getattr(self, name)!r}. Choose one of them."
+                )
+        in_turn = self.pulses_per_cycle or 2 * SWING / max(self.spacing, 1e-12)
+        if in_turn * self.cycles > MOST_FRAMES:
             raise ModelError(
                 f"Expected a run of at most {MOST_FRAMES} frame pairs; a spacing of "
                 f"{self.spacing:g} degrees and {self.cycles} cycles have more. Choose a larger "

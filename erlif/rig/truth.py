@@ -99,7 +99,11 @@ def describe_truth(
     for name, value in asdict(rig).items():
         if value is not None:
             file.attrs[f"rig_{name}"] = (
-                np.int8(value) if isinstance(value, bool) else np.asarray(value)
+                np.int8(value)
+                if isinstance(value, bool)
+                else value
+                if isinstance(value, str)
+                else np.asarray(value)
             )
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
 

@@ -1,0 +1,119 @@
+"""The encoder of the virtual rig and its data logger: other links, ticks, and logs in time."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.rig.film import Triggers, coupler_angle, crank_at, rocker_angle
+from erlif.rig.settings import RigSettings
+
+LOG_RATE = 10_000.0
+"""Rows of the log in time per second. [Hz]"""
+
+TICKS = 36_000
+"""Ticks of the encoder in a turn."""
+
+_MARGIN = 0.05  # s: log before the first and after the last frame
+_PULSE = 3  # rows for which the trigger of the cameras is high
+_CRANK_ZERO = 30.0  # degree: crank angle at reading 0 of an encoder on the crank
+_FINE = 3601  # crank angles at which the range of a link is looked up
+_HIGH = 4.9  # V
+
+
+class Reading(NamedTuple):
+    """What the encoder shows.
+
+    Attributes
+    ----------
+    values : Array
+        Degrees or ticks.
+    zero : float
+        Angle of its link at reading 0. [degree]
+    """
+
+    values: Array
+    zero: float
+
+
+def read_encoder(crank: Array, triggers: Triggers, rig: RigSettings) -> Reading:
+    """Return the readings at crank angles [rad]."""
+    angle = _link_angle(crank, rig)
+    fine = _link_angle(np.linspace(0, 2 * np.pi, _FINE), rig)
+    zeros = {"rocker": triggers.zero, "coupler": float(fine.min()), "crank": _CRANK_ZERO}
+    zero = zeros[rig.encoder]
+    if rig.reading == "degrees":
+        return Reading((angle - zero) % 360.0 if rig.encoder == "crank" else angle - zero, zero)
+
+    # the encoder passes its zero in the middle of the stroke
+    zero = float((fine.min() + fine.max()) / 2)
+    wrapped = (angle - zero) % 360.0
+    if rig.reading == "wrapped":
+        return Reading(wrapped, zero)
+    return Reading(np.floor(wrapped * TICKS / 360.0 + 0.5) % TICKS, zero)
+
+
+def _link_angle(crank: Array, rig: RigSettings) -> Array:
+    """Angle of the link that carries the encoder. [degree]"""
+    if rig.encoder == "coupler":
+        crank = coupler_angle(crank, rig)
+    elif rig.encoder == "rocker":
+        crank = rocker_angle(crank, rig)
+    return np.degrees(crank)
+
+
+def write_log_in_time(
+    path: Path, triggers: Triggers, rig: RigSettings, temperature: float
+) -> Reading:
+    """Write a log in time, as a logger of a European laboratory does.
+
+    Columns are separated by semicolons, commas are decimal, and a voltage rises at each frame.
+    """
+    period = 60 / rig.crank_speed
+    moments = frame_times(triggers, rig)
+    first = moments[0] - _MARGIN
+    time = first + np.arange(int((moments[-1] + _MARGIN - first) * LOG_RATE)) / LOG_RATE
+    crank = crank_at(time, rig)
+    reading = read_encoder(crank, triggers, rig)
+    load = rig.load * (1 + rig.load_swing * np.sin(crank))
+    oil = temperature + 0.2 * np.sin(2 * np.pi * time / (rig.cycles * period))
+
+    rises = np.searchsorted(time, moments)
+    trigger = np.zeros(time.size)
+    for k in range(_PULSE):
+        trigger[np.minimum(rises + k, time.size - 1)] = _HIGH
+
+    unit = "ticks" if rig.reading == "ticks" else "deg"
+    digits = 0 if rig.reading == "ticks" else 4
+    with path.open("w", newline="", encoding="utf-8") as file:
+        file.write("# virtual logger, 5 channels\n")
+        file.write(f"Time [s];Encoder [{unit}];Force [N];Oil [°C];Trigger [V]\n")
+        for row in zip(time - first, reading.values, load, oil, trigger, strict=True):
+            t, angle, force, warm, volt = row
+            text = f"{t:.4f};{angle:.{digits}f};{force:.3f};{warm:.2f};{volt:.1f}"
+            file.write(text.replace(".", ",") + "\n")
+    return reading
+
+
+def frame_times(triggers: Triggers, rig: RigSettings) -> Array:
+    """Return the time of every frame, all cycles after one another. [s]"""
+    cycles = 1 if rig.pulses_per_cycle else rig.cycles
+    return np.concatenate([triggers.time + cycle * 60 / rig.crank_speed for cycle in range(cycles)])
+
+
+def encoder_toml(triggers: Triggers, rig: RigSettings, zero: float) -> str:
+    """Return the table [encoder] of run.toml."""
+    lines = ["[encoder]", 'file = "encoder.csv"', f'mounted_on = "{rig.encoder}"']
+    if rig.write_zero:
+        lines.append(f'zero = "{zero:.6f} deg"')
+    if not rig.pulses_per_cycle:
+        lines.append(f"triggers_per_cycle = {triggers.reading.size}")
+    if rig.log == "continuous":
+        lines += ['angle = "Encoder"', 'time = "Time"', 'load = "Force"', 'temperature = "Oil"']
+        lines.append('pulse = "Trigger"')
+    elif rig.reading == "ticks":
+        lines.append('angle = "encoder"')
+    if rig.reading == "ticks":
+        lines.append(f"ticks_per_turn = {TICKS}")
+    return "\n".join(lines) + "\n"

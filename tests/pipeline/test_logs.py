@@ -1,0 +1,98 @@
+"""Runs with other encoders and logs give the film of the same rig, within its error bars."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import SMALL
+
+import erlif
+from erlif.core.notes import Level
+from erlif.ingest import open_run
+from erlif.pipeline.joint import locate_run
+from erlif.rig import RigSettings, simulate
+
+FEW = {**vars(SMALL), "fixture_frames": 1, "dark_pages": 2, "flat_pages": 2, "flat_levels": (0.5,)}
+
+
+def make_run(out, seed=11, **changes):
+    simulate(out, seed=seed, rig=RigSettings(**{**FEW, **changes}))
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        return open_run(out / "run"), truth.load()
+
+
+def apart(a, b):
+    return np.abs((np.asarray(a) - np.asarray(b) + 180) % 360 - 180)
+
+
+@pytest.mark.parametrize(
+    ("changes", "tolerance"),
+    [
+        ({"encoder": "coupler"}, 0.1),
+        ({"encoder": "crank"}, 0.1),
+        ({"encoder": "coupler", "reading": "wrapped"}, 0.1),
+        ({"reading": "ticks"}, 1.0),  # 0.005 degree of the rocker, five degrees off a dead point
+        ({"log": "continuous"}, 0.5),  # half a row of the log is 0.03 degree of the crank
+        ({"log": "continuous", "encoder": "coupler", "reading": "ticks"}, 1.5),
+        ({"log": "continuous", "encoder": "crank", "pulses_per_cycle": 7.3}, 0.5),
+    ],
+    ids=str,
+)
+def test_the_crank_angle_is_that_of_the_rig(tmp_path, changes, tolerance):
+    run, truth = make_run(tmp_path, **changes)
+    located = locate_run(run)
+    assert apart(located.crank_angle, truth.crank_angle).max() < tolerance
+    np.testing.assert_array_equal(located.stroke, np.sign(truth.rocker_speed))
+    np.testing.assert_allclose(located.rocker_speed, truth.rocker_speed, atol=0.03)
+    np.testing.assert_allclose(run.log["load"], truth["load"], rtol=1e-4)
+
+
+def test_a_run_in_time_with_ticks_on_the_coupler_has_the_film_of_the_plain_one(
+    small_rig, film, tmp_path
+):
+    """The same seed gives the same frames; the log must not change the maps."""
+    simulate(
+        tmp_path,
+        seed=11,
+        rig=RigSettings(
+            **{**vars(SMALL), "log": "continuous", "encoder": "coupler", "reading": "ticks"}
+        ),
+    )
+    shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
+    found = erlif.process(tmp_path / "run", workers=1)
+    with erlif.open_film(film) as plain:
+        np.testing.assert_array_equal(found.thickness, plain.thickness)
+        np.testing.assert_allclose(found.film_min, plain.film_min, atol=1e-9)
+        np.testing.assert_allclose(found.rocker_speed, plain.rocker_speed, atol=0.02)
+        np.testing.assert_allclose(
+            found.speed_exponent, plain.speed_exponent, atol=0.1 * float(plain.speed_exponent_std)
+        )
+    assert "columns separated by semicolons; decimal commas" in found.notes
+    assert "angle from column 'Encoder [ticks]'" in found.notes
+
+
+def test_notes_of_the_log_stand_in_check_and_film(tmp_path):
+    run, _ = make_run(tmp_path, write_zero=False, log="continuous")
+    notes = [str(note) for note in erlif.check(run.directory) if note.level is not Level.ERROR]
+    assert any("zero fitted to the dead points of the linkage" in note for note in notes)
+    assert any("a log in time" in note for note in notes)
+
+
+def test_pulses_that_do_not_repeat_are_averaged_by_bins_of_one_stroke(small_rig, tmp_path):
+    changes = {"pulses_per_cycle": 6.4, "cycles": 4, "bubbles": 0}
+    run, truth = make_run(tmp_path, **changes)
+    assert locate_run(run).trigger.values.tolist() == list(range(25))
+    settings = run.directory / "run.toml"
+    text = settings.read_text(encoding="utf-8")
+    settings.write_text(text.replace("[encoder]", "[encoder]\nbins = 6"), encoding="utf-8")
+    located = locate_run(open_run(run.directory))
+    assert int(located.trigger.max()) == 5
+    for trigger in range(6):
+        members = located.trigger.values == trigger
+        assert abs(np.sign(truth.rocker_speed.values[members]).sum()) == members.sum()
+
+    shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
+    film = erlif.process(run.directory, workers=1)
+    assert film.frames_used.sum() == 25
+    assert set(film.stroke.values.tolist()) == {-1, 1}
