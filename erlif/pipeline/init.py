@@ -201,8 +201,14 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
 def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
     """Bit depth from the largest counts; counts that are stored left-aligned are reported."""
     seen = f"largest count {counts.highest} in {counts.pages} images"
-    if counts.unused_bits:
-        factor = 1 << counts.unused_bits
+    factor = 1 << counts.unused_bits
+
+    # counts that fill 16 bits from above; others may lie anywhere in them
+    if counts.unused_bits and counts.bit_depth + counts.unused_bits >= 16:
+        remark = f"{seen}, all multiples of {factor}"
+        draft.set(f"{table}.bit_depth", 16 - counts.unused_bits, f"{remark}: left-aligned.")
+        draft.set(f"{table}.alignment", "left", f"{remark[0].upper()}{remark[1:]}.")
+    elif counts.unused_bits:
         draft.warn(
             table,
             f"{seen}, all multiples of {factor}: {counts.bit_depth}-bit counts, left-aligned. "

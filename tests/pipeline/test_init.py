@@ -142,14 +142,23 @@ def test_without_darks_the_dark_level_is_a_gap(folder):
     assert read(folder)["camera1"]["offset"] == "?? DN"
 
 
-def test_left_aligned_counts_are_noticed(tmp_path):
-    counts = (np.arange(64 * 80).reshape(64, 80) % 4096).astype(np.uint16) << 4
+@pytest.mark.parametrize("bits", [10, 12, 14])
+def test_left_aligned_counts_are_noticed(tmp_path, bits):
+    counts = np.linspace(100, (1 << bits) - 1, 64 * 80).reshape(64, 80).astype(np.uint16)
+    for name in ("cam1.tif", "cam2.tif"):
+        tifffile.imwrite(tmp_path / name, counts << (16 - bits))
+    assert "left-aligned" not in warnings(erlif.init(tmp_path))
+    assert read(tmp_path)["camera1"]["bit_depth"] == bits
+    assert read(tmp_path)["camera1"]["alignment"] == "left"
+
+
+def test_counts_of_ten_bits_at_the_high_end_of_twelve_are_reported(tmp_path):
+    counts = (np.arange(64 * 80).reshape(64, 80) % 1024).astype(np.uint16) << 2
     for name in ("cam1.tif", "cam2.tif"):
         tifffile.imwrite(tmp_path / name, counts)
     text = warnings(erlif.init(tmp_path))
-    assert "12-bit counts, left-aligned" in text
-    assert "Divide the counts by 16" in text
-    assert read(tmp_path)["camera1"]["bit_depth"] == 12
+    assert "left-aligned. Divide the counts by 4" in text
+    assert "alignment" not in read(tmp_path)["camera1"]
 
 
 def test_recordings_of_a_camera_have_the_depth_of_their_headers(tmp_path):
