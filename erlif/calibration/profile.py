@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,15 +15,23 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from erlif.core.arrays import Array
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 
 MINIMUM_POINTS = 8
 """Fewest points of a profile: beside K, p and q, five degrees of freedom remain."""
 
+LARGEST_FILE = 2**25
+"""Size of a profile that is read: 32 MB hold more than 500,000 points. [byte]"""
+
+LARGEST_VALUE = 1e5
+"""Largest value of a profile: 100 m along it, or a film of 10 cm. [mm, um]"""
+
 _LINE_DEGREE = 40  # highest of the polynomial that follows the form of a line
 _SURFACE_DEGREE = 16  # the same for a surface, in both axes together
 _POINTS_PER_TERM = 3
+_SHOWN = 60  # characters of a cell or a header that a message shows
 _SMALLEST_RESIDUAL = 1e-9  # of chi-square, so that exact data keep a finite logarithm
 _LINE = 1e-3  # extent across by extent along, below which a scan is a line
 
@@ -170,11 +179,14 @@ class _Table(NamedTuple):
 def _read_table(path: Path) -> _Table:
     """Numbers of the CSV file under one of the four headers."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            table = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bounded(path, largest=LARGEST_FILE).decode("utf-8-sig")
+        lines = io.StringIO(text, newline="")
+        table = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
         raise CalibrationError(
-            f"Expected the profile {path.name} as a CSV file; it cannot be read: {error}."
+            f"Expected the profile {path.name} as a CSV file; it cannot be read: {reason}. Save "
+            "the profile as CSV in UTF-8, or correct its name in fixture.toml."
         ) from error
 
     header = [cell.strip() for cell in table[0]] if table else []
@@ -183,7 +195,7 @@ def _read_table(path: Path) -> _Table:
         raise CalibrationError(
             "Expected the header x_mm,thickness_um[,uncertainty_um] or "
             f"x_mm,y_mm,thickness_um[,uncertainty_um] in {path.name}; "
-            f"got {','.join(header) or 'nothing'}."
+            f"got {','.join(header)[:_SHOWN] or 'nothing'}. Write one of them as the first row."
         )
 
     values = np.empty((len(table) - 1, len(header)))
@@ -193,10 +205,11 @@ def _read_table(path: Path) -> _Table:
                 values[n, m] = float(row[m])
             except (ValueError, IndexError):
                 values[n, m] = math.nan
-            if not math.isfinite(values[n, m]):
-                got = repr(row[m]) if m < len(row) else "nothing"
+            if not abs(values[n, m]) <= LARGEST_VALUE:
+                got = repr(row[m][:_SHOWN]) if m < len(row) else "nothing"
                 raise CalibrationError(
-                    f"Expected a number in row {n + 2}, column {name} of {path.name}; got {got}."
+                    f"Expected a number up to {LARGEST_VALUE:g} in row {n + 2}, column {name} of "
+                    f"{path.name}; got {got}. Correct the cell, or leave the row out."
                 )
     return _Table(header, values)
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import difflib
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
 
 _COLUMNS = ("run_dir", "calibration", "output")
@@ -88,20 +90,14 @@ def read_run_table(path: Path) -> list[RunEntry]:
 def _read_rows(path: Path) -> list[tuple[int, list[str]]]:
     """Row numbers and cells; empty rows are left out."""
     try:
-        size = path.stat().st_size
-        if not path.is_file() or size > _LARGEST:
-            raise ConfigError(
-                f"Expected a table of runs in {path}; it is "
-                + (f"{size / 1e6:.0f} MB large." if path.is_file() else "not a file.")
-            )
-
         # "utf-8-sig" also reads the byte order mark that spreadsheets write
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = enumerate(csv.reader(file), 1)
-            found = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
+        text = read_bounded(path, largest=_LARGEST).decode("utf-8-sig")
+        rows = enumerate(csv.reader(io.StringIO(text, newline="")), 1)
+        found = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
     except OSError as error:
         raise ConfigError(
-            f"Expected a table of runs in {path}; it cannot be read: {error.strerror}."
+            f"Expected a table of runs in {path}; it cannot be read: {error.strerror}. Name a CSV "
+            "file with a column run_dir, or the run directories themselves."
         ) from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise ConfigError(

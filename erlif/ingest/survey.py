@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import glob
+import io
 import os
 import re
 from collections import Counter, defaultdict
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import FrameError
 from erlif.ingest.images import (
     Page,
@@ -266,11 +268,10 @@ def _is_image(path: Path) -> bool:
 
 def _read_table(path: Path) -> TextTable | None:
     """Header and length of a CSV file; None where it is none."""
-    if path.stat().st_size > LARGEST_TABLE:
-        return None
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+        text = read_bounded(path, largest=LARGEST_TABLE).decode("utf-8-sig")
+        lines = csv.reader(io.StringIO(text, newline=""))
+        rows = [row for row in lines if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error):
         return None
     if not rows:

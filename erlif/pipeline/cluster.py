@@ -22,6 +22,7 @@ from typing import Any, TypeVar
 
 import cv2
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import ClusterError
 from erlif.core.version import __version__
 
@@ -33,6 +34,9 @@ _FORMS = (
     "Expected --scheduler local:N for N workers on this machine, the address of a scheduler such "
     "as tcp://HOST:8786, or the scheduler file that dask wrote, such as scheduler.json"
 )
+
+_LARGEST_FILE = 2**20
+"""Size of a scheduler file that is read; dask writes a few kilobytes. [byte]"""
 
 _SAME = "Scheduler and workers need the environment of this machine: install the same versions."
 
@@ -287,8 +291,8 @@ def _check_form(scheduler: str) -> None:
 def _read_address(path: Path) -> str:
     """Address of the scheduler that wrote a file."""
     try:
-        return str(json.loads(path.read_text(encoding="utf-8"))["address"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return str(json.loads(read_bounded(path, largest=_LARGEST_FILE))["address"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise ClusterError(
             f"Expected a scheduler file in {path}; there is none ({error}). dask writes it with: "
             f"dask scheduler --scheduler-file {path}"

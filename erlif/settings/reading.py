@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
 from erlif.settings.keys import Key, keys_of, tables_in
 from erlif.settings.tables import (
@@ -28,6 +29,9 @@ _Settings = TypeVar("_Settings", bound="Settings")
 
 _Location = tuple[str, ...]
 """Names of tables and of the key, from the top of the file."""
+
+_LARGEST_FILE = 2**20
+"""Size of a settings file that is read: 1 MB is a thousand times a usual one. [byte]"""
 
 _GAP = re.compile(r"\?\?( .*)?")
 """What `erlif init` writes for a value it does not know: "??", or "?? um" with the unit."""
@@ -136,7 +140,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(
             f"Expected a directory with {name} in it; {directory} is not a directory.{hint}"
         )
-    if not path.is_file():
+    if not path.exists():
         other = {"run.toml": "fixture.toml", "fixture.toml": "run.toml"}[name]
         option = " --fixture" if name == "fixture.toml" else ""
         hint = f"Make one from the files in it with: erlif init {directory}{option}"
@@ -145,10 +149,11 @@ def _read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
 
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))
     except OSError as error:
         raise ConfigError(
-            f"Expected settings in {path}; it cannot be read: {error.strerror}."
+            f"Expected settings in {path}; it cannot be read: {error.strerror}. Put a "
+            "settings file there, or make one with erlif init."
         ) from error
     except (ValueError, RecursionError) as error:
         raise ConfigError(

@@ -2,6 +2,8 @@
 
 import contextlib
 import math
+import os
+import time
 
 import pytest
 from hypothesis import given, settings
@@ -225,3 +227,19 @@ def test_a_directory_without_settings_is_refused_with_the_command_that_makes_the
     with pytest.raises(ConfigError) as refusal:
         read(tmp_path)
     assert str(refusal.value).endswith(f"erlif init {tmp_path}{option}")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "large"])
+def test_settings_without_an_end_are_refused_at_once(tmp_path, kind):
+    path = tmp_path / "run.toml"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    else:
+        path.write_text("# " + "a" * 2**20)
+    start = time.monotonic()
+    with pytest.raises(ConfigError, match=r"it is a|it holds") as caught:
+        read_run_settings(tmp_path)
+    assert "erlif init" in str(caught.value)
+    assert time.monotonic() - start < 1
