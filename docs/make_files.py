@@ -290,6 +290,12 @@ VARIABLE_ATTRIBUTES = (
         "Of the encoder angle: standard deviation of the zero [degree].",
         "the zero was fitted",
     ),
+    Attribute(
+        "start",
+        "Of the time of the frames: time of the first frame on the clock of the log [s].",
+        "start was fitted",
+    ),
+    Attribute("start_std", "Its standard deviation [s].", "start was fitted"),
     Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
     Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
 )

@@ -4,13 +4,14 @@ from erlif.ingest.encoder_log import read_encoder_log
 from erlif.ingest.frames import FramePairs, PairCounts, read_frames, read_pair, skipped_notes
 from erlif.ingest.hashes import hash_files_beside_frames, hash_inputs, sign_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
-from erlif.ingest.recording import Fixture, Run, open_fixture, open_run
+from erlif.ingest.recording import Fixture, FoundStart, Run, open_fixture, open_run
 from erlif.ingest.reference_pages import read_reference_pages
 from erlif.ingest.run_table import RunEntry, read_run_table
 from erlif.ingest.selection import Selection, select_counts
 
 __all__ = [
     "Fixture",
+    "FoundStart",
     "FramePairs",
     "Page",
     "PairCounts",

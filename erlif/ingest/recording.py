@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -84,9 +85,26 @@ class Fixture:
         return self.settings.camera1, self.settings.camera2
 
 
-FindStart = Callable[[RunSettings, FramePairs, ContinuousLog, Array], tuple[float, Note]]
-"""From a continuous log and the times of the frames after the first one to the time of the first
-one on the clock of the log [s], with a note on how it was found."""
+class FoundStart(NamedTuple):
+    """Time of the first frame on the clock of a log in time.
+
+    Attributes
+    ----------
+    value : float
+        [s]
+    std : float
+        Standard deviation. [s]
+    note : Note
+        How it was found.
+    """
+
+    value: float
+    std: float
+    note: Note
+
+
+FindStart = Callable[[RunSettings, FramePairs, ContinuousLog, Array], FoundStart]
+"""Finds the start from a log in time and the times of the frames after the first one [s]."""
 
 
 def open_run(
@@ -184,23 +202,24 @@ def _open_log(
         return sample_log(bare, times), notes
 
     since = _times_after_first(encoder, pairs, log)
-    start = encoder.start
-    if start == "fit":
+    if encoder.start == "fit":
         if find_start is None:
             raise EncoderError(
                 'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
                 "found by the commands alone."
             )
-        start, note = find_start(settings, pairs, log, since)
-        notes = [*notes, note]
-    if start is None:
+        found = find_start(settings, pairs, log, since)
+        sampled = sample_log(log, since + found.value)
+        sampled["time"].attrs |= {"start": found.value, "start_std": found.std}
+        return sampled, [*notes, found.note]
+    if encoder.start is None:
         first, last = log.span
         raise EncoderError(
             f"Expected the time of the first frame on the clock of {log.file}, which runs from "
             f'{first:.6g} to {last:.6g} s; got none. Add start = "{first:.6g} s" to [encoder] of '
             'run.toml, or start = "fit" to find it from the motion.'
         )
-    return sample_log(log, since + float(start)), notes
+    return sample_log(log, since + encoder.start), notes
 
 
 def _number_frames(pairs: FramePairs) -> EncoderLog:

@@ -19,6 +19,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Thi
 from erlif.core.progress import Progress, silent
 from erlif.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.clock import fit_start
 from erlif.pipeline.film import choose_region, group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
@@ -139,7 +140,7 @@ def budget(
     >>> table = budget("data_samples/straight_bushing", trigger=12)  # doctest: +SKIP
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
-    run = open_run(Path(run_dir), allow_outside=allow_outside)
+    run = open_run(Path(run_dir), find_start=fit_start, allow_outside=allow_outside)
     settings = run.settings
     cycle = locate_run(run)
     trigger, frames = _choose_trigger(trigger, cycle, group_frames(cycle, run.pairs))

@@ -24,6 +24,7 @@ from erlif.ingest import (
 )
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.cameras import characterise_cameras
+from erlif.pipeline.clock import fit_start
 from erlif.pipeline.film import describe_cycle, describe_triggers
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.omissions import note_omissions
@@ -80,7 +81,7 @@ def check(directory: str | Path, *, allow_outside: bool = False) -> list[Note]:
 def _open(directory: Path, allow_outside: bool) -> Run | Fixture:
     """The run or the fixture in the directory."""
     if (directory / "run.toml").is_file():
-        return open_run(directory, allow_outside=allow_outside)
+        return open_run(directory, find_start=fit_start, allow_outside=allow_outside)
     if (directory / "fixture.toml").is_file():
         return open_fixture(directory, allow_outside=allow_outside)
     if not directory.is_dir():

@@ -404,7 +404,13 @@ def describe_frames(
         }
     )
     time = run.log["time"].values if "time" in run.log else np.full(count, np.nan)
-    group["time"] = ("frame", time, {"units": "s", "long_name": "time of the trigger"})
+    fitted = run.log["time"].attrs if "time" in run.log else {}
+    group["time"] = (
+        "frame",
+        time,
+        {"units": "s", "long_name": "time of the trigger"}
+        | {name: fitted[name] for name in ("start", "start_std") if name in fitted},
+    )
     if run.pairs.skipped:
         group.attrs["skipped_frames"] = join_notes(skipped_notes(run.pairs))
     return group.reset_coords(drop=True)

@@ -21,6 +21,7 @@ from erlif.files import check_trigger, open_film, settings_of
 from erlif.ingest import Run, open_run
 from erlif.passes import PairSum
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
+from erlif.pipeline.clock import fit_start
 from erlif.pipeline.prepare import prepare_with_map
 from erlif.ratio import BlurDifference, smooth_ratio
 from erlif.registration import CameraMap
@@ -75,7 +76,9 @@ def restore_images(
     """
     film_path, run_dir = Path(film_path), Path(run_dir)
     stored = _read_stored(film_path, trigger)
-    found = open_run(run_dir, skip_bad_frames=True, allow_outside=allow_outside)
+    found = open_run(
+        run_dir, skip_bad_frames=True, find_start=fit_start, allow_outside=allow_outside
+    )
     run = replace(found, settings=stored.settings)
     _check_run(run, stored)
     frames = [k for k in run.pairs.usable if stored.trigger_of[k] == trigger]

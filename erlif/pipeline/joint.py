@@ -61,13 +61,7 @@ def locate_run(run: Run) -> xr.Dataset:
                 mechanism=build_linkage(links),
                 crank_speed=links.crank_speed,
                 pin_radius=None if settings.joint is None else settings.joint.pin_radius,
-                encoder=Encoder(
-                    encoder.mounted_on,
-                    encoder.zero,
-                    per_cycle,
-                    direction=encoder.direction,
-                    bins=encoder.bins,
-                ),
+                encoder=describe_encoder_settings(settings),
             )
         case RotationSettings() as disc:
             return locate_rotation(
@@ -85,6 +79,18 @@ def locate_run(run: Run) -> xr.Dataset:
             )
         case None:
             return locate_logged(log, triggers_per_cycle=per_cycle)
+
+
+def describe_encoder_settings(settings: RunSettings, *, folded: bool = True) -> Encoder:
+    """The encoder of the settings; unless `folded`, without the grouping of frames."""
+    encoder = settings.encoder or EncoderSettings()
+    return Encoder(
+        encoder.mounted_on,
+        encoder.zero,
+        encoder.triggers_per_cycle if folded else None,
+        direction=encoder.direction,
+        bins=encoder.bins if folded else None,
+    )
 
 
 def describe_joint(settings: RunSettings) -> Joint | None:

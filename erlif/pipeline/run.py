@@ -33,6 +33,7 @@ from erlif.ingest import Run, hash_files_beside_frames, hash_inputs, open_run, s
 from erlif.ingest.hashes import Digests
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.chain import FrameChain
+from erlif.pipeline.clock import fit_start
 from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.film import (
     MAPS,
@@ -153,7 +154,12 @@ def process_run(
     remove_remains(output)
     if not resume:
         refuse_existing(output, overwrite=overwrite, holds="thickness")
-    run = open_run(run_dir, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside)
+    run = open_run(
+        run_dir,
+        skip_bad_frames=skip_bad_frames,
+        find_start=fit_start,
+        allow_outside=allow_outside,
+    )
     settings = run.settings
 
     # kinematics: which frames belong to which trigger, and how fast the joint moved there

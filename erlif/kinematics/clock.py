@@ -1,0 +1,201 @@
+"""The offset between the clock of the cameras and that of a log, from the motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+
+FEWEST_FRAMES = 12
+"""Frames below which the motion does not show in their light."""
+
+STEPS_IN_CYCLE = 120
+"""Offsets tried in one turn of the crank."""
+
+MOST_STEPS = 20_000
+"""Offsets tried in all."""
+
+EXPLAINED = 0.5
+"""Least share of the variance of the light that the motion has to explain."""
+
+EQUAL = 9.0
+"""Difference of chi-square, three standard deviations, below which two offsets fit alike."""
+
+_TURN = 2 * math.pi
+
+
+@dataclass(frozen=True)
+class ClockOffset:
+    """Time of the first frame on the clock of a log.
+
+    Attributes
+    ----------
+    value : float
+        [s]
+    std : float
+        Standard deviation. [s]
+    explained : float
+        Share of the variance of the light that the motion explains.
+    half_cycle : bool
+        Whether an offset in the other stroke fits as well.
+    cycles : int
+        Number of offsets, whole cycles apart, that fit as well; this one is among them.
+    """
+
+    value: float
+    std: float
+    explained: float
+    half_cycle: bool
+    cycles: int
+
+
+def find_clock_offset(
+    since: Array, light: Array, *, time: Array, crank: Array, speed: Array
+) -> ClockOffset:
+    """Find the time of the first frame on the clock of a log.
+
+    The light of the frames is a function of the film, and the film is taken as the same at equal
+    speed on either stroke, so that the light is even about the dead points. It is described by
+    powers of the speed, and by one harmonic of the crank angle for what changes once in a turn,
+    such as the load. The offset is that of the least squares.
+
+    Parameters
+    ----------
+    since : array, (frame,)
+        Time of each frame after the first one. [s]
+    light : array, (frame,)
+        A quantity that depends on the film alone, such as the logarithm of the ratio of the light
+        of both cameras.
+    time : array, (sample,)
+        Clock of the log, rising. [s]
+    crank : array, (sample,)
+        Crank angle, without jumps. [rad]
+    speed : array, (sample,)
+        Speed in the joint; only its size matters. [rad s-1]
+
+    Returns
+    -------
+    ClockOffset
+
+    Raises
+    ------
+    EncoderError
+        If the frames are too few, the log is shorter than the recording, or the light does not
+        follow the motion.
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 4, 4001)
+    >>> since = np.arange(60) / 37
+    >>> light = np.abs(np.sin(8 * (since + 1.25)))
+    >>> found = find_clock_offset(since, light, time=time, crank=8 * time, speed=np.sin(8 * time))
+    >>> bool(abs((found.value - 1.25) * 8 / np.pi % 1) < 1e-3)
+    True
+    """
+    if since.size < FEWEST_FRAMES:
+        raise EncoderError(
+            f"Expected at least {FEWEST_FRAMES} frames to find their start from the motion; got "
+            f'{since.size}. Give start = "0.25 s" in [encoder] of run.toml.'
+        )
+    room = float(time[-1] - time[0] - since[-1])
+    if room < 0:
+        raise EncoderError(
+            f"Expected a log that is longer than the recording, {since[-1]:.6g} s; it has "
+            f"{time[-1] - time[0]:.6g} s. Export the whole log, or check frame_rate in [encoder]."
+        )
+    turns = float(crank[-1] - crank[0]) / _TURN
+    period = float(time[-1] - time[0]) / max(abs(turns), 1e-9)
+    model = _Model(since, light, time, crank, np.abs(speed) / float(np.abs(speed).max()))
+
+    # every offset at which all frames lie within the log
+    count = int(min(max(room / period * STEPS_IN_CYCLE, 2), MOST_STEPS))
+    offsets = time[0] + np.linspace(0, room, count + 1)
+    residual = np.array([model.residual(offset) for offset in offsets])
+    minima = _minima(residual)
+    refined = [_refine(model, offsets, place) for place in minima]
+    found = min(refined, key=model.residual)
+
+    least = model.residual(found)
+    variance = least / (since.size - _Model.PARAMETERS - 1)
+    explained = 1 - least / model.without_motion
+    if explained < EXPLAINED:
+        raise EncoderError(
+            "Expected light of the frames that follows the motion of the joint, to find their "
+            f"start; the motion explains {max(explained, 0):.0%} of its variance. Give "
+            'start = "0.25 s" in [encoder] of run.toml, or record the trigger of the cameras.'
+        )
+
+    # other minima of the same depth: the other stroke, and whole cycles apart
+    alike = [one for one in refined if model.residual(one) - least < EQUAL * variance]
+    phases = [((one - found) / period) % 1.0 for one in alike]
+    same = sum(phase < 0.25 or phase > 0.75 for phase in phases)
+    return ClockOffset(found, model.std(found, variance), explained, same < len(alike), same)
+
+
+class _Model:
+    """Light of the frames as a function of their offset."""
+
+    PARAMETERS = 6
+
+    def __init__(self, since: Array, light: Array, time: Array, crank: Array, speed: Array) -> None:
+        self.since, self.light = since, light
+        self.time, self.crank, self.speed = time, crank, speed
+        once = np.stack([np.ones_like(light), *self._harmonic(float(time[0]))], axis=1)
+        # what remains without the speed; the harmonic is that of any offset
+        self.without_motion = _squares(once, light)
+
+    def _harmonic(self, offset: float) -> tuple[Array, Array]:
+        crank = np.interp(self.since + offset, self.time, self.crank)
+        return np.cos(crank), np.sin(crank)
+
+    def columns(self, offset: float) -> Array:
+        """Powers of the speed, and one harmonic of the crank angle."""
+        speed = np.interp(self.since + offset, self.time, self.speed)
+        powers = [np.ones_like(speed), speed, speed**2, speed**3]
+        return np.stack([*powers, *self._harmonic(offset)], axis=1)
+
+    def residual(self, offset: float) -> float:
+        """Sum of the squared residuals."""
+        return _squares(self.columns(offset), self.light)
+
+    def std(self, offset: float, variance: float) -> float:
+        """Standard deviation of the offset with all parameters free. [s]"""
+        columns = self.columns(offset)
+        solution = np.linalg.lstsq(columns, self.light, rcond=None)[0]
+        step = 1e-3 * float(np.mean(np.diff(self.since)))
+        after, before = (self.columns(offset + sign * step) @ solution for sign in (1, -1))
+        slope = (after - before) / (2 * step)
+
+        # the part of the slope that no other parameter can take
+        along = np.linalg.lstsq(columns, slope, rcond=None)[0]
+        return math.sqrt(variance / float(np.sum((slope - columns @ along) ** 2)))
+
+
+def _squares(columns: Array, values: Array) -> float:
+    solution = np.linalg.lstsq(columns, values, rcond=None)[0]
+    return float(np.sum((values - columns @ solution) ** 2))
+
+
+def _minima(residual: Array) -> list[int]:
+    """Places of the local minima."""
+    padded = np.concatenate([[np.inf], residual, [np.inf]])
+    lower = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])
+    return [int(place) for place in np.flatnonzero(lower)]
+
+
+def _refine(model: _Model, offsets: Array, place: int) -> float:
+    """Least squares between the neighbours of a minimum, by golden section. [s]"""
+    low = float(offsets[max(place - 1, 0)])
+    high = float(offsets[min(place + 1, offsets.size - 1)])
+    share = (math.sqrt(5) - 1) / 2
+    for _ in range(30):  # to a millionth of the first interval
+        left, right = high - share * (high - low), low + share * (high - low)
+        if model.residual(left) < model.residual(right):
+            high = right
+        else:
+            low = left
+    return (low + high) / 2
