@@ -26,6 +26,9 @@ except ImportError:  # a machine for which there is no isal: the same bytes in t
 _BLOCK = 4096
 """Bytes read at once from a file: a directory with its arrays fits in."""
 
+_BEGINNING = 1024
+"""Bytes of a description in which the name of its program occurs."""
+
 _MOST_STRIPS = 1_000_000
 """A directory that claims more is damaged."""
 
@@ -74,8 +77,8 @@ class PlainPage(NamedTuple):
     header : int
         Where the directory of the page begins. [byte]
     description : tuple[int, int]
-        Where the text of the tag ImageDescription begins and its length, 0 where there is none or
-        one too short to mean anything. [byte]
+        Where the text of the tag ImageDescription begins and its length; 0 where there is none, or
+        one that lies within the directory. [byte]
     """
 
     shape: tuple[int, int]
@@ -128,11 +131,30 @@ def find_plain_pages(path: Path) -> list[PlainPage] | None:
     >>> find_plain_pages(path) is None
     True
     """
+    return read_plain_directories(path)[0]
+
+
+def read_plain_directories(path: Path) -> tuple[list[PlainPage] | None, bytes]:
+    """As `find_plain_pages`, with the description of the first page where OME or ImageJ wrote it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    (list of PlainPage or None, bytes)
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened.
+    """
     with path.open("rb", buffering=0) as file:
         source = _File(file)
         start = _first_directory(source)
         if start is None:
-            return None
+            return None, b""
 
         # directories are a chain; one that bites its tail is damaged
         layout, offset = start
@@ -140,16 +162,21 @@ def find_plain_pages(path: Path) -> list[PlainPage] | None:
         seen: set[int] = set()
         while offset:
             if offset in seen:
-                return None
+                return None, b""
             seen.add(offset)
             found = _read_directory(source, offset, layout)
             if found is None:
-                return None
+                return None, b""
             page, offset = found
             if max(a + n for a, n in zip(page.offsets, page.lengths, strict=True)) > source.size:
-                return None
+                return None, b""
             pages.append(page)
-        return pages or None
+        if not pages:
+            return None, b""
+        place, length = pages[0].description
+        beginning = bytes(source.read(place, min(length, _BEGINNING)))
+        known = beginning.startswith(b"ImageJ=") or b"<OME" in beginning
+        return pages, bytes(source.read(place, length)) if known else b""
 
 
 def read_plain_page(path: Path, header: int) -> AnyArray | None:

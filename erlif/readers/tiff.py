@@ -21,7 +21,7 @@ from erlif.readers.base import (
     FrameKind,
     describe_shape,
 )
-from erlif.readers.plain_tiff import PlainPage, find_plain_pages, read_plain_page
+from erlif.readers.plain_tiff import PlainPage, read_plain_directories, read_plain_page
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
 from erlif.readers.strips import NONE, PACKBITS, Segments, read_segments
@@ -85,7 +85,9 @@ class TiffFrames(FrameFile):
         self._source: Source | None = None
         self._lock = threading.Lock()
         try:
-            text = self._open_plain() or self._open_other()
+            text = self._open_plain()
+            if not self.headers:
+                text = self._open_other()
             self._check_sizes()
             self._describe(text)
         except BaseException:
@@ -122,20 +124,14 @@ class TiffFrames(FrameFile):
             if file is not None:
                 file.close()
 
-    def _open_plain(self) -> bytes | None:
-        """Take the pages as plain ones; the description of the first, None where one is not."""
-        pages = find_plain_pages(self.path)
-        if pages is None:
-            return None
-        self.headers = [page.header for page in pages]
-        self.kinds = [FrameKind(page.shape, page.dtype) for page in pages]
-        self.stack = _contiguous(pages[0])
-        place, length = pages[0].description
-        if not 0 < length <= _LONGEST:
-            return b" "
-        with self.path.open("rb") as file:
-            file.seek(place)
-            return file.read(length) or b" "
+    def _open_plain(self) -> bytes:
+        """Take the pages as plain ones if all are; the description of the first one."""
+        pages, text = read_plain_directories(self.path)
+        if pages is not None:
+            self.headers = [page.header for page in pages]
+            self.kinds = [FrameKind(page.shape, page.dtype) for page in pages]
+            self.stack = _contiguous(pages[0])
+        return text
 
     def _open_other(self) -> bytes:
         """Find the pages by tifffile; the description of the first one."""
@@ -154,7 +150,7 @@ class TiffFrames(FrameFile):
         except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
             raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
         self.stack = _contiguous(self._pages[0])
-        return text.encode("utf-8", "replace") if len(text) <= _LONGEST else b""
+        return text.encode("utf-8", "replace")
 
     def _check_sizes(self) -> None:
         """Refuse pages that claim sizes that no memory holds."""
@@ -168,6 +164,7 @@ class TiffFrames(FrameFile):
 
     def _describe(self, text: bytes) -> None:
         """Take channels and times from the description."""
+        text = text if len(text) <= _LONGEST else b""
         self.description = read_description(text, name=self.path.name, pages=len(self.kinds))
         self.images = self.description.frames
         if self.images in (0, len(self.kinds)):
