@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
+import re
+import struct
+import zlib
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -10,52 +13,173 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
 from erlif.readers.base import Format, FrameFile, FrameKind, check_claim
+from erlif.readers.raw import FrameLayout, RawFrames
+from erlif.readers.source import Source
 
 _DENSEST = 1100
 """Decoded bytes per byte of a file that deflate can reach."""
 
-_GREY = {"L": "uint8", "I;16": "uint16", "I;16B": "uint16", "I;16L": "uint16", "I": "uint16"}
-"""Types of the counts by Pillow's name of the pixels; "I" are the 16-bit counts of a PGM."""
+_PALETTE = "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
+_COLOURS = "it is a colour image. Save the raw counts of the camera, one channel, as grey TIFF."
+
+_PNG_START = b"\x89PNG\r\n\x1a\n"
+
+_BMP_HEADERS = tuple(bytes([size, 0, 0, 0]) for size in (40, 52, 56, 108, 124))
+"""Sizes of the header of a BMP, from version 3 on. [byte]"""
+
+_GREY, _INDEXED = 0, 3
+"""Colour types of PNG."""
 
 
-class Picture(FrameFile):
-    """A file with one picture, decoded by Pillow."""
+class PngPicture(FrameFile):
+    """A PNG picture; Pillow undoes its filters."""
 
     def __init__(self, path: Path) -> None:
-        from PIL import Image
+        self.path = path
+        with Source(path) as source:
+            head = source.read(0, 33)
+            size = source.size
+        if head[:8] != _PNG_START or head[12:16] != b"IHDR":
+            raise FrameError("the file is damaged or not a PNG")
+        width, height, depth, colour = struct.unpack_from(">IIBB", head, 16)
+        if colour == _INDEXED:
+            raise FrameError(_PALETTE)
+        if colour != _GREY:
+            raise FrameError(_COLOURS)
+        if depth not in (8, 16):
+            raise FrameError(f"it has {depth} bits for each pixel. Save 8 or 16-bit counts.")
 
-        # Pillow warns of sizes that are checked here
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            try:
-                with Image.open(path) as image:
-                    mode, (width, height) = image.mode, image.size
-            except OSError as error:
-                raise FrameError(f"the file is damaged ({error})") from error
-            except Exception as error:  # Pillow raises several types on damaged bytes
-                raise FrameError(f"the file is damaged ({type(error).__name__})") from error
-
-        if mode == "P":
-            raise FrameError(
-                "it is a palette image, whose values are no counts. Save the raw counts as TIFF."
-            )
-        if mode not in _GREY:
-            colours = Image.getmodebands(mode)
-            kind = FrameKind((height, width, colours), "uint8")
-        else:
-            kind = FrameKind((height, width), _GREY[mode])
-        check_claim(1, kind, path.stat().st_size, packing=_DENSEST)
-        self.path, self.kinds = path, [kind]
+        kind = FrameKind((height, width), f"uint{depth}")
+        check_claim(1, kind, size, packing=_DENSEST)
+        self.kinds = [kind]
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
-        from PIL import Image
+        from PIL.PngImagePlugin import PngImageFile
 
+        data = self.path.read_bytes()
+        _check_chunks(data)
         try:
-            with Image.open(self.path) as image:
-                return np.asarray(image).astype(self.kinds[index].dtype, copy=False)
+            with PngImageFile(BytesIO(data)) as image:
+                counts = np.asarray(image)
         except Exception as error:  # Pillow raises several types on damaged bytes
             raise FrameError(f"the picture is damaged ({error})") from error
+        shape, dtype = self.kinds[index]
+        if counts.shape != shape:
+            raise FrameError("the picture is damaged: it has another size than its header")
+        return counts.astype(dtype, copy=False)
+
+
+def _check_chunks(data: bytes) -> None:
+    """Refuse a chunk that was cut off or changed; Pillow does not compare all checksums."""
+    place, kind = 8, b""
+    while kind != b"IEND":
+        if place + 12 > len(data):
+            raise FrameError("the picture is truncated")
+        (length,) = struct.unpack_from(">I", data, place)
+        kind, end = data[place + 4 : place + 8], place + 8 + length
+        if end + 4 > len(data):
+            raise FrameError("the picture is truncated")
+        if zlib.crc32(memoryview(data)[place + 4 : end]) != struct.unpack_from(">I", data, end)[0]:
+            raise FrameError("the picture is damaged: a checksum does not fit")
+        place = end + 4
+
+
+def open_bmp(path: Path) -> FrameFile:
+    """Open a BMP picture of 8 grey bits.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if it is damaged, compressed, or has colours.
+    """
+    with Source(path) as source:
+        header = struct.unpack("<10xIIiiHHIIiiI", source.read(0, 50))
+        start, size, width, height, _, depth, compression, _, _, _, used = header
+        if size < 40 or depth not in (8, 24, 32):
+            raise FrameError("this kind of BMP is not read. Save the counts as grey TIFF.")
+        if depth != 8:
+            raise FrameError(_COLOURS)
+        if compression:
+            raise FrameError("its rows are compressed (RLE). Save the counts uncompressed.")
+        palette = np.frombuffer(source.read(14 + size, 4 * (used or 256)), np.uint8).reshape(-1, 4)
+        check_claim(1, FrameKind((abs(height), width), "uint8"), source.size)
+
+    check_grey_palette(palette)
+    row = -(-width // 4) * 4  # rows end at a multiple of four bytes
+    layout = FrameLayout((abs(height), width), "|u1", row_bytes=row, bottom_up=height > 0)
+    return RawFrames(path, layout, range(start, start + layout.size, layout.size))
+
+
+def check_grey_palette(palette: AnyArray) -> None:
+    """Refuse a palette that gives any count another value than its own.
+
+    Parameters
+    ----------
+    palette : array of uint8, (entry, 4)
+        Blue, green and red of each count.
+
+    Raises
+    ------
+    FrameError
+        With the bare reason.
+
+    Examples
+    --------
+    >>> check_grey_palette(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 4, axis=1))
+    """
+    ramp = np.arange(len(palette), dtype=np.uint8)[:, None]
+    if len(palette) > 256 or (palette[:, :3] != ramp).any():
+        raise FrameError(_PALETTE)
+
+
+def open_pgm(path: Path) -> FrameFile:
+    """Open a PGM picture, or several that follow each other with the same header.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FrameFile
+
+    Raises
+    ------
+    FrameError
+        With the bare reason, if it is damaged or written as text.
+    """
+    with Source(path) as source:
+        head = source.read(0, min(1024, source.size))
+        size = source.size
+    if head[:2] == b"P2":
+        raise FrameError("its counts are written as text. Save it as binary PGM (P5) or as TIFF.")
+    gap = rb"(?:\s+|#[^\n]*\n)+"
+    match = re.match(rb"P5" + (gap + rb"(\d{1,9})") * 3 + rb"\s", head)
+    if match is None:
+        raise FrameError("the file is damaged or not a PGM")
+    width, height, most = map(int, match.groups())
+    if not 0 < most < 65536:
+        raise FrameError(f"the file is damaged: its highest count is {most}")
+
+    layout = FrameLayout((height, width), "|u1" if most < 256 else ">u2")
+    check_claim(1, layout.kind, size)
+    step = match.end() + layout.size
+    count = -(-size // step)
+    with Source(path) as source:
+        for n in range(1, count):
+            if source.read(n * step, min(match.end(), size - n * step)) != match[0]:
+                raise FrameError("the file is damaged: it goes on behind its last count")
+    offsets = range(match.end(), match.end() + count * step, step)
+    return RawFrames(path, layout, offsets, bits=most.bit_length())
 
 
 def _refuse(path: Path) -> FrameFile:
@@ -65,12 +189,22 @@ def _refuse(path: Path) -> FrameFile:
     )
 
 
-PNG = Format("PNG", (".png",), lambda path, head: head[:8] == b"\x89PNG\r\n\x1a\n", Picture)
-BMP = Format("BMP", (".bmp", ".dib"), lambda path, head: head[:2] == b"BM", Picture)
-PGM = Format("PGM", (".pgm", ".pnm"), lambda path, head: head[:2] in (b"P5", b"P2"), Picture)
+PNG = Format("PNG", (".png",), lambda path, head: head[:8] == _PNG_START, PngPicture)
+BMP = Format(
+    "BMP",
+    (".bmp", ".dib"),
+    lambda path, head: head[:2] == b"BM" and head[14:18] in _BMP_HEADERS,
+    open_bmp,
+)
+PGM = Format("PGM", (".pgm", ".pnm"), lambda path, head: head[:2] in (b"P5", b"P2"), open_pgm)
 LOSSY = Format(
-    "JPEG, GIF",
-    (".jpg", ".jpeg", ".jpe", ".gif"),
-    lambda path, head: head[:3] == b"\xff\xd8\xff" or head[:4] == b"GIF8",
+    "JPEG, GIF, WebP",
+    (".jpg", ".jpeg", ".jpe", ".gif", ".webp", ".jp2"),
+    lambda path, head: (
+        head[:3] == b"\xff\xd8\xff"
+        or head[:4] == b"GIF8"
+        or (head[:4] == b"RIFF" and head[8:12] == b"WEBP")
+        or head[4:8] == b"jP  "
+    ),
     _refuse,
 )

@@ -14,10 +14,14 @@ from importlib import metadata
 from pathlib import Path
 
 from erlif.core.errors import FrameError
+from erlif.readers.avi import AVI
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile
+from erlif.readers.fits import FITS
 from erlif.readers.genicam import GENICAM
+from erlif.readers.hdf5 import HDF5
 from erlif.readers.lavision import IM7, SET
 from erlif.readers.norpix import NORPIX
+from erlif.readers.npy import NPY
 from erlif.readers.pco import PCO
 from erlif.readers.phantom import PHANTOM
 from erlif.readers.photron import PHOTRON
@@ -38,6 +42,10 @@ FORMATS: tuple[Format, ...] = (
     PNG,
     BMP,
     PGM,
+    NPY,
+    FITS,
+    HDF5,
+    AVI,
     LOSSY,
 )
 """The formats of erlif, in the order in which a file is compared with them."""

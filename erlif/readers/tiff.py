@@ -25,6 +25,7 @@ from erlif.readers.plain_tiff import PlainPage, read_plain_directories, read_pla
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
 from erlif.readers.strips import NONE, PACKBITS, Segments, read_segments
+from erlif.readers.tiff_chain import check_directories
 from erlif.readers.tiff_metadata import read_description
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
@@ -135,6 +136,7 @@ class TiffFrames(FrameFile):
 
     def _open_other(self) -> bytes:
         """Find the pages by tifffile; the description of the first one."""
+        check_directories(self.path)
         try:
             self._file = tifffile.TiffFile(self.path)
             self._source = Source(self.path)

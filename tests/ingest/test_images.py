@@ -112,7 +112,7 @@ def test_colours_are_a_third_axis_of_the_kind(tmp_path):
         ("b.tif", b"", "the file is empty"),
         ("b.tif", b"not an image", "damaged or not a TIFF"),
         ("b.tif", b"II*\x00" + bytes(4), "the file holds no image"),
-        ("b.png", b"not an image", "the file is damaged"),
+        ("b.png", b"not an image", "damaged"),
         ("b.dat", b"not an image", "its format is none of those that are read: TIFF, "),
     ],
     ids=["empty", "text", "no directory", "png", "unknown"],

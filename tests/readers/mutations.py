@@ -5,12 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import h5netcdf
+import h5py
 import numpy as np
+import tifffile
+from PIL import Image
 from readers.writers import (
     random_frames,
+    write_avi,
     write_b16,
+    write_bmp,
     write_cine,
+    write_fits,
     write_genicam,
     write_im7,
     write_mraw,
@@ -34,6 +42,47 @@ def write_set(path: Path) -> Path:
     for number in range(2):
         write_im7(path.parent / path.stem / f"B{number}.im7", FRAMES, packing=number)
     path.write_text("SetType = 1")
+    return path
+
+
+def write_tiff(path: Path, **options: Any) -> Path:
+    """A stack by tifffile."""
+    tifffile.imwrite(path, FRAMES, photometric="minisblack", **options)
+    return path
+
+
+def write_libtiff(path: Path, compression: str) -> Path:
+    """A stack by libtiff."""
+    first, *rest = (Image.fromarray(frame) for frame in FRAMES)
+    first.save(path, save_all=True, append_images=rest, compression=compression)
+    return path
+
+
+def write_picture(path: Path, counts: np.ndarray) -> Path:
+    """A picture by Pillow."""
+    Image.fromarray(counts).save(path, path.suffix[1:].replace("pgm", "ppm"))
+    return path
+
+
+def write_npy(path: Path) -> Path:
+    """An array by numpy."""
+    np.save(path, FRAMES)
+    return path
+
+
+def write_hdf5(path: Path, **options: Any) -> Path:
+    """A dataset by h5py."""
+    with h5py.File(path, "w") as file:
+        file.create_dataset("camera1/counts", data=FRAMES, **options)
+    return path
+
+
+def write_netcdf(path: Path) -> Path:
+    """Frames with their times by h5netcdf."""
+    with h5netcdf.File(path, "w") as file:
+        file.dimensions = {"time": 3, "y": 5, "x": 7}
+        file.create_variable("counts", ("time", "y", "x"), data=FRAMES)
+        file.create_variable("time", ("time",), data=TIMES).attrs["units"] = "s"
     return path
 
 
@@ -61,6 +110,23 @@ SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "b16": (lambda d: write_b16(d / "a.b16", FRAMES[0]), "a.b16"),
     "spe 2": (lambda d: write_spe2(d / "a.spe", FRAMES), "a.spe"),
     "spe 3": (lambda d: write_spe3(d / "a.spe", FRAMES), "a.spe"),
+    "tiff": (lambda d: write_tiff(d / "a.tif"), "a.tif"),
+    "tiff deflate": (lambda d: write_tiff(d / "a.tif", compression="zlib", predictor=2), "a.tif"),
+    "tiff big": (lambda d: write_tiff(d / "a.tif", bigtiff=True, byteorder=">"), "a.tif"),
+    "tiff tiles": (lambda d: write_tiff(d / "a.tif", tile=(16, 16), compression="zlib"), "a.tif"),
+    "tiff lzw": (lambda d: write_libtiff(d / "a.tif", "tiff_lzw"), "a.tif"),
+    "tiff packbits": (lambda d: write_libtiff(d / "a.tif", "packbits"), "a.tif"),
+    "tiff ome": (lambda d: write_tiff(d / "a.tif", ome=True, metadata={"axes": "TYX"}), "a.tif"),
+    "tiff imagej": (lambda d: write_tiff(d / "a.tif", imagej=True), "a.tif"),
+    "png": (lambda d: write_picture(d / "a.png", FRAMES[0]), "a.png"),
+    "bmp": (lambda d: write_bmp(d / "a.bmp", (FRAMES[0] >> 10).astype(np.uint8)), "a.bmp"),
+    "pgm": (lambda d: write_picture(d / "a.pgm", (FRAMES[0] >> 4).astype(np.uint8)), "a.pgm"),
+    "npy": (lambda d: write_npy(d / "a.npy"), "a.npy"),
+    "fits": (lambda d: write_fits(d / "a.fits", FRAMES), "a.fits"),
+    "avi": (lambda d: write_avi(d / "a.avi", (FRAMES >> 4).astype(np.uint8)), "a.avi"),
+    "hdf5": (lambda d: write_hdf5(d / "a.h5"), "a.h5"),
+    "hdf5 gzip": (lambda d: write_hdf5(d / "a.h5", chunks=(1, 5, 7), compression="gzip"), "a.h5"),
+    "netcdf": (lambda d: write_netcdf(d / "a.nc"), "a.nc"),
 }
 """For each format its writer, and the file that is damaged."""
 

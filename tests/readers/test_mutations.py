@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections import Counter
 
 import numpy as np
@@ -10,6 +11,9 @@ from readers.mutations import SAMPLES, check_reader, mutate
 
 ROUNDS = 150
 """Damages for each format in CI; long runs by hand had more (docs/formats.md)."""
+
+MEMORY = 100e6
+"""Highest memory for files of at most 10 kB. [byte]"""
 
 
 @pytest.mark.parametrize("name", SAMPLES)
@@ -22,8 +26,12 @@ def test_a_damaged_file_gives_counts_or_one_error(tmp_path, name):
     whole = target.read_bytes()
     rng = np.random.default_rng(len(name))
     outcomes = Counter()
+    tracemalloc.start()
     for _ in range(ROUNDS):
         target.write_bytes(mutate(whole, rng))
         outcomes[check_reader(path)] += 1
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < MEMORY
     # a test whose damages are all refused at once would not reach the decoders
     assert len(outcomes) >= 2, outcomes

@@ -369,3 +369,84 @@ def write_im7(path: Path, frames: np.ndarray, *, packing=0, buffer=-4, preview=(
         )
     path.write_bytes(header + data + b"\x06\0\0\0\x0b\0\0\0Signal0=LIF\0\0\0\0\0\0\0\0")
     return path
+
+
+def fits_header(**cards) -> bytes:
+    """Cards of 80 characters, the last one END, filled with blanks to blocks of 2880."""
+    lines = []
+    for key, value in cards.items():
+        text = f"'{value:<8}'" if isinstance(value, str) and len(value) > 1 else str(value)
+        lines.append(f"{key:<8}= {text:>20} / text = 'more'".ljust(80)[:80])
+    text = "".join([*lines, "COMMENT no value here".ljust(80), "END".ljust(80)])
+    return text.ljust(-(-len(text) // 2880) * 2880).encode()
+
+
+def fits_image(bitpix: int, *axes: int, **cards) -> bytes:
+    sizes = {f"NAXIS{n}": length for n, length in enumerate(axes, 1)}
+    return fits_header(SIMPLE="T", BITPIX=bitpix, NAXIS=len(axes), **sizes, **cards)
+
+
+def padded(data: bytes) -> bytes:
+    return data.ljust(-(-len(data) // 2880) * 2880, b"\0")
+
+
+def unsigned(counts: np.ndarray) -> bytes:
+    """Counts less 32768, big-endian: the convention for 16 unsigned bits."""
+    return padded((counts.astype(np.int32) - 32768).astype(">i2").tobytes())
+
+
+def write_fits(path: Path, frames: np.ndarray) -> Path:
+    """FITS after the standard 4.0: unsigned counts with their zero moved."""
+    count, rows, columns = frames.shape
+    path.write_bytes(fits_image(16, columns, rows, count, BZERO=32768) + unsigned(frames))
+    return path
+
+
+RAMP = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 4, axis=1)
+
+
+def chunk(name: bytes, data: bytes) -> bytes:
+    return name + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
+
+
+def chunks(name: bytes, kind: bytes, *parts: bytes) -> bytes:
+    return chunk(name, kind + b"".join(parts))
+
+
+def avi_film(
+    frames, *, codec=bytes(4), bits=8, palette=RAMP, shape=(64, 81), rate=(1, 500)
+) -> bytes:
+    """A film with one stream of images, an index and a stream of sound before it."""
+    stream = b"vids" + bytes(16) + struct.pack("<II", *rate) + bytes(28)
+    form = (
+        struct.pack("<IiiHH4sI8xII", 40, *shape[::-1], 1, bits, codec, 0, 0, 0) + palette.tobytes()
+    )
+    sound = chunks(b"LIST", b"strl", chunk(b"strh", b"auds" + bytes(52)), chunk(b"strf", bytes(18)))
+    video = chunks(b"LIST", b"strl", chunk(b"strh", stream), chunk(b"strf", form))
+    head = chunks(b"LIST", b"hdrl", chunk(b"avih", bytes(56)), sound, video)
+    movie = chunks(b"LIST", b"movi", chunk(b"01wb", b"noise"), *(chunk(b"00db", f) for f in frames))
+    return chunks(b"RIFF", b"AVI ", head, movie, chunk(b"idx1", bytes(16)))
+
+
+def avi_rows(image) -> bytes:
+    """From the lowest row up, each filled to a multiple of four bytes."""
+    return np.pad(image[::-1], ((0, 0), (0, -image.shape[1] % 4))).tobytes()
+
+
+def write_avi(path: Path, frames: np.ndarray) -> Path:
+    """AVI of 8 grey bits, uncompressed."""
+    _, height, width = frames.shape
+    path.write_bytes(avi_film([avi_rows(frame) for frame in frames], shape=(height, width)))
+    return path
+
+
+def write_bmp(path: Path, counts: np.ndarray) -> Path:
+    """BMP of 8 bits with a palette of as many greys as there are counts."""
+    greys = int(counts.max()) + 1
+    rows, columns = counts.shape
+    start = 54 + 4 * greys
+    data = avi_rows(counts)
+    head = struct.pack("<2sIII", b"BM", start + len(data), 0, start)
+    form = struct.pack("<IiiHHIIiiII", 40, columns, rows, 1, 8, 0, len(data), 0, 0, greys, 0)
+    path.write_bytes(head + form + RAMP[:greys].tobytes() + data)
+    return path

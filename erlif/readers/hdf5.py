@@ -1,0 +1,217 @@
+"""HDF5 and netCDF-4: an array of frames by its path in the file."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import FrameError
+from erlif.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
+
+_START = b"\x89HDF\r\n\x1a\n"
+
+_DENSEST = 1100
+"""Decoded bytes per byte of a file that deflate can reach."""
+
+_MOST_LISTED = 8
+"""Datasets that a message lists."""
+
+_MOST_VISITED = 10_000
+"""Objects of a file that are searched for frames."""
+
+_SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6}
+"""Units of a time axis. [s]"""
+
+
+class Hdf5Frames(FrameFile):
+    """The frames of one dataset, (frame, y, x) or (y, x)."""
+
+    def __init__(self, path: Path, dataset: str = "") -> None:
+        import h5py  # takes a tenth of a second to load
+
+        self._lock = threading.Lock()
+        try:
+            self._file = h5py.File(path, "r")
+        except Exception as error:  # h5py raises several types on damaged bytes
+            raise FrameError(f"the file is damaged or not HDF5 ({_first_line(error)})") from error
+        try:
+            self._data = self._find(dataset)
+            self._check(path.stat().st_size)
+        except FrameError:
+            self._file.close()
+            raise
+        except Exception as error:  # as above
+            self._file.close()
+            raise FrameError(f"the file is damaged ({_first_line(error)})") from error
+
+    def read(self, index: int) -> AnyArray:
+        """As `FrameFile.read`."""
+        try:
+            with self._lock:
+                image = self._data[index] if self._data.ndim == 3 else self._data[()]
+        except Exception as error:  # as above
+            raise FrameError(f"the dataset is damaged ({_first_line(error)})") from error
+        image = np.asarray(image)
+        return image.astype(image.dtype.newbyteorder("="), copy=False)
+
+    def close(self) -> None:
+        """As `FrameFile.close`."""
+        self._file.close()
+
+    def _find(self, name: str) -> Any:
+        """The dataset of that path, or the only one that may hold frames."""
+        import h5py
+
+        if name:
+            found = _follow(self._file, name)
+            if isinstance(found, h5py.Dataset) and found.ndim in (2, 3):
+                return found
+            raise FrameError(f"it has no frames at dataset = {name!r}; {self._list()}")
+
+        candidates = self._candidates(3) or self._candidates(2)
+        if len(candidates) == 1:
+            return self._file[candidates[0]]
+        what = "several datasets" if candidates else "no dataset"
+        raise FrameError(f"it has {what} that may be frames; {self._list()}")
+
+    def _candidates(self, ndim: int) -> list[str]:
+        """Paths of the datasets of that many dimensions; links are not followed."""
+        import h5py
+
+        found: list[str] = []
+        visited = 0
+
+        def visit(name: str, item: object) -> bool | None:
+            nonlocal visited
+            visited += 1
+            if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
+                found.append(f"/{name}")
+            return True if visited > _MOST_VISITED else None
+
+        self._file.visititems(visit)
+        return found
+
+    def _list(self) -> str:
+        """The datasets that may hold frames, for a message."""
+        found = self._candidates(3) + self._candidates(2)
+        if not found:
+            return "no dataset of two or three dimensions holds numbers. Choose another file."
+        names = []
+        for name in found[:_MOST_LISTED]:
+            data = self._file[name]
+            names.append(f"{name} ({' x '.join(map(str, data.shape))} {data.dtype})")
+        more = f" and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
+        return (
+            f"it has {', '.join(names)}{more}. Choose one with dataset, for example dataset = "
+            f'"{found[0]}".'
+        )
+
+    def _check(self, size: int) -> None:
+        """Refuse what are no counts of this file, and headers that claim too much."""
+        data = self._data
+        if data.is_virtual or data.external:
+            raise FrameError("its counts lie in other files. Name these files.")
+        if data.dtype.kind not in "iuf":
+            raise FrameError(f"its dataset {data.name} holds {data.dtype}. Save the raw counts.")
+        scale, offset = data.attrs.get("scale_factor", 1), data.attrs.get("add_offset", 0)
+        if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
+            raise FrameError(
+                f"its dataset {data.name} is scaled (scale_factor, add_offset) and no longer holds "
+                "counts. Save the raw counts."
+            )
+        _check_filters(data)
+
+        frames = data.shape[0] if data.ndim == 3 else 1
+        kind = FrameKind(tuple(int(n) for n in data.shape[-2:]), data.dtype.newbyteorder("=").name)
+        check_claim(frames, kind, size, packing=_DENSEST)
+        chunk = int(np.prod(data.chunks or (0,), dtype=object)) * data.dtype.itemsize
+        if chunk > _DENSEST * size:
+            raise FrameError("the file is damaged: a chunk is larger than the file can hold")
+        self.kinds = SameKinds(kind, frames)
+        self.times = _times(data) if data.ndim == 3 else None
+
+
+def _follow(file: Any, name: str) -> Any:
+    """The object at a path within this file; None where there is none."""
+    import h5py
+
+    place: Any = file
+    for part in name.strip("/").split("/"):
+        if not isinstance(place, h5py.Group):
+            return None
+        link = place.get(part, getlink=True)
+        if isinstance(link, h5py.ExternalLink):
+            raise FrameError(f"dataset = {name!r} leads to {link.filename}. Name that file.")
+        place = place.get(part)
+    return place
+
+
+def filters_of(data: Any) -> list[int]:
+    """Registered numbers of the compressions of a dataset.
+
+    Parameters
+    ----------
+    data : h5py.Dataset
+
+    Returns
+    -------
+    list of int
+    """
+    settings = data.id.get_create_plist()
+    return [settings.get_filter(n)[0] for n in range(settings.get_nfilters())]
+
+
+def _check_filters(data: Any) -> None:
+    """Refuse a compression for which no decoder is installed."""
+    import h5py
+
+    for code in filters_of(data):
+        if h5py.h5z.filter_avail(code):
+            continue
+        if importlib.util.find_spec("hdf5plugin") is None:
+            raise FrameError(
+                f"its compression, filter {code} of HDF5, needs the Python package hdf5plugin, "
+                "which is not installed. Install it with: pip install 'erlif[formats]'."
+            )
+        importlib.import_module("hdf5plugin")
+        if not h5py.h5z.filter_avail(code):
+            raise FrameError(
+                f"the installed Python package hdf5plugin has no filter {code} of HDF5. Save the "
+                "frames uncompressed, or with gzip."
+            )
+
+
+def _times(data: Any) -> Array | None:
+    """Time of each frame from the scale of the first dimension."""
+    for scale in data.dims[0].values():
+        unit = scale.attrs.get("units", b"")
+        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+        factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
+        if factor is not None and scale.shape == data.shape[:1] and scale.dtype.kind in "iuf":
+            values: Array = np.asarray(scale[()], dtype=np.float64)
+            values -= values[0]
+            return factor * values
+    return None
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().split("\n")[0] or type(error).__name__
+
+
+def _open_dataset(path: Path, dataset: str) -> FrameFile:
+    return Hdf5Frames(path, dataset)
+
+
+HDF5 = Format(
+    "HDF5, netCDF-4",
+    (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
+    lambda path, head: head[:8] == _START,
+    Hdf5Frames,
+    open_dataset=_open_dataset,
+)

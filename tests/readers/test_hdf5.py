@@ -1,0 +1,168 @@
+"""HDF5 and netCDF-4 files against h5py and h5netcdf, which wrote them."""
+
+from __future__ import annotations
+
+import h5netcdf
+import h5py
+import numpy as np
+import pytest
+
+from erlif.core.errors import FrameError
+from erlif.readers import FrameKind, open_frames
+
+COUNTS = np.random.default_rng(5).integers(0, 4096, (4, 64, 80), dtype=np.uint16)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a.h5"
+
+
+def read(path, dataset=""):
+    file = open_frames(path, dataset=dataset)
+    try:
+        return np.stack([file.read(index) for index in reversed(range(len(file.kinds)))][::-1])
+    finally:
+        file.close()
+
+
+def refusal(path, dataset=""):
+    with pytest.raises(FrameError) as refused:
+        read(path, dataset)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"chunks": (1, 64, 80)},
+        {"chunks": (3, 10, 80), "compression": "gzip"},
+        {"chunks": True, "compression": "lzf", "shuffle": True},
+    ],
+    ids=["contiguous", "chunks", "gzip", "lzf"],
+)
+@pytest.mark.parametrize("dtype", ["<u2", ">i4", "<f4"])
+def test_the_only_array_of_frames_is_used(path, options, dtype):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("camera1/counts", data=COUNTS.astype(dtype), **options)
+        file["angle"] = np.arange(4.0)
+        file["name"] = "run"
+    np.testing.assert_array_equal(read(path), COUNTS)
+    opened = open_frames(path)
+    assert list(opened.kinds) == [FrameKind((64, 80), np.dtype(dtype).newbyteorder("=").name)] * 4
+    assert opened.times is None
+    opened.close()
+
+
+def test_an_array_is_chosen_by_its_path(path):
+    with h5py.File(path, "w") as file:
+        file["camera1/counts"], file["camera2/counts"] = COUNTS, COUNTS[::-1]
+    np.testing.assert_array_equal(read(path, "/camera2/counts"), COUNTS[::-1])
+    np.testing.assert_array_equal(read(path, "camera1/counts"), COUNTS)
+    for message in (refusal(path), refusal(path, "/camera3"), refusal(path, "/camera1")):
+        assert "/camera1/counts (4 x 64 x 80 uint16), /camera2/counts" in message
+        assert message.endswith('for example dataset = "/camera1/counts".')
+
+
+def test_a_single_frame_may_be_an_array_of_two_dimensions(path):
+    with h5py.File(path, "w") as file:
+        file["image"] = COUNTS[0]
+    np.testing.assert_array_equal(read(path), COUNTS[:1])
+
+
+def test_frames_of_three_columns_are_no_colours(path):
+    with h5py.File(path, "w") as file:
+        file["image"] = COUNTS[:, :, :3]
+    np.testing.assert_array_equal(read(path), COUNTS[:, :, :3])
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("s", 1), ("ms", 1e-3), ("seconds since 2026", 1)])
+def test_times_of_netcdf_are_those_of_its_coordinate(tmp_path, unit, factor):
+    with h5netcdf.File(tmp_path / "a.nc", "w") as file:
+        file.dimensions = {"time": 4, "y": 64, "x": 80}
+        file.create_variable("counts", ("time", "y", "x"), data=COUNTS)
+        time = file.create_variable("time", ("time",), data=np.array([5.0, 6, 8, 12]))
+        time.attrs["units"] = unit
+    np.testing.assert_array_equal(read(tmp_path / "a.nc"), COUNTS)
+    file = open_frames(tmp_path / "a.nc")
+    np.testing.assert_allclose(file.times, factor * np.array([0, 1, 3, 7]))
+    file.close()
+
+
+# what is refused
+
+
+def test_a_file_without_frames_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file["angle"], file["names"] = np.arange(4.0), np.array([[b"a", b"b"]])
+    assert "no dataset of two or three dimensions holds numbers. Choose" in refusal(path)
+
+
+def test_scaled_values_are_refused(path):
+    with h5py.File(path, "w") as file:
+        file["counts"] = COUNTS
+        file["counts"].attrs["scale_factor"] = 0.5
+    assert "/counts is scaled (scale_factor, add_offset)" in refusal(path)
+
+
+def test_frames_in_other_files_are_refused(path, tmp_path):
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["counts"] = COUNTS
+    layout = h5py.VirtualLayout(COUNTS.shape, COUNTS.dtype)
+    layout[:] = h5py.VirtualSource(tmp_path / "b.h5", "counts", COUNTS.shape)
+    with h5py.File(path, "w") as file:
+        file["link"] = h5py.ExternalLink("b.h5", "/counts")
+        file.create_virtual_dataset("virtual", layout)
+        other = [(str(tmp_path / "b.raw"), 0, h5py.h5f.UNLIMITED)]
+        file.create_dataset("outside", COUNTS.shape, COUNTS.dtype, external=other)
+    assert "leads to b.h5. Name that file." in refusal(path, "/link")
+    assert "lie in other files" in refusal(path, "/virtual")
+    assert "lie in other files" in refusal(path, "/outside")
+
+
+def test_a_header_that_claims_a_billion_frames_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", (10**9, 64, 80), "u2", chunks=(1, 64, 80))
+    assert "cannot hold 1000000000 frames of 80 x 64 uint16" in refusal(path)
+
+
+def test_a_chunk_of_a_gigabyte_is_refused(path):
+    with h5py.File(path, "w") as file:
+        layout = {"chunks": (100_000, 64, 80), "maxshape": (None, 64, 80)}
+        file.create_dataset("counts", (4, 64, 80), "u2", **layout)
+    assert "a chunk is larger than the file can hold" in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("installed", "advice"),
+    [
+        (
+            False,
+            "hdf5plugin, which is not installed. Install it with: pip install 'erlif[formats]'.",
+        ),
+        (True, "has no filter 32001 of HDF5. Save"),
+    ],
+)
+def test_a_missing_filter_is_named_with_its_package(path, monkeypatch, installed, advice):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+
+    # 32001 is the registered number of Blosc
+    monkeypatch.setattr("erlif.readers.hdf5.filters_of", lambda data: [32001])
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: object() if installed else None)
+    monkeypatch.setattr("importlib.import_module", lambda name: None)
+    assert advice in refusal(path)
+
+
+def test_a_damaged_file_is_refused(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+    content = path.read_bytes()
+    path.write_bytes(content[:3000])
+    assert "damaged or not HDF5" in refusal(path)
+    with h5py.File(path.with_name("b.h5"), "w") as file:
+        file["counts"] = COUNTS
+    place = content.index(b"\x78\x5e") if b"\x78\x5e" in content else content.index(b"\x78\x01")
+    path.write_bytes(content[: place + 100] + b"\xff" * 50 + content[place + 150 :])
+    assert "damaged" in refusal(path)
