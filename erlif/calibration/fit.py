@@ -27,6 +27,7 @@ from erlif.calibration.points import Points
 from erlif.calibration.pose import FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
+from erlif.calibration.soundness import check_fit, places
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
@@ -147,11 +148,26 @@ def fit_calibration(
         notes.append(_describe_limit(points, covered))
     notes += _describe_unresolved(calibration)
     moved = freedom.displacement @ best.displacement
+    _refuse_nonsense(calibration, covered, points, moved)
     return replace(
         calibration,
         thickness_range=(covered.low, covered.high),
         curve=_describe_curve(calibration, points, kept, moved, fit.thickness_std),
         notes=(*profile.notes, *notes),
+    )
+
+
+def _refuse_nonsense(
+    calibration: Calibration, covered: _Range, points: Points, moved: Array
+) -> None:
+    """Refuse a curve that does not follow the points, those far off it included."""
+    films = places((covered.low, covered.high))[1:]  # the error of no film is not relative
+    fitted = calibration.predict_log(np.maximum(points.thickness + moved, 0.0))
+    check_fit(
+        calibration.thickness_std(films) / films,
+        points.log_ratio,
+        points.log_ratio - fitted,
+        reduced_chi_square=calibration.reduced_chi_square,
     )
 
 

@@ -13,6 +13,7 @@ import xarray as xr
 
 from erlif.calibration.departure import Departure
 from erlif.core.arrays import Array, Image
+from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
 
 LARGEST = 2**30
@@ -34,6 +35,13 @@ UNITS = {
     "curve_thickness": ("um", "µm"),
 }
 """Units of the variables that have one, in the spellings that are accepted."""
+
+LARGEST_ERROR = 0.3
+"""Film error of a fit, over the film, above which it is refused where no film of its range is
+better; the fixtures of the virtual rig have below 0.02, in a tenth of the light too. [1]"""
+
+LARGEST_SCATTER = 0.5
+"""Share of the variance of the ratio that a fit may leave unexplained. [1]"""
 
 _SYMMETRIC = 1e-6
 """Largest difference of mirrored elements of a covariance, relative to the standard deviations."""
@@ -119,6 +127,57 @@ def check_numbers(
         faults += _departure_faults(departure)
     if faults:
         raise ValueError(faults[0])
+
+
+def check_fit(
+    relative_error: Array, log_ratio: Array, residual: Array, *, reduced_chi_square: float
+) -> None:
+    """Refuse a fit from which no film follows.
+
+    Parameters
+    ----------
+    relative_error : array, (place,)
+        Standard deviation of the film by the calibration alone, over the film. [1]
+    log_ratio : array, (point,)
+        Logarithm of the measured ratio. [1]
+    residual : array, (point,)
+        Logarithm of the measured ratio less that of the fitted one. [1]
+    reduced_chi_square : float
+        For the message.
+
+    Raises
+    ------
+    CalibrationError
+        If the error exceeds `LARGEST_ERROR` in the whole range, or the residuals have more than
+        `LARGEST_SCATTER` of the variance of the ratio.
+
+    Examples
+    --------
+    >>> rise = np.linspace(0, 1, 9)
+    >>> check_fit(np.full(3, 0.01), rise, 0.01 * rise, reduced_chi_square=1.0)
+    >>> check_fit(np.full(3, 0.01), rise, rise, reduced_chi_square=900.0)
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.CalibrationError: Expected the ratio to follow the thickness of the profile...
+    """
+    cure = (
+        "Compare profile, origin and direction in fixture.toml with the images, and look at the "
+        "frames with: erlif check FIXTURE_DIR"
+    )
+    scatter = float(np.mean(residual**2) / max(float(np.var(log_ratio)), np.finfo(float).tiny))
+    if not scatter < LARGEST_SCATTER:
+        raise CalibrationError(
+            "Expected the ratio to follow the thickness of the profile; the fitted curve leaves "
+            f"{min(scatter, 1.0):.0%} of the variance of the ratio unexplained (reduced chi-square "
+            f"{reduced_chi_square:.3g}). {cure}"
+        )
+    best = float(relative_error.min()) if np.isfinite(relative_error).all() else np.inf
+    if not best < LARGEST_ERROR:
+        raise CalibrationError(
+            f"Expected a calibration that determines films to better than {LARGEST_ERROR:.0%}; its "
+            f"error is at least {best:.3g} times the film in the whole range (reduced chi-square "
+            f"{reduced_chi_square:.3g}). {cure}"
+        )
 
 
 def check_rise(slope: Array, thickness: Array) -> None:

@@ -265,3 +265,13 @@ def test_scatter_above_the_stated_noise_widens_the_error_bars():
     found, true = fit(rng, profile=understated), fit(rng, profile=noisy)
     assert 9 * 0.7 < found.reduced_chi_square < 9 * 1.3
     npt.assert_allclose(found.standard_deviations, true.standard_deviations, rtol=0.25)
+
+
+@pytest.mark.parametrize("noise", [0.004, 0.2])
+def test_a_ratio_that_does_not_follow_the_profile_is_refused(noise):
+    """Light that is no film: the ratio scatters from place to place, whatever the thickness."""
+    rng = np.random.default_rng(8)
+    scattered = np.exp(rng.normal(0, 0.3, WEDGE.size) + 1e-3 * np.arange(WEDGE.size))
+    with pytest.raises(CalibrationError, match=r"of the variance|times the film") as error:
+        fit(rng, image=ratio_image(rng, noise=noise, ratio=scattered))
+    assert "erlif check FIXTURE_DIR" in str(error.value)
