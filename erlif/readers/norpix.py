@@ -1,8 +1,8 @@
 """NorPix SEQ: sequences that StreamPix records.
 
-A header of 1024 bytes (8192 with the data of other programs, from version 5 on) is followed by
-frames at equal steps. The step exceeds the counts: a time stamp and padding to a sector follow
-them. Source: NorPix, Sequence File Format; the versions 3 to 5 are read.
+A header of 1024 bytes (8192 from version 5 on) is followed by frames at equal steps. The step
+exceeds the counts: a time stamp and padding to a sector follow them. Source: NorPix, Sequence File
+Format; the versions 3 to 5 are read.
 """
 
 from __future__ import annotations

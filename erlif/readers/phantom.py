@@ -1,8 +1,8 @@
 """Phantom CINE: the recordings of Vision Research cameras.
 
 A file has a header, a table of the places of its frames, and before each frame a note of its size.
-Places are 64-bit numbers, so that files may exceed 4 GB. Source: Vision Research, Cine File Format
-(2011).
+Places are 64-bit numbers, so that files may exceed 4 GB. Source: Vision Research, Cine File Format,
+2011.
 
 Which row comes first: uncompressed frames are bitmaps in the sense of Windows, with the lowest row
 first where biHeight is positive and the highest first where it is negative. Packed frames have
@@ -109,7 +109,7 @@ def phantom_table() -> Counts:
     Returns
     -------
     array of uint16, (1024,)
-        After the table in Vision Research, Cine File Format (2011): steps of about one count up to
+        After the table in Vision Research, Cine File Format, 2011: steps of about one count up to
         the value 141, of up to nine above, where the noise of the light is larger. [DN]
 
     Examples
