@@ -59,6 +59,9 @@ FEW_LEVELS = 16
 USUAL_DEPTHS = (12, 14, 16)
 """Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits."""
 
+_CAMERAS = 2
+"""Cameras whose light is compared."""
+
 COVERED = 0.8
 """Share of the frames that a way of naming must explain; the rest are other images, of a scale."""
 
@@ -121,6 +124,8 @@ class ImageSet:
         Names of files that cannot be read, with the reason.
     bits : int | None
         Significant bits of a count after the headers; None where they state none, or differ.
+    channels : int
+        Number of channels of the file with the most; 0 where none has channels.
     """
 
     files: tuple[Path, ...]
@@ -129,6 +134,7 @@ class ImageSet:
     kinds: tuple[str, ...]
     faults: tuple[str, ...]
     bits: int | None = None
+    channels: int = 0
 
 
 @dataclass(frozen=True)
@@ -151,6 +157,8 @@ class CameraSurvey:
         Images of the dry joint; None where no name has one of the words for them.
     counts : CountsSample | None
         None where no page can be read.
+    part : str
+        Part of the files that belongs to the camera; empty where all of them do.
     """
 
     label: str
@@ -160,6 +168,7 @@ class CameraSurvey:
     flats: ImageSet | None
     backgrounds: ImageSet | None
     counts: CountsSample | None
+    part: str = ""
 
 
 @dataclass(frozen=True)
@@ -240,7 +249,7 @@ def survey_directory(directory: Path) -> Survey:
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
     groups, unassigned = _group_by_camera(images, directory)
     cameras = [_describe_camera(label, group, directory) for label, group in groups.items()]
-    cameras = _drop_common_wavelength(cameras)
+    cameras = _drop_common_wavelength(_split_channels(cameras))
     cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
 
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
@@ -397,12 +406,14 @@ def _describe_set(
     """Headers of the files, and the readable grey pages with their shapes."""
     pages, kinds, faults, count = [], Counter[str](), [], 0
     depths: set[int | None] = set()
+    channels = 0
     for path in files:
         name = os.path.relpath(path, directory)
         found = find_pages(directory, glob.escape(name), "frames")
         faults += [f"{name}: {reason}" for reason in found.faults.values()]
         count += len(found.pages)
         depths.add(found.bits)
+        channels = max(channels, found.channels)
         for place, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True)):
             if place not in found.faults:
                 kinds[str(kind)] += 1
@@ -411,7 +422,7 @@ def _describe_set(
     usual = tuple(kind for kind, _ in kinds.most_common())
     pattern = _find_pattern(files, directory)
     bits = depths.pop() if len(depths) == 1 else None
-    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits), pages
+    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits, channels), pages
 
 
 def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
@@ -498,6 +509,18 @@ def _common_wavelength(names: Sequence[str]) -> int | None:
     """Wavelength that stands in all names of a camera, if there is exactly one."""
     shared = set.intersection(*(set(_WAVELENGTH.findall(name)) for name in names))
     return int(shared.pop()) if len(shared) == 1 else None
+
+
+def _split_channels(cameras: list[CameraSurvey]) -> list[CameraSurvey]:
+    """Files with two channels hold both cameras, if no name distinguishes cameras."""
+    if len(cameras) != 1 or cameras[0].frames.channels != _CAMERAS:
+        return cameras
+    both = cameras[0]
+    frames = replace(both.frames, pages=both.frames.pages // _CAMERAS)
+    return [
+        replace(both, label=f"{both.label}, {part}", frames=frames, part=part)
+        for part in ("channel 1", "channel 2")
+    ]
 
 
 def _drop_common_wavelength(cameras: Sequence[CameraSurvey]) -> list[CameraSurvey]:

@@ -172,6 +172,8 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     kind = frames.kinds[0] if frames.kinds else "unreadable images"
     draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
     draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
+    if camera.part:
+        draft.set(f"{table}.part", camera.part, "The files hold the frames of two cameras.")
     if frames.pattern is None:
         text = "no single pattern matches these frames and no other file; put them into one folder"
         draft.warn(table, text)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
-from readers.writers import write_mraw
+from readers.writers import random_frames, write_im7, write_mraw
 
 import erlif
 from erlif.core.errors import FrameError, OutputError
@@ -170,6 +170,20 @@ def test_recordings_of_a_camera_have_the_depth_of_their_headers(tmp_path):
     assert read(tmp_path)["camera2"]["bit_depth"] == 12
     text = (tmp_path / "run.toml").read_text(encoding="utf-8")
     assert "After the headers; largest count 200 in 4 images." in text
+
+
+def test_two_cameras_in_each_file_are_told_apart_by_their_channel(tmp_path):
+    (tmp_path / "images").mkdir()
+    for number in range(3):
+        pair = random_frames(np.random.default_rng(number), frames=2, rows=64, columns=80)
+        write_im7(tmp_path / "images" / f"B{number:05}.im7", pair, packing=1)
+    erlif.init(tmp_path)
+    for number in (1, 2):
+        table = read(tmp_path)[f"camera{number}"]
+        assert table["files"] == "images/*.im7"
+        assert table["part"] == f"channel {number}"
+    text = (tmp_path / "run.toml").read_text(encoding="utf-8")
+    assert text.count("3 frames of 80 x 64 uint16.") == 2
 
 
 def test_the_columns_of_the_log_decide_whether_a_load_is_needed(folder):
