@@ -215,6 +215,24 @@ FILM = (
         "both surfaces have a roughness",
     ),
     Variable(
+        "background",
+        ("camera",),
+        "float64",
+        "1",
+        "Light that is not film over the median light of the camera, from light and films of the "
+        "run. Attributes: subtracted, chi_square (significant above 11.83), detectable (smallest "
+        "share of both cameras that would be significant).",
+        "light and films of the run determine it",
+    ),
+    Variable(
+        "background_std",
+        ("camera",),
+        "float64",
+        "1",
+        "Its standard deviation.",
+        "light and films of the run determine it",
+    ),
+    Variable(
         "speed_exponent",
         (),
         "float64",

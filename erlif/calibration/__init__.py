@@ -7,6 +7,7 @@ point counted once. The pose of the fixture is refined with it where the profile
 spline is added to the model where the residuals require one. Two calibrations can be compared.
 """
 
+from erlif.calibration.background import BackgroundError
 from erlif.calibration.comparison import Comparison, compare_calibrations
 from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
 from erlif.calibration.fit import fit_calibration
@@ -20,6 +21,7 @@ from erlif.calibration.storage import (
 
 __all__ = [
     "DIRECTION",
+    "BackgroundError",
     "Calibration",
     "Comparison",
     "InverseTable",

@@ -14,6 +14,7 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
+from erlif.calibration.background import BackgroundError
 from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
 from erlif.core.arrays import Array
@@ -67,6 +68,9 @@ class Calibration:
         Refined pose of the fixture, if it was refined.
     profile_file : str
         Name of the CMM profile among `input_hashes`; empty where it is not recorded.
+    background : BackgroundError | None
+        Error of the background that was subtracted from the frames of a run; of the run, and not
+        stored with the calibration.
     """
 
     ratio_at_zero: float
@@ -85,6 +89,7 @@ class Calibration:
     departure: Departure | None = field(default=None, repr=False)
     pose: FoundPose | None = field(default=None, repr=False)
     profile_file: str = field(default="", repr=False)
+    background: BackgroundError | None = field(default=None, repr=False)
 
     @property
     def covered_range(self) -> tuple[float, float]:
@@ -137,23 +142,29 @@ class Calibration:
     def gradient(self, thickness: npt.ArrayLike) -> Array:
         """Derivatives of the logarithm of the ratio by all fitted parameters, (n, ...).
 
-        They are K, p and q, then the coefficients of the departure.
+        They are K, p and q, the coefficients of the departure, then the shares of a background.
         """
-        modelled = self.parameter_gradient(thickness)
-        return (
-            modelled
-            if self.departure is None
-            else np.concatenate([modelled, self.departure.basis(thickness)])
-        )
+        parts = [self.parameter_gradient(thickness)]
+        if self.departure is not None:
+            parts.append(self.departure.basis(thickness))
+        if self.background is not None:
+            ratio = self.predict(thickness)
+            parts.append(
+                self.background.gradient(
+                    thickness, attenuation=self.attenuation_camera1, ratio=ratio
+                )
+            )
+        return np.concatenate(parts)
 
     @property
     def full_covariance(self) -> Array:
         """Covariance of all fitted parameters, (n, n), in the order of `gradient`."""
-        return (
+        covariance = (
             self.covariance
             if self.departure is None
             else scipy.linalg.block_diag(self.covariance, self.departure.covariance)
         )
+        return covariance if self.background is None else self.background.extend(covariance)
 
     def log_ratio_std(self, thickness: npt.ArrayLike) -> Array:
         """Standard deviation of the predicted logarithm of the ratio. [1]"""

@@ -13,10 +13,10 @@ from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages
 from erlif.ingest import FramePairs, depth_warning
-from erlif.ratio import NO_PULSE, PulseSample
+from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PulseSample
 from erlif.trend import FilmStatistics
 
-_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse")
+_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells")
 """Arrays of a trigger with one row for each frame pair."""
 
 
@@ -39,6 +39,8 @@ class FrameResult:
         file holds more than this frame.
     pulse : PulseSample
         Means by which the pulse is recognised.
+    cells : LightCells
+        Light and ratio in coarse cells; NaN in frames that are not sampled.
     """
 
     frame: int
@@ -47,6 +49,7 @@ class FrameResult:
     pulse_energy: float = float("nan")
     digests: tuple[str, str] = ("", "")
     pulse: PulseSample = field(default=NO_PULSE, compare=False)
+    cells: LightCells = field(default=NO_CELLS, compare=False)
 
     @classmethod
     def of(
@@ -106,6 +109,9 @@ class TriggerResult:
             "pulse": np.array([one.pulse for one in self.frames], np.float32).reshape(
                 -1, *np.shape(NO_PULSE)
             ),
+            "cells": np.array([one.cells for one in self.frames], np.float32).reshape(
+                -1, *np.shape(NO_CELLS)
+            ),
         }
 
     @classmethod
@@ -125,8 +131,9 @@ class TriggerResult:
                 float(energy),
                 (digests[0].decode(), digests[1].decode()),
                 PulseSample(*pulse),
+                LightCells(*cells),
             )
-            for frame, drift, peaks, energy, digests, pulse in zip(*columns, strict=True)
+            for frame, drift, peaks, energy, digests, pulse, cells in zip(*columns, strict=True)
         )
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()))
 

@@ -48,8 +48,18 @@ from erlif.pipeline.film import (
 )
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
+from erlif.pipeline.light import (
+    choose_frames,
+    describe_background,
+    find_background,
+    kept_cells,
+    measure_cells,
+    subtract,
+    widen_statistics,
+)
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import PulseError, check_pulses
+from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.register import stored_map
 from erlif.pipeline.results import describe_frame_notes, frames_in, known_digests, mean_drift
 from erlif.pipeline.swap import refuse_swapped_cameras
@@ -191,9 +201,19 @@ def process_run(
         own_map = calibration.camera_map
         nodes = None if own_map is None else MapNodes.of(own_map)
         calibration, own_map = replace(calibration, camera_map=None), None
-        prepared = prepare_chain(run, progress, stored=stored, tables_only=True)
+        correct = settings.light.background == "correct"
+        prepared = prepare_chain(run, progress, stored=stored, tables_only=not correct)
         chain, notes_on_cameras = prepared.chain, prepared.notes
         refuse_swapped_cameras(chain, calibration, prepared.sample, stored=nodes)
+
+        # a background that is to be subtracted is found before the films are measured
+        energies, background, measuring = read_energies(run.log), None, calibration
+        if correct:
+            with stage("background", _logger):
+                background = find_background(measure_cells(chain), calibration, energies)
+            if background is not None:
+                chain = subtract(chain, background)
+                measuring = replace(calibration, background=background.error)
 
         # the frames need neither the sample nor the map that was stored
         del prepared, stored
@@ -202,7 +222,7 @@ def process_run(
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
         with stage("film", _logger), discarded_after(PulseError, unfinished):
-            task = trigger_task(run, chain, calibration)
+            task = trigger_task(run, chain, measuring)
             results = run_triggers(
                 task,
                 frames_of,
@@ -226,8 +246,15 @@ def process_run(
             *notes_on_pulses,
             *describe_frame_notes(frames, run.pairs),
         ]
+        if not correct:
+            background = find_background(kept_cells(frames, run.pairs), calibration, energies)
+        light, notes_on_light = describe_background(background, calibration, corrected=correct)
+        notes += notes_on_light
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
-        film = describe_film(run, triggers, results, calibration, hashes=hashes, notes=notes)
+        film = describe_film(run, triggers, results, measuring, hashes=hashes, notes=notes)
+        film = film.assign(light)
+        if not correct:
+            film = widen_statistics(film, background, calibration)
         film.attrs["identity"] = identify_work(run, calibration, hashes)
         groups = {
             "frames": describe_frames(run, cycle, results, drift),
@@ -258,6 +285,7 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
         choose_region(settings, run.pairs.shape),
         sliding_along_x=settings.optics.x_axis == "sliding",
         smoothing=settings.thickness.smoothing,
+        sampled=choose_frames(run.pairs),
     )
 
 

@@ -18,12 +18,12 @@ from erlif.core.pickling import PickledByFields
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress
 from erlif.files import MapStore, PartialFilm
-from erlif.passes import FilmTables, PairSum, measure_film, measure_pulse
+from erlif.passes import FilmTables, PairRatio, PairSum, measure_film, measure_pulse
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
 from erlif.pipeline.results import FrameResult, TriggerResult
-from erlif.ratio import sample_pulse, smooth_ratio
+from erlif.ratio import NO_CELLS, LightCells, sample_cells, sample_pulse, smooth_ratio
 from erlif.thickness import measure_pulse_energy, measure_thickness
 from erlif.trend import FilmCurve, Region, summarise_blocks
 
@@ -47,6 +47,8 @@ class TriggerTask(PickledByFields):
         Whether image x is the sliding direction.
     smoothing : int | None
         Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]
+    sampled : frozenset[int]
+        Frame pairs whose light is kept in coarse cells.
     """
 
     chain: FrameChain
@@ -54,6 +56,7 @@ class TriggerTask(PickledByFields):
     region: Region
     sliding_along_x: bool = True
     smoothing: int | None = None
+    sampled: frozenset[int] = frozenset()
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -75,12 +78,15 @@ class TriggerTask(PickledByFields):
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0])
             pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
+            cells = self._sample(frames[0], ratio)
             film = measure_film(ratio, self.tables, self.region)
             energy = measure_pulse_energy(
                 ratio.light_one, film.thickness, film.flags, attenuation=attenuation
             )
             kept.append(
-                FrameResult(frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse)
+                FrameResult(
+                    frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse, cells
+                )
             )
         else:
             total = PairSum(self.chain.pairs.shape)
@@ -88,8 +94,11 @@ class TriggerTask(PickledByFields):
                 pair = self.chain.measure(frame)
                 total.add(pair)
                 pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
+                cells = self._sample(frame, pair)
                 energy = measure_pulse(pair, self.tables, attenuation=attenuation)
-                kept.append(FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse))
+                kept.append(
+                    FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse, cells)
+                )
             ratio = total.mean()
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
@@ -105,6 +114,11 @@ class TriggerTask(PickledByFields):
             measured = measure_thickness(smooth, self.calibration)
             maps = {variable.name: measured[variable.name].values for variable in MAPS}
         return maps, TriggerResult(statistics, tuple(kept), tuple(count_flags(maps["flags"])))
+
+    def _sample(self, frame: int, pair: PairRatio) -> LightCells:
+        if frame not in self.sampled:
+            return NO_CELLS
+        return sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
 
     @cached_property
     def tables(self) -> FilmTables:

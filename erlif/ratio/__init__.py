@@ -3,6 +3,7 @@
 from erlif.ratio.accumulation import RatioSum, combine_frames
 from erlif.ratio.bubbles import find_bubbles
 from erlif.ratio.camera_noise import NoiseEstimate, NoiseView, estimate_camera_noise
+from erlif.ratio.cells import NO_CELLS, LightCells, cell_places, sample_cells
 from erlif.ratio.log_ratio import compute_ratio, log_gradient
 from erlif.ratio.noise_fit import NoiseUnknowns
 from erlif.ratio.pulses import NO_PULSE, PulseFault, PulseSample, find_pulse_faults, sample_pulse
@@ -15,15 +16,18 @@ from erlif.ratio.sharpness import (
 from erlif.ratio.smoothing import smooth_ratio
 
 __all__ = [
+    "NO_CELLS",
     "NO_PULSE",
     "BlurDifference",
     "BlurMoments",
+    "LightCells",
     "NoiseEstimate",
     "NoiseUnknowns",
     "NoiseView",
     "PulseFault",
     "PulseSample",
     "RatioSum",
+    "cell_places",
     "combine_frames",
     "compute_ratio",
     "estimate_camera_noise",
@@ -31,6 +35,7 @@ __all__ = [
     "find_pulse_faults",
     "log_gradient",
     "measure_blur_difference",
+    "sample_cells",
     "sample_pulse",
     "smooth_ratio",
     "take_out_ghost",

@@ -647,6 +647,17 @@ class ThicknessOptions(Settings):
     )
 
 
+class LightOptions(Settings):
+    """Light that is not film."""
+
+    background: Literal["report", "correct"] = Field(
+        "report",
+        description="Light of joint and filters that light and films of the run show, beyond the "
+        "frames of the dry joint: reported with its uncertainty, or subtracted from the frames. It "
+        "is taken as even over the image.",
+    )
+
+
 class RunName(Settings):
     """Name of the run."""
 
@@ -681,6 +692,7 @@ class RunSettings(Settings):
     oil: OilSettings | None = None
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
+    light: LightOptions = LightOptions()
 
     @property
     def name(self) -> str:

@@ -1,5 +1,6 @@
 """Maps to statistics, profiles, theory and the speed exponent."""
 
+from erlif.trend.background import BackgroundEstimate, LightRecord, estimate_background
 from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
@@ -18,18 +19,21 @@ from erlif.trend.theory import (
 __all__ = [
     "BLOCK",
     "SLOWEST",
+    "BackgroundEstimate",
     "BlockSums",
     "Exponent",
     "FilmCurve",
     "FilmStatistics",
     "GapMinimum",
     "Joint",
+    "LightRecord",
     "Region",
     "RigidGap",
     "Solid",
     "VogelLaw",
     "average_across_sliding",
     "compare_with_roughness",
+    "estimate_background",
     "find_region",
     "fit_exponent",
     "fit_gap_minimum",

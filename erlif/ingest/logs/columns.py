@@ -73,6 +73,8 @@ _RESERVED = frozenset(
         "thickness_std_shared",
         "flags",
         "frames_used",
+        "background",
+        "background_std",
         "valid_pixels",
         "flagged_pixels",
         "flag",

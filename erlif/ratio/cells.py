@@ -1,0 +1,127 @@
+"""Light and ratio of a frame pair in coarse cells, by which light that is not film shows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from erlif.core.arrays import Array, FlagImage, Image
+from erlif.core.neighbourhood import BLOCK
+
+CELLS = (10, 12)
+"""Rows and columns of cells over the image."""
+
+_FULL = 60
+"""Valid pixels of a block of 8 x 8 that is used: single defects leave it, bubbles do not."""
+
+_MISSING = 0.03
+"""Share of the blocks of a cell that may be missing: the illumination varies within a cell."""
+
+
+class LightCells(NamedTuple):
+    """What is kept of a frame pair, one value for each cell; NaN where pixels are missing.
+
+    Attributes
+    ----------
+    light : Image
+        Mean logarithm of the light of camera 1, (cell,). [ln DN]
+    log_ratio : Image
+        Mean logarithm of the ratio, (cell,). [1]
+    spread : Image
+        Variance of the logarithm of the ratio within the cell, without noise, (cell,). [1]
+    variance : Image
+        Variance of log_ratio by the noise of the pixels, (cell,). [1]
+    """
+
+    light: Image
+    log_ratio: Image
+    spread: Image
+    variance: Image
+
+
+NO_CELLS = LightCells(*(np.full(CELLS[0] * CELLS[1], np.nan, np.float32) for _ in range(4)))
+"""Stands for a frame pair without light."""
+
+
+def sample_cells(light: Image, log_ratio: Image, variance: Image, flags: FlagImage) -> LightCells:
+    """Average light and ratio of a frame pair over the cells.
+
+    Parameters
+    ----------
+    light : array, (y, x)
+        Light of camera 1. [DN]
+    log_ratio : array, (y, x)
+        Logarithm of camera 2 over camera 1. [1]
+    variance : array, (y, x)
+        Variance of log_ratio. [1]
+    flags : array, (y, x)
+        0 for valid pixels.
+
+    Returns
+    -------
+    LightCells
+        Cells in the order of `cell_places`; all NaN for images of fewer than 96 x 80 pixels.
+
+    Examples
+    --------
+    >>> flat = np.full((80, 96), 1000, np.float32)
+    >>> cells = sample_cells(flat, 0 * flat, 0 * flat + 0.01, np.zeros(flat.shape, np.uint8))
+    >>> round(float(np.exp(cells.light[0]))), round(float(cells.variance[0] * 64), 4)
+    (1000, 0.01)
+    """
+    blocks = light.shape[0] // BLOCK, light.shape[1] // BLOCK
+    if blocks[0] < CELLS[0] or blocks[1] < CELLS[1]:
+        return NO_CELLS
+    sums = np.zeros((6, CELLS[0] * CELLS[1]))
+    _sum(light, log_ratio, variance, flags, sums)
+    number, used, of_light, of_ratio, squares, noise = sums
+
+    full = used >= (1 - _MISSING) * number
+    count = np.where(full, used, np.nan)
+    mean = of_ratio / count
+    cells = of_light / count, mean, squares / count - mean**2 - noise / count, noise / count**2
+    return LightCells(*(cell.astype(np.float32) for cell in cells))
+
+
+def cell_places() -> tuple[Array, Array]:
+    """Positions (x, y) of the cells, each from -1 to 1 over the image, (cell,).
+
+    Returns
+    -------
+    tuple of two arrays
+
+    Examples
+    --------
+    >>> x, y = cell_places()
+    >>> x.size, round(float(x[-1]), 2), round(float(y[-1]), 2)
+    (120, 0.92, 0.9)
+    """
+    y, x = np.indices(CELLS).reshape(2, -1)
+    return (2 * x + 1) / CELLS[1] - 1, (2 * y + 1) / CELLS[0] - 1
+
+
+@numba.njit(nogil=True, cache=True)
+def _sum(light, log_ratio, variance, flags, sums):  # type: ignore[no-untyped-def]
+    """Blocks, used blocks, and sums over the used ones, of each cell."""
+    down, along = light.shape[0] // BLOCK, light.shape[1] // BLOCK
+    for i in range(down):
+        for j in range(along):
+            cell = (i * CELLS[0] // down) * CELLS[1] + j * CELLS[1] // along
+            sums[0, cell] += 1
+            count, total, ratio, noise = 0, 0.0, 0.0, 0.0
+            for y in range(i * BLOCK, (i + 1) * BLOCK):
+                for x in range(j * BLOCK, (j + 1) * BLOCK):
+                    if flags[y, x] == 0:
+                        count += 1
+                        total += light[y, x]
+                        ratio += log_ratio[y, x]
+                        noise += variance[y, x]
+            if count >= _FULL and total > 0:
+                mean = ratio / count
+                sums[1, cell] += 1
+                sums[2, cell] += np.log(total / count)
+                sums[3, cell] += mean
+                sums[4, cell] += mean * mean
+                sums[5, cell] += noise / count**2

@@ -1,0 +1,94 @@
+"""A background that the run itself shows: reported, and subtracted on request."""
+
+import shutil
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.rig import RigSettings, simulate
+
+SHARE = 0.06
+RIG = RigSettings(
+    width=128, height=96, fixture_frames=6, bubbles=0, film_reference=3.0, background=SHARE
+)
+"""Fifty triggers with films from 0.3 um on, and 6 % of the median light in every pixel."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    out = simulate(tmp_path_factory.mktemp("light") / "lab", seed=41, rig=RIG)
+    erlif.save_calibration(erlif.calibrate(out / "fixture"), out / "fixture" / "calibration.nc")
+    return out
+
+
+@pytest.fixture(scope="module")
+def reported(lab):
+    return erlif.process(lab / "run", workers=2)
+
+
+@pytest.fixture(scope="module")
+def corrected(lab):
+    copy = shutil.copytree(lab / "run", lab / "corrected")
+    with (copy / "run.toml").open("a") as settings:
+        settings.write('\n[light]\nbackground = "correct"\n')
+    return erlif.process(copy, workers=1)
+
+
+@pytest.fixture(scope="module")
+def truth(lab):
+    with xr.open_dataset(lab / "truth.nc", engine="h5netcdf") as file:
+        return file.load()
+
+
+def test_background_is_found_within_its_error(reported):
+    """The unit is the median of all light, of which the background is a part."""
+    npt.assert_array_less(
+        np.abs(reported.background - SHARE / (1 + SHARE)), 3 * reported.background_std
+    )
+    assert reported.background.attrs["chi_square"] > 11.83
+    assert reported.background.attrs["subtracted"] == "false"
+    assert "do not agree without light that is not film" in reported.attrs["notes"]
+    assert 'background = "correct"' in reported.attrs["notes"]
+
+
+def test_reported_background_is_in_the_errors_of_mean_and_minimum(reported, truth):
+    """Without it the deviations would be many standard deviations."""
+    pull = (reported.film_min - truth.film_min) / reported.film_min_std
+    assert np.median(np.abs(pull)) < 2
+
+
+def test_subtracted_background_leaves_films_within_their_errors(reported, corrected, truth):
+    films = truth.film.values
+    inside = (films > 3) & (films < 4)
+    errors = []
+    for film in (reported, corrected):
+        chosen = inside & (film["flags"].values == 0)
+        errors.append((film.thickness.values - films)[chosen].mean())
+    shared = corrected.thickness_std_shared.values[inside & (corrected["flags"].values == 0)].mean()
+    assert errors[0] > 0.06
+    assert abs(errors[1]) < 2.5 * shared
+    assert abs(errors[1]) < 0.5 * errors[0]
+    assert "light that is not film subtracted" in corrected.attrs["notes"]
+
+
+def test_error_of_the_subtracted_background_is_in_the_shared_part(reported, corrected):
+    both = (reported["flags"].values == 0) & (corrected["flags"].values == 0)
+    before, after = (
+        np.median(film.thickness_std_shared.values[both]) for film in (reported, corrected)
+    )
+    assert after > 1.3 * before
+
+
+def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
+    again = erlif.process(lab / "corrected", workers=3)
+    xr.testing.assert_identical(again.drop_attrs(), corrected.drop_attrs())
+    assert again.attrs["notes"] == corrected.attrs["notes"]
+
+
+def test_a_short_run_does_not_determine_a_background(film):
+    with erlif.open_film(film) as opened:
+        assert "background" not in opened
+        assert "do not determine light that is not film" in opened.attrs["notes"]

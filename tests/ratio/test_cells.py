@@ -1,0 +1,58 @@
+"""Light and ratio in coarse cells."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.ratio import NO_CELLS, cell_places, sample_cells
+
+
+def images(shape=(160, 192), seed=1):
+    rng = np.random.default_rng(seed)
+    light = (1000 * np.exp(0.1 * rng.standard_normal(shape))).astype(np.float32)
+    ratio = (0.3 + 0.02 * rng.standard_normal(shape)).astype(np.float32)
+    return light, ratio, np.full(shape, 4e-4, np.float32), np.zeros(shape, np.uint8)
+
+
+def test_cells_are_means_over_blocks():
+    """Each cell holds 2 x 2 blocks of 8 x 8 pixels."""
+    light, ratio, variance, flags = images()
+    cells = sample_cells(light, ratio, variance, flags)
+    blocks = light.reshape(20, 8, 24, 8).mean(axis=(1, 3), dtype=float)
+    of_light = np.log(blocks).reshape(10, 2, 12, 2).mean(axis=(1, 3))
+    npt.assert_allclose(cells.light, of_light.ravel(), rtol=1e-6)
+    of_ratio = ratio.reshape(10, 16, 12, 16).mean(axis=(1, 3), dtype=float)
+    npt.assert_allclose(cells.log_ratio, of_ratio.ravel(), rtol=1e-5)
+    npt.assert_allclose(cells.variance, 4e-4 / 256, rtol=1e-5)
+
+
+def test_spread_is_that_of_the_film_without_the_noise():
+    light, ratio, variance, flags = images((320, 384), seed=2)
+    rows = np.arange(320, dtype=np.float32)[:, None] // 8 * 0.01  # a step from block to block
+    cells = sample_cells(light, ratio + rows, variance, flags)
+    steps = 0.01**2 * np.var(np.arange(4))
+    npt.assert_allclose(cells.spread.mean(), steps, rtol=0.05)
+    assert abs(sample_cells(light, ratio, variance, flags).spread.mean()) < 0.1 * 4e-4 / 64
+
+
+def test_a_cell_with_a_bubble_is_left_out_and_single_defects_are_not():
+    light, ratio, variance, flags = images()
+    flags[5, 5] = 4
+    flags[40:46, 40:46] = 128
+    cells = sample_cells(light, ratio, variance, flags)
+    assert np.isfinite(cells.log_ratio[0])
+    assert np.flatnonzero(np.isnan(cells.log_ratio)).tolist() == [2 * 12 + 2]
+
+
+@pytest.mark.parametrize("shape", [(72, 200), (200, 88)])
+def test_small_images_have_no_cells(shape):
+    npt.assert_array_equal(sample_cells(*images(shape)), NO_CELLS)
+
+
+def test_places_are_those_of_the_cells():
+    columns = np.broadcast_to(np.arange(192, dtype=np.float32), (160, 192)) + 1
+    light, _, variance, flags = images()
+    cells = sample_cells(light, columns, variance, flags)
+    x, y = cell_places()
+    npt.assert_allclose((cells.log_ratio - 0.5) / 96 - 1, x, atol=1e-6)
+    assert (np.diff(y.reshape(10, 12), axis=0) > 0).all()

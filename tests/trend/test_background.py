@@ -1,0 +1,132 @@
+"""The background of a run: light of simulated cells by the narrow-band law, written out here."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.plots import example_calibration
+from erlif.ratio import cell_places
+from erlif.trend import LightRecord, estimate_background
+
+CALIBRATION = example_calibration()
+K, P, Q = CALIBRATION.parameters
+X, Y = cell_places()
+
+
+def draw_run(
+    rng,
+    *,
+    background=(0.0, 0.0),
+    frames=50,
+    films=(2.0, 5.0),
+    speckle=0.01,
+    meter=0.005,
+    flat=False,
+):
+    """Record and logged energies of a run; its calibration errs within its covariance."""
+    phase = 2 * np.pi * np.arange(frames) / frames
+    least = np.mean(films) + np.ptp(films) / 2 * np.cos(phase)
+    gap = least[:, None] + (0.0 if flat else 5.0 * X**2 + 0.3 * Y) + 0.1 * np.sin(9 * X + 5 * Y)
+    if flat:
+        gap = gap - 0.1 * np.sin(9 * X + 5 * Y)
+    error = rng.multivariate_normal(np.zeros(3), CALIBRATION.covariance)
+    k, p, q = np.array([K, P, Q]) - error
+
+    energy = 1 + 0.03 * rng.standard_normal(frames)
+    beam = 1.0 if flat else np.exp(-0.4 * (X**2 + Y**2))
+    illumination = 800 * beam * energy[:, None] * np.ones_like(gap)
+    illumination = illumination * np.exp(speckle * rng.standard_normal(gap.shape))
+    one = illumination * (1 - np.exp(-p * gap)) / p
+    two = k * illumination * (1 - np.exp(-q * gap)) / q
+    one, two = (
+        light + share * np.median(light) * energy[:, None]
+        for light, share in zip((one, two), background, strict=True)
+    )
+    variance = np.full(gap.shape, 1e-6)
+    ratio = np.log(two / one) + np.sqrt(variance) * rng.standard_normal(gap.shape)
+    logged = energy * (1 + meter * rng.standard_normal(frames))
+    return LightRecord(np.log(one), ratio, np.zeros(gap.shape), variance), logged
+
+
+@pytest.mark.parametrize("logged", [True, False])
+@pytest.mark.parametrize("background", [(0.0, 0.0), (0.03, 0.03), (0.02, 0.0)])
+def test_errors_of_the_shares_follow_their_covariance(background, logged):
+    rng = np.random.default_rng(7)
+    chi_squares, pulls = [], []
+    for _ in range(25):
+        record, energies = draw_run(rng, background=background)
+        found = estimate_background(
+            record, (X, Y), CALIBRATION, energies=energies if logged else None
+        )
+        # the unit is the median of all light; the background is a share of that of the film
+        share = np.array(background) / (1 + np.array(background))
+        error = found.share - share
+        chi_squares.append(error @ np.linalg.solve(found.covariance, error))
+        pulls.append(error / found.std)
+    # chi-square of two numbers: 39 % lie below 1, 68 % below 2.30 and 95 % below 6.18
+    shares = [np.mean(np.array(chi_squares) < limit) for limit in (2.30, 6.18)]
+    assert 0.68 - 3.5 * 0.093 < shares[0] < 0.68 + 3.2 * 0.093
+    assert shares[1] > 0.95 - 3.5 * 0.042
+    npt.assert_allclose(np.mean(pulls, axis=0), 0, atol=3.5 / np.sqrt(25))
+
+
+def test_no_false_alarm_and_no_miss():
+    """A share of twice the stated detectable one is found, and none where there is none."""
+    rng = np.random.default_rng(8)
+    for _ in range(10):
+        record, energies = draw_run(rng)
+        clean = estimate_background(record, (X, Y), CALIBRATION, energies=energies)
+        assert clean.determined
+        assert not clean.significant
+        share = 2 * clean.detectable
+        record, energies = draw_run(rng, background=(share, share))
+        assert estimate_background(record, (X, Y), CALIBRATION, energies=energies).significant
+
+
+def test_shift_of_the_film_is_that_of_the_ratio_with_the_background():
+    record, energies = draw_run(np.random.default_rng(9), background=(0.03, 0.03))
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=energies)
+    film = np.array([3.0, 4.0])
+    one = found.brightness * (1 - np.exp(-P * film)) / P
+    two = one * CALIBRATION.predict(film)
+    extra = found.share * np.array(found.unit)
+    disturbed = np.log((two + extra[1]) / (one + extra[0]))
+    grid = np.linspace(0.5, 9, 20001)
+    measured = np.interp(disturbed, CALIBRATION.predict_log(grid), grid)
+    npt.assert_allclose(found.film_shift(film, CALIBRATION), measured - film, rtol=0.1)
+
+
+@pytest.mark.parametrize("meter", [0.002, 0.005])
+def test_energies_of_the_log_are_used_with_the_accuracy_that_they_show(meter):
+    record, energies = draw_run(np.random.default_rng(10), meter=meter, frames=200)
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=energies)
+    assert found.energy_std == pytest.approx(meter, rel=0.2)
+
+
+def test_one_film_all_over_the_image_needs_the_energies_of_the_log():
+    """Without differences of film or light within a frame, film and energy are not separable."""
+    background = (0.03, 0.03)
+    record, energies = draw_run(
+        np.random.default_rng(12), flat=True, background=background, frames=200, meter=0.002
+    )
+    without = estimate_background(record, (X, Y), CALIBRATION)
+    assert without is None or not without.determined
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=energies)
+    assert found.determined
+    error = found.share - 0.03 / 1.03
+    assert error @ np.linalg.solve(found.covariance, error) < 11.8
+
+
+def test_a_film_that_never_changes_determines_nothing():
+    record, energies = draw_run(np.random.default_rng(12), flat=True, films=(4.0, 4.02))
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=energies)
+    assert found is None or not found.determined
+
+
+def test_a_short_run_or_one_without_cells_gives_none():
+    record, _ = draw_run(np.random.default_rng(13), frames=8)
+    assert estimate_background(record, (X, Y), CALIBRATION) is None
+    empty = LightRecord(*np.full((4, 50, X.size), np.nan))
+    assert estimate_background(empty, (X, Y), CALIBRATION) is None
+    thick, _ = draw_run(np.random.default_rng(14), films=(30.0, 40.0))
+    assert estimate_background(thick, (X, Y), CALIBRATION) is None
