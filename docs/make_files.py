@@ -462,6 +462,7 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("Conventions", "CF-1.11."),
     Attribute("title", "ERLIF calibration."),
     Attribute("erlif_version", "Version of erlif."),
+    Attribute("format_version", "Version of the form of the file."),
     Attribute("band_camera1_nm", "Centre wavelength of camera 1. [nm]"),
     Attribute("band_camera2_nm", "Centre wavelength of camera 2. [nm]"),
     Attribute("ratio_direction", "camera2/camera1."),

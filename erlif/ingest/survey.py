@@ -29,6 +29,7 @@ from erlif.ingest.images import (
     natural_key,
     read_page,
 )
+from erlif.ingest.logs.proposal import LOG_SUFFIXES
 
 IMAGE_SUFFIXES = frozenset(
     {
@@ -204,12 +205,15 @@ class Survey:
         Images that belong to no camera by their names.
     tables : tuple[TextTable, ...]
         CSV files, in the order of their names.
+    logs : tuple[Path, ...]
+        Files that a data logger may have written, tables among them.
     """
 
     directory: Path
     cameras: tuple[CameraSurvey, ...]
     unassigned: tuple[Path, ...]
     tables: tuple[TextTable, ...]
+    logs: tuple[Path, ...] = ()
 
 
 def survey_directory(directory: Path) -> Survey:
@@ -254,7 +258,8 @@ def survey_directory(directory: Path) -> Survey:
 
     tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
     found = tuple(table for table in tables if table is not None)
-    return Survey(directory, tuple(cameras), tuple(unassigned), found)
+    logs = tuple(path for path in sorted(files) if path.suffix.lower() in LOG_SUFFIXES)
+    return Survey(directory, tuple(cameras), tuple(unassigned), found, logs)
 
 
 # files

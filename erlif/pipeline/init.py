@@ -18,8 +18,9 @@ from erlif.core.errors import ErlifError, FrameError, OutputError
 from erlif.core.notes import Level, Note
 from erlif.files import replacing
 from erlif.ingest import read_encoder_log
+from erlif.ingest.logs.proposal import propose_log
 from erlif.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
-from erlif.pipeline.log_cycle import Cycle, find_cycle
+from erlif.pipeline.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.settings import (
     GAP,
     FixtureSettings,
@@ -265,8 +266,7 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
     """The encoder log, its columns, and the cycle its angles show."""
     table = _find_table(survey, ("frame", "angle_deg"))
     if table is None:
-        draft.set("encoder.file", GAP)
-        _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
+        _draft_foreign_log(draft, survey)
         return
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
     draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
@@ -285,6 +285,49 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
     cycle = find_cycle(log.angle.values)
     time = log["time"].values if "time" in log else None
     _draft_cycle(draft, cycle, time)
+
+
+def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
+    """A log whose header is not that of erlif: the columns that its names suggest."""
+    frames = survey.cameras[0].frames.pages
+    found = propose_log(survey.logs, frames)
+    if found is None:
+        draft.set("encoder.file", GAP)
+        _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
+        return
+
+    rows, names = len(found.table.rows), [name for name in found.table.names if name]
+    listed = "; ".join(found.table.remarks)
+    draft.set("encoder.file", os.path.relpath(found.path, survey.directory), listed)
+    draft.note("encoder log", f"{found.path.name}, {rows} rows: {', '.join(names)}")
+    for quantity, name in found.columns.items():
+        draft.set(f"encoder.{quantity}", name, "By its name; check that it is this quantity.")
+    for quantity in found.without_unit:
+        draft.warn(
+            "encoder log",
+            f"column {found.columns[quantity]!r} has no unit that is known: add it under units in "
+            f'[encoder], units = {{ {quantity} = "..." }}',
+        )
+    if "load" not in found.columns:
+        draft.set("joint.load", GAP, "The encoder log has no column of the load.")
+
+    if "angle" not in found.values:
+        return
+    angle, time = found.values["angle"].values, found.values.get("time")
+    if not found.in_time:
+        _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
+        return
+    if found.pulse is not None:
+        draft.set("encoder.pulse", found.pulse, "By its name: it must rise at each frame.")
+    else:
+        draft.warn(
+            "encoder log",
+            f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
+            'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
+        )
+    round_ = float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN
+    link, motion = ("crank", "go round") if round_ else ("rocker", "go to and fro")
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:

@@ -319,3 +319,26 @@ def test_editors_find_the_schema_beside_the_file(folder):
     erlif.init(folder)
     first = (folder / "run.toml").read_text().splitlines()[0]
     assert (folder / first.removeprefix("#:schema ")).is_file()
+
+
+def test_columns_of_a_log_of_another_form_are_proposed(folder):
+    rows = "".join(f"{k / 10};{10 * (k % 2)}\n".replace(".", ",") for k in range(4))
+    (folder / "rig.txt").write_text(f"Time [s];Encoder [deg]\n{rows}")
+    notes = erlif.init(folder)
+    table = read(folder)["encoder"]
+    assert table["file"] == "rig.txt"
+    assert table["angle"] == "Encoder [deg]"
+    assert table["time"] == "Time [s]"
+    assert "rig.txt, 4 rows: Time [s], Encoder [deg]" in "\n".join(map(str, notes))
+    assert "columns separated by semicolons; decimal commas" in (folder / "run.toml").read_text()
+
+
+def test_a_log_in_time_needs_the_times_of_the_frames(folder):
+    rows = "".join(f"{k / 10},{k % 7}\n" for k in range(40))
+    (folder / "rig.txt").write_text(f"t [s],angle\n{rows}")
+    text = warnings(erlif.init(folder))
+    assert "column 'angle' has no unit that is known" in text
+    (folder / "rig.txt").write_text(f"t [s],angle [deg]\n{rows}")
+    text = warnings(erlif.init(folder, overwrite=True))
+    assert "40 rows for 4 frames, a log in time" in text
+    assert read(folder)["encoder"]["mounted_on"] == "rocker"
