@@ -54,6 +54,19 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     help="Columns x rows of both cameras; the field stays 19.2 mm wide.",
 )
 @click.option(
+    "--mechanism",
+    default=DEFAULT.mechanism,
+    show_default=True,
+    type=click.Choice(CHOICES["mechanism"]),
+    help="Motion: a linkage, a disc, a slider, or none.",
+)
+@click.option(
+    "--pictures",
+    default=DEFAULT.pictures,
+    show_default=True,
+    help="Frame pairs in a cycle of a disc or slider, or of a static film.",
+)
+@click.option(
     "--spacing",
     default=DEFAULT.spacing,
     show_default=True,
@@ -179,6 +192,8 @@ def simulate(
     out: Path,
     seed: int,
     size: tuple[int, int],
+    mechanism: str,
+    pictures: int,
     spacing: float,
     cycles: int,
     film: float,
@@ -219,6 +234,8 @@ def simulate(
     rig = RigSettings(
         width=size[0],
         height=size[1],
+        mechanism=mechanism,
+        pictures=pictures,
         spacing=spacing,
         cycles=cycles,
         film_reference=film,

@@ -157,18 +157,7 @@ def list_triggers(rig: RigSettings) -> Triggers:
     speed = rocker_speed(crank, rig)
     load = rig.load * (1 + rig.load_swing * np.sin(crank))
 
-    if rig.film_table is None:
-        top = np.abs(rocker_speed(np.linspace(0, 2 * np.pi, 3601), rig)).max()
-        law = rig.film_reference * (np.abs(speed) / top * rig.load / load) ** rig.exponent
-        film_min = np.maximum(law, rig.film_floor)
-    elif len(rig.film_table) == reading.size:
-        film_min = np.array(rig.film_table, dtype=np.float64)
-    else:
-        raise ModelError(
-            f"film_table needs one film for each of {reading.size} triggers, got "
-            f"{len(rig.film_table)}."
-        )
-
+    top = np.abs(rocker_speed(np.linspace(0, 2 * np.pi, 3601), rig)).max()
     return Triggers(
         reading=reading,
         zero=zero,
@@ -176,8 +165,21 @@ def list_triggers(rig: RigSettings) -> Triggers:
         speed=speed,
         time=time,
         load=load,
-        film_min=film_min,
+        film_min=follow_film_law(rig, np.abs(speed) / top, load),
     )
+
+
+def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
+    """Minimum film thickness at a speed [of the highest] and a load [N], by law or table. [um]"""
+    if rig.film_table is None:
+        law = rig.film_reference * (speed * rig.load / load) ** rig.exponent
+        return np.maximum(law, rig.film_floor)
+    if len(rig.film_table) != speed.size:
+        raise ModelError(
+            f"film_table needs one film for each of {speed.size} triggers, got "
+            f"{len(rig.film_table)}."
+        )
+    return np.array(rig.film_table, dtype=np.float64)
 
 
 # gap

@@ -7,6 +7,7 @@ import numpy as np
 
 from erlif.core.arrays import Array
 from erlif.rig.film import Triggers, coupler_angle, crank_at, rocker_angle
+from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
 
 LOG_RATE = 10_000.0
@@ -39,6 +40,8 @@ class Reading(NamedTuple):
 
 def read_encoder(crank: Array, triggers: Triggers, rig: RigSettings) -> Reading:
     """Return the readings at crank angles [rad]."""
+    if rig.mechanism != "crank-rocker":
+        return Reading(np.degrees(crank), 0.0)
     angle = _link_angle(crank, rig)
     fine = _link_angle(np.linspace(0, 2 * np.pi, _FINE), rig)
     zeros = {"rocker": triggers.zero, "coupler": float(fine.min()), "crank": _CRANK_ZERO}
@@ -99,11 +102,16 @@ def write_log_in_time(
 def frame_times(triggers: Triggers, rig: RigSettings) -> Array:
     """Return the time of every frame, all cycles after one another. [s]"""
     cycles = 1 if rig.pulses_per_cycle else rig.cycles
-    return np.concatenate([triggers.time + cycle * 60 / rig.crank_speed for cycle in range(cycles)])
+    return np.concatenate([triggers.time + cycle * cycle_time(rig) for cycle in range(cycles)])
 
 
 def encoder_toml(triggers: Triggers, rig: RigSettings, zero: float) -> str:
-    """Return the table [encoder] of run.toml."""
+    """Return the table [encoder] of run.toml; empty for a static film."""
+    if rig.mechanism == "static":
+        return ""
+    if rig.mechanism != "crank-rocker":
+        fold = f"triggers_per_cycle = {triggers.reading.size}\n" if rig.cycles > 1 else ""
+        return f'[encoder]\nfile = "encoder.csv"\n{fold}\n'
     lines = ["[encoder]", 'file = "encoder.csv"', f'mounted_on = "{rig.encoder}"']
     if rig.write_zero:
         lines.append(f'zero = "{zero:.6f} deg"')
@@ -116,4 +124,4 @@ def encoder_toml(triggers: Triggers, rig: RigSettings, zero: float) -> str:
         lines.append('angle = "encoder"')
     if rig.reading == "ticks":
         lines.append(f"ticks_per_turn = {TICKS}")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n\n"

@@ -21,9 +21,9 @@ from erlif.rig.film import (
     Wedge,
     draw_bubbles,
     draw_marks,
-    list_triggers,
 )
 from erlif.rig.logger import encoder_toml, frame_times, read_encoder, write_log_in_time
+from erlif.rig.motion import list_pictures, mechanism_toml
 from erlif.rig.scene import mix_grains
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup, Shot, build_setup, photograph, random_stream
@@ -44,6 +44,30 @@ _EVERY = 4  # pixel: step of the grid on which the median light is taken
 _REFERENCE_STD = 0.02  # um: uncertainty of the reference film
 _PATCH_EDGE = 2  # pixel: margin of the region named in run.toml within the patch
 _COMPRESSION = 3  # of zlib: higher levels are slower and compress noise no better
+
+
+_NAMES = {
+    "crank-rocker": "straight bushing",
+    "rotation": "pin on disc",
+    "sinusoidal": "slider",
+    "static": "static film",
+}
+"""Name of the run by the mechanism."""
+
+_JOINT_TOML = """[joint]
+pin_radius = "{rig.pin_radius:g} mm"
+bushing_radius = "{rig.bushing_radius:g} mm"
+length = "237 mm"
+load = "{rig.load:g} N"
+pin = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
+bushing = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
+
+[oil]
+name = "80W-90"
+viscosity = "0.12 Pa s"
+pressure_viscosity = "20 1/GPa"
+
+"""
 
 
 # the directories
@@ -86,7 +110,7 @@ def write_run(
 ) -> None:
     """Write the run, and its film into `truth`."""
     rig = setup.rig
-    triggers = list_triggers(rig)
+    triggers = list_pictures(rig)
     per_cycle = triggers.reading.size
     frames = frame_times(triggers, rig).size
 
@@ -118,7 +142,7 @@ def write_run(
 
     if rig.log == "continuous":
         write_log_in_time(directory / "encoder.csv", triggers, rig, _TEMPERATURE[0])
-    else:
+    elif rig.mechanism != "static":
         write_encoder_log(directory / "encoder.csv", triggers, rig, energy, rng)
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
 
@@ -294,34 +318,13 @@ thickness = "{rig.reference:g} um"
 uncertainty = "{_REFERENCE_STD:g} um"
 """
     zero = read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero
+    joint = _JOINT_TOML.format(rig=rig) if rig.mechanism == "crank-rocker" else ""
     return f"""calibration = "../fixture/calibration.nc"
 
 [run]
-name = "virtual straight bushing"
+name = "virtual {_NAMES[rig.mechanism]}"
 
 {camera_toml(rig, background=rig.background_pages > 0)}
-{encoder_toml(triggers, rig, zero)}
-[mechanism]
-kind = "crank-rocker"
-crank = "{rig.crank:g} cm"
-coupler = "{rig.coupler:g} cm"
-rocker = "{rig.rocker:g} cm"
-ground = "{rig.ground:g} cm"
-crank_speed = "{rig.crank_speed:g} rpm"
-
-[joint]
-pin_radius = "{rig.pin_radius:g} mm"
-bushing_radius = "{rig.bushing_radius:g} mm"
-length = "237 mm"
-load = "{rig.load:g} N"
-pin = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
-bushing = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
-
-[oil]
-name = "80W-90"
-viscosity = "0.12 Pa s"
-pressure_viscosity = "20 1/GPa"
-
-[thickness]
+{encoder_toml(triggers, rig, zero)}{mechanism_toml(rig)}{joint}[thickness]
 roi = {{ x = [{left:g}, {right:g}], y = [{top:g}, {bottom:g}] }}
 {reference}"""

@@ -8,6 +8,7 @@ from erlif.core.errors import ModelError
 SMALLEST_PICTURE = 32
 """Fewest rows and columns. [pixel]"""
 CHOICES = {
+    "mechanism": ("crank-rocker", "rotation", "sinusoidal", "static"),
     "encoder": ("rocker", "coupler", "crank"),
     "reading": ("degrees", "wrapped", "ticks"),
     "log": ("frames", "continuous"),
@@ -26,6 +27,11 @@ MOST_FRAMES = 1_000_000
 SWING = 24.0
 """Angle through which the rocker of the thesis turns; the default one differs little. [degree]"""
 LIMITS = {
+    "pictures": (1, MOST_FRAMES),
+    "track_radius": (1e-3, 1e6),
+    "disc_speed": (1e-6, 1e6),
+    "stroke": (1e-6, 1e6),
+    "frequency": (1e-9, 1e6),
     "width": (SMALLEST_PICTURE, 16384),
     "height": (SMALLEST_PICTURE, 16384),
     "field_width": (0.01, 1000),
@@ -82,6 +88,18 @@ class RigSettings:
     field_width : float
         Width of the field of camera 1 in the object plane; the pixel pitch follows from it.
         [mm]
+    mechanism : str
+        "crank-rocker", "rotation" (a disc), "sinusoidal" (a slider) or "static".
+    pictures : int
+        Frame pairs of one cycle; of a linkage `spacing` determines them.
+    track_radius : float
+        Radius of the track on the disc. [mm]
+    disc_speed : float
+        Speed of the disc. [rpm]
+    stroke : float
+        Travel of the slider from end to end. [mm]
+    frequency : float
+        Cycles of the slider in a second. [Hz]
     crank : float
         Length of the crank. [cm]
     coupler : float
@@ -210,6 +228,14 @@ class RigSettings:
     height: int = 256
     field_width: float = 19.2
 
+    # motion without a linkage
+    mechanism: str = "crank-rocker"
+    pictures: int = 24
+    track_radius: float = 20.0
+    disc_speed: float = 60.0
+    stroke: float = 10.0
+    frequency: float = 5.0
+
     # linkage and encoder
     crank: float = 5.5
     coupler: float = 44.0
@@ -311,7 +337,15 @@ class RigSettings:
                     f"Expected {name} of the virtual rig as one of {', '.join(words)}; got "
                     f"{getattr(self, name)!r}. Choose one of them."
                 )
+        linked = self.mechanism == "crank-rocker"
+        logger = (self.log, self.reading, self.encoder, self.pulses_per_cycle)
+        if not linked and logger != ("frames", "degrees", "rocker", 0.0):
+            raise ModelError(
+                "Expected log, reading, encoder and pulses_per_cycle of the virtual rig with a "
+                f"linkage alone; the mechanism is {self.mechanism!r}. Leave them out."
+            )
         in_turn = self.pulses_per_cycle or 2 * SWING / max(self.spacing, 1e-12)
+        in_turn = in_turn if linked else self.pictures
         if in_turn * self.cycles > MOST_FRAMES:
             raise ModelError(
                 f"Expected a run of at most {MOST_FRAMES} frame pairs; a spacing of "

@@ -72,7 +72,7 @@ def describe_truth(
     }
     for small in (
         *_list_axes(rig),
-        *_list_triggers(triggers),
+        *_list_triggers(triggers, rig.mechanism),
         *_list_frames(triggers, session),
         *_list_geometry(setup),
     ):
@@ -98,13 +98,8 @@ def describe_truth(
     file.attrs["seed"] = np.int64(seed)
     for name, value in asdict(rig).items():
         if value is not None:
-            file.attrs[f"rig_{name}"] = (
-                np.int8(value)
-                if isinstance(value, bool)
-                else value
-                if isinstance(value, str)
-                else np.asarray(value)
-            )
+            number = np.int8(value) if isinstance(value, bool) else np.asarray(value)
+            file.attrs[f"rig_{name}"] = value if isinstance(value, str) else number
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
 
 
@@ -116,18 +111,23 @@ def _list_axes(rig: RigSettings) -> Iterator[_Variable]:
     yield _Variable("camera", ("camera",), np.array([1, 2]), "1", "camera number")
 
 
-def _list_triggers(triggers: Triggers) -> Iterator[_Variable]:
+def _list_triggers(triggers: Triggers, mechanism: str) -> Iterator[_Variable]:
     """Film and motion of each trigger."""
     dims = ("trigger",)
-    rocker = triggers.zero + triggers.reading
-    ground, side = "from the ground link", "from the ground link, rocker side positive"
     gap = "minimum film thickness of the smooth gap in the region of interest"
     yield _Variable("film_min", dims, triggers.film_min, "um", gap)
     yield _Variable("encoder_angle", dims, triggers.reading, "degree", "encoder reading")
+    yield _Variable("load", dims, triggers.load, "N", "load on the joint")
+    if mechanism != "crank-rocker":
+        yield _Variable("sliding_speed", dims, triggers.speed, "m s-1", "signed, of the surface")
+        yield _Variable("time", dims, triggers.time, "s", "time in the first cycle")
+        return
+
+    rocker = triggers.zero + triggers.reading
+    ground, side = "from the ground link", "from the ground link, rocker side positive"
     yield _Variable("rocker_angle", dims, rocker, "degree", ground)
     yield _Variable("crank_angle", dims, triggers.crank_angle, "degree", side)
     yield _Variable("rocker_speed", dims, triggers.speed, "rad s-1", "positive with rising angle")
-    yield _Variable("load", dims, triggers.load, "N", "load on the joint")
 
 
 def _list_frames(triggers: Triggers, session: Session) -> Iterator[_Variable]:
