@@ -6,8 +6,8 @@
 >>> erlif.plots.thickness_map(film, trigger=12)  # doctest: +SKIP
 
 The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`,
-`calibration`, `thickness`, `kinematics` and `motion`, `trend`. Each holds plain functions. `models`
-is theory, `rig` the virtual rig, `plots` the figures.
+`calibration`, `thickness`, `kinematics`, `trend`. Each holds plain functions. `models` is theory,
+`rig` the virtual rig, `plots` the figures.
 """
 
 from importlib import import_module
@@ -41,7 +41,6 @@ _MODULES = (
     "ingest",
     "kinematics",
     "models",
-    "motion",
     "pipeline",
     "plots",
     "ratio",
@@ -69,7 +68,6 @@ __all__ = [
     "init",
     "kinematics",
     "models",
-    "motion",
     "open_calibration",
     "open_film",
     "pipeline",
@@ -95,7 +93,6 @@ if TYPE_CHECKING:
         ingest,
         kinematics,
         models,
-        motion,
         pipeline,
         plots,
         ratio,

@@ -24,7 +24,6 @@ ORDER = (
     "calibration",
     "thickness",
     "kinematics",
-    "motion",
     "trend",
     "passes",
     "pipeline",

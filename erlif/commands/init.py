@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -9,18 +10,29 @@ import click
 from erlif.commands.options import PATH
 from erlif.core.errors import ConfigError
 
+KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
+"""Those of `erlif.pipeline.init`, which takes long to load."""
+
+DEFAULT_KIND = "crank-rocker"
+
 
 @click.command()
 @click.argument("directory", type=PATH)
 @click.option("--fixture", is_flag=True, help="Write fixture.toml for a calibration fixture.")
+@click.option(
+    "--kind",
+    type=click.Choice(KINDS),
+    help="Tribometer of the run. Default: asked for on a terminal, else crank-rocker.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace an existing settings file.")
-def init(directory: Path, fixture: bool, overwrite: bool) -> None:
+def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> None:
     """Write run.toml for the frames and logs in a directory.
 
     Fills in what the files determine: patterns, bit depth, darks and flats, triggers per cycle.
-    Every other required value becomes a marked gap, "??", with its unit and meaning. A JSON schema
-    is written beside it, with which editors complete and check the file. The example takes the
-    files of `erlif simulate rehearsal`.
+    Every other required value becomes a marked gap, "??", with its unit and meaning; the kind of
+    the tribometer decides which are required: a linkage, a disc (rotation), a slider (sinusoidal)
+    or a static film. A JSON schema is written beside it, with which editors complete and check the
+    file. The example takes the files of `erlif simulate rehearsal`.
 
     \b
     Example:
@@ -31,7 +43,14 @@ def init(directory: Path, fixture: bool, overwrite: bool) -> None:
     from erlif.pipeline.init import init as write_settings
     from erlif.settings import read_fixture_settings, read_run_settings
 
-    notes = write_settings(directory, fixture=fixture, overwrite=overwrite)
+    if fixture and kind is not None:
+        raise click.UsageError("--kind is that of a run; a fixture has none. Leave it out.")
+    if kind is None:
+        kind = DEFAULT_KIND
+        if not fixture and sys.stdin.isatty():
+            kind = click.prompt("Tribometer", type=click.Choice(KINDS), default=DEFAULT_KIND)
+
+    notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite)
     for note in notes:
         click.echo(f"{note.level:8s}{note}")
 

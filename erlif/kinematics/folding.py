@@ -88,7 +88,7 @@ def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mech
     [1, 1, 0, 0, 1, 1, 1, 0, 0, 1]
     """
     if encoder.bins is not None:
-        return _fold_by_phase(crank, encoder.bins, mechanism)
+        return fold_by_phase(crank, encoder.bins, mechanism.dead_points())
 
     since = log.number.values - log.number.values[0]
     if encoder.triggers_per_cycle is not None:
@@ -112,9 +112,29 @@ def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mech
     return Fold(np.arange(since.size), _count_turns(crank, float(crank[0])), remark)
 
 
-def _fold_by_phase(crank: Array, bins: int, mechanism: Mechanism) -> Fold:
-    """Frames by their part of the cycle, strokes apart."""
-    at_smallest, at_largest = mechanism.dead_points()
+def fold_by_phase(crank: Array, bins: int, dead_points: tuple[float, float]) -> Fold:
+    """Group frames by their part of the cycle, strokes apart.
+
+    Parameters
+    ----------
+    crank : array, (frame,)
+        Angle of the drive. [rad]
+    bins : int
+        Parts of the cycle.
+    dead_points : (float, float)
+        Angles between which one stroke lies and then the other; a disc that has none may take any
+        two opposite ones. [rad]
+
+    Returns
+    -------
+    Fold
+
+    Examples
+    --------
+    >>> fold_by_phase(np.radians([10.0, 100.0, 190.0, 370.0]), 2, (0.0, np.pi)).trigger.tolist()
+    [0, 0, 1, 0]
+    """
+    at_smallest, at_largest = dead_points
     phase = (crank - at_smallest) % _TURN
     rise = (at_largest - at_smallest) % _TURN
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
-from erlif.core.errors import ErlifError, FrameError, OutputError
+from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Level, Note
 from erlif.files import replacing
 from erlif.ingest import read_encoder_log
@@ -35,6 +35,13 @@ MOST_CALIBRATIONS = 5
 """Calibrations beside a run that are listed."""
 
 
+KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
+"""Tribometers for which run.toml is written; a static film has no mechanism."""
+
+_LINKAGES = KINDS[:2]
+"""Those that have a joint, and an encoder that they cannot do without."""
+
+
 @dataclass
 class _Draft:
     """A settings file in the making: values, remarks on them, and notes for the user."""
@@ -42,6 +49,7 @@ class _Draft:
     values: dict[str, Any] = field(default_factory=dict)
     remarks: dict[str, str] = field(default_factory=dict)
     notes: list[Note] = field(default_factory=list)
+    leave_out: list[str] = field(default_factory=list)
 
     def set(self, key: str, value: Any, remark: str = "") -> None:
         """Give a key its value, or `GAP`; the remark names the source of the value."""
@@ -58,7 +66,13 @@ class _Draft:
         self.note(subject, text, Level.WARNING)
 
 
-def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = False) -> list[Note]:
+def init(
+    directory: str | Path,
+    *,
+    fixture: bool = False,
+    kind: str = "crank-rocker",
+    overwrite: bool = False,
+) -> list[Note]:
     """Write a commented settings file for the frames and logs in a directory.
 
     What the files determine is filled in: names, patterns, bit depth, triggers per cycle. Every
@@ -71,6 +85,9 @@ def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = Fals
         Folder with the files of both cameras and the encoder log or the profile.
     fixture : bool
         Write ``fixture.toml`` for a calibration fixture; default: ``run.toml`` for a run.
+    kind : str
+        Tribometer of the run: "crank-rocker", "slider-crank", "rotation" (pin on disc),
+        "sinusoidal" (slider), or "static". Gaps are written for what it needs alone.
     overwrite : bool
         Replace an existing settings file.
 
@@ -81,6 +98,8 @@ def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = Fals
 
     Raises
     ------
+    ConfigError
+        If there is no such kind.
     FrameError
         If there is no such directory, or no image in it.
     OutputError
@@ -96,8 +115,10 @@ def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = Fals
     ...     print(notes[0])
     camera1: 2 frames of 80 x 64 uint16, C1_*.tif
     """
+    if kind not in KINDS:
+        raise ConfigError(f"Expected a tribometer of {', '.join(KINDS)}; got {kind!r}. Choose one.")
     directory = Path(directory)
-    kind: type[Settings] = FixtureSettings if fixture else RunSettings
+    settings: type[Settings] = FixtureSettings if fixture else RunSettings
     name = "fixture.toml" if fixture else "run.toml"
     output = directory / name
     if output.exists() and not overwrite:
@@ -116,14 +137,16 @@ def init(directory: str | Path, *, fixture: bool = False, overwrite: bool = Fals
     if fixture:
         _draft_profile(draft, survey)
     else:
-        _draft_log(draft, survey)
+        _draft_motion(draft, survey, kind)
         _draft_calibration(draft, survey)
-        _draft_theory(draft)
     draft.values["fixture.name" if fixture else "run.name"] = _title(directory)
 
-    _write(output, write_template(kind, draft.values, draft.remarks))
+    forms = {"mechanism": kind}
+    left_out = draft.leave_out
+    text = write_template(settings, draft.values, draft.remarks, forms=forms, leave_out=left_out)
+    _write(output, text)
     schema = output.with_suffix(".schema.json")
-    _write(schema, json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n")
+    _write(schema, json.dumps(json_schema(settings), indent=2, ensure_ascii=False) + "\n")
     return draft.notes
 
 
@@ -262,18 +285,62 @@ def _list(names: list[str], most: int = 3) -> str:
 # encoder log
 
 
-def _draft_log(draft: _Draft, survey: Survey) -> None:
-    """The encoder log, its columns, and the cycle its angles show."""
-    table = _find_table(survey, ("frame", "angle_deg"))
-    if table is None:
-        _draft_foreign_log(draft, survey)
+def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
+    """What the tribometer needs: log and mechanism, and for a linkage joint and oil."""
+    draft.remarks["mechanism"] = (
+        f"Other tribometers: erlif init --overwrite --kind {', '.join(KINDS[1:-1])} or static."
+    )
+    if kind in _LINKAGES:
+        _draft_log(draft, survey)
+        draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")
         return
+
+    # line contact of a pin in a bushing describes no other tribometer
+    draft.leave_out += ["joint", "oil"]
+    if kind == "static":
+        draft.leave_out.append("mechanism")
+    columns = _draft_optional_log(draft, survey)
+    if kind == "rotation" and not {"angle_deg", "time_s"} <= columns and "speed_m_s" not in columns:
+        draft.set("mechanism.speed", GAP, "No log has the columns angle_deg and time_s.")
+    if kind == "sinusoidal" and "angle_deg" not in columns:
+        reason = "No log has a column angle_deg; the position follows from time_s and zero."
+        draft.set("encoder.zero", GAP, reason)
+    if kind != "static" and "load_N" not in columns:
+        draft.remarks["mechanism.load"] = "No log has a column load_N."
+
+
+def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
+    """The log of a run that can do without one; returns its columns."""
+    table = _find_table(survey, ("frame",))
+    if table is None:
+        _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
+        draft.leave_out.append("encoder")
+        return set()
+    _draft_table(draft, survey, table)
+    try:
+        read_encoder_log(table.path, needs_angle=False)
+    except ErlifError as error:
+        draft.warn("encoder log", str(error))
+    return set(table.header)
+
+
+def _draft_table(draft: _Draft, survey: Survey, table: TextTable) -> None:
+    """Name and columns of the log, and whether its rows fit the frames."""
     draft.set("encoder.file", os.path.relpath(table.path, survey.directory))
     draft.note("encoder log", f"{table.path.name}, {table.rows} rows: {', '.join(table.header)}")
     pages = {camera.frames.pages for camera in survey.cameras[:2]}
     if pages != {table.rows}:
         counts = " and ".join(str(count) for count in sorted(pages))
         draft.warn("encoder log", f"{table.rows} rows for {counts} frames: one row per frame pair")
+
+
+def _draft_log(draft: _Draft, survey: Survey) -> None:
+    """The encoder log, its columns, and the cycle its angles show."""
+    table = _find_table(survey, ("frame", "angle_deg"))
+    if table is None:
+        _draft_foreign_log(draft, survey)
+        return
+    _draft_table(draft, survey, table)
     if "load_N" not in table.header:
         draft.set("joint.load", GAP, "The encoder log has no column load_N.")
 
@@ -380,15 +447,19 @@ def _find_table(survey: Survey, columns: tuple[str, ...]) -> TextTable | None:
     return next(fitting, None)
 
 
-def _report_missing_table(draft: _Draft, survey: Survey, what: str, columns: str) -> None:
+def _report_missing_table(
+    draft: _Draft, survey: Survey, what: str, columns: str, *, needed: bool = True
+) -> None:
     others = [f"{table.path.name} ({', '.join(table.header)})" for table in survey.tables]
-    if others:
+    if not needed and not others:
+        draft.note(what, "none was found; each frame is a trigger")
+    elif others:
         draft.warn(what, f"no CSV file has the columns {columns}; found {_list(others)}")
     else:
         draft.warn(what, f"no CSV file was found; {what} needs the columns {columns}")
 
 
-# calibration and what the files do not show
+# calibration
 
 
 def _draft_calibration(draft: _Draft, survey: Survey) -> None:
@@ -439,11 +510,3 @@ def _fixture_hints(calibration: Path) -> dict[str, str]:
         except ErlifError:
             return hints
     return hints | {"camera1.band": f"{bands[0]:g} nm", "camera2.band": f"{bands[1]:g} nm"}
-
-
-def _draft_theory(draft: _Draft) -> None:
-    """What no file shows: the linkage, the joint and the oil."""
-    draft.remarks["mechanism"] = (
-        'For a slider-crank: kind = "slider-crank" with crank, coupler and crank_speed alone.'
-    )
-    draft.set("oil.viscosity", GAP, "Remove this line where a vogel law is given below.")

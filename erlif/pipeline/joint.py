@@ -8,9 +8,18 @@ import xarray as xr
 
 from erlif.core.errors import ConfigError
 from erlif.ingest import Run
-from erlif.kinematics import Encoder, Mechanism, entrained_stroke, locate_frames
+from erlif.kinematics import (
+    Encoder,
+    Mechanism,
+    Rotation,
+    Sinusoid,
+    entrained_stroke,
+    locate_frames,
+    locate_logged,
+    locate_rotation,
+    locate_slider,
+)
 from erlif.models.mechanism import CrankRocker, SliderCrank
-from erlif.motion import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
 from erlif.settings import (
     CrankRockerSettings,
     EncoderSettings,
@@ -41,7 +50,8 @@ def locate_run(run: Run) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        As `erlif.kinematics.locate_frames` for a linkage, else as the functions of `erlif.motion`.
+        As `erlif.kinematics.locate_frames` for a linkage, else as `locate_rotation`,
+        `locate_slider` or `locate_logged`.
 
     Raises
     ------
@@ -69,6 +79,7 @@ def locate_run(run: Run) -> xr.Dataset:
                 rotation=Rotation(disc.radius, disc.speed),
                 zero=encoder.zero or 0.0,
                 triggers_per_cycle=per_cycle,
+                bins=encoder.bins,
             )
         case SinusoidalSettings() as slider:
             return locate_slider(
@@ -76,6 +87,7 @@ def locate_run(run: Run) -> xr.Dataset:
                 slider=Sinusoid(slider.stroke, slider.frequency),
                 zero=encoder.zero,
                 triggers_per_cycle=per_cycle,
+                bins=encoder.bins,
             )
         case None:
             return locate_logged(log, triggers_per_cycle=per_cycle)

@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
@@ -309,6 +310,8 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     if along.whole_turn:
         _limit_to_turn(ax)
+    elif along.label == "trigger":
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel(along.label)
     ax.set_ylabel("film thickness [µm]")
     ax.set_ylim(0, None)  # from contact, so that the film is seen in proportion

@@ -295,7 +295,8 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     # the limits leave room for the text; the rigid gap may leave them beside the measured profile
     if np.isfinite(h).any():
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        ax.set_ylim(low - _ROOM[0] * (high - low), high + _ROOM[1] * (high - low))
+        below = _ROOM[1] if gap is None else _ROOM[0]
+        ax.set_ylim(low - below * (high - low), high + _ROOM[1] * (high - low))
     ax.set_ylabel("film thickness [µm]")
     ax.legend(loc="upper center")
     return artists
@@ -483,7 +484,8 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
     figure.colorbar(
         image,
         ax=panels[:, -1].tolist(),  # beside all panels, the layout would measure it once for each
-        label="film thickness [µm]; grey: flagged",
+        # one row of maps is lower than the label is long
+        label="film thickness [µm]" + ("; " if sum(rows) > 1 else "\n") + "grey: flagged",
         extend="both",
         aspect=40,
         shrink=0.9,

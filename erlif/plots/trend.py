@@ -130,11 +130,11 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
 
 
 def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) -> list[Line2D]:
-    """Draw a fitted power over the range of its triggers; nothing where none was fitted."""
+    """Draw a fitted power over the range of its triggers; its colour alone where none was."""
     power, std = float(film[name]), float(film[f"{name}_std"])
     scale = float(film[name].attrs.get("log_scale", np.nan))
     if not (np.isfinite(power) and np.isfinite(scale)):
-        return []
+        return [Line2D([], [], linestyle="none", marker="o", color=look["color"], label=label)]
 
     # a power is drawn over the triggers it was fitted to, not beyond them
     x = speed_over_load(film)[_used_in_fit(film)]

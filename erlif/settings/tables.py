@@ -717,6 +717,15 @@ class RunSettings(Settings):
         return self
 
     @model_validator(mode="after")
+    def _bins_have_a_cycle(self) -> Self:
+        if self.mechanism is None and self.encoder is not None and self.encoder.bins is not None:
+            raise ValueError(
+                "bins in [encoder] are parts of the cycle of a mechanism: add [mechanism], or "
+                "remove bins"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _one_load(self) -> Self:
         here = getattr(self.mechanism, "load", None)
         if here is not None and self.joint is not None and self.joint.load is not None:

@@ -75,3 +75,11 @@ def test_a_load_given_twice_is_refused():
     raw = tomllib.loads(RUN_TOML) | {"mechanism": {**DISC, "load": "20 N"}}
     with pytest.raises(ValueError, match="give the load once"):
         RunSettings.model_validate(raw)
+
+
+def test_bins_without_a_mechanism_are_refused():
+    raw = tomllib.loads(RUN_TOML)
+    del raw["mechanism"]
+    raw["encoder"]["bins"] = 20
+    with pytest.raises(ValueError, match="add \\[mechanism\\], or remove bins"):
+        RunSettings.model_validate(raw)

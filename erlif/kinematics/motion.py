@@ -1,6 +1,6 @@
 """Position and speed of a disc or a slider at every frame, and frames of a film at rest.
 
-The linkages are in `erlif.kinematics`. A motion without a linkage has no dead points to which the
+A motion without a linkage has no dead points to which the
 readings could be matched, and each frame is a trigger unless the settings fold the frames.
 """
 
@@ -17,6 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
+from erlif.kinematics.folding import Fold, fold_by_phase
 
 _OFF_ANGLE = 0.5
 """Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
@@ -25,6 +26,9 @@ _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
 
 _TURN = 360.0
+
+_DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
+"""Angles of the drive between which the bins of a cycle lie: a slider turns back there. [rad]"""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,7 @@ def locate_rotation(
     rotation: Rotation,
     zero: float = 0.0,
     triggers_per_cycle: int | None = None,
+    bins: int | None = None,
 ) -> xr.Dataset:
     """Find angle and speed of a disc at each frame.
 
@@ -79,6 +84,8 @@ def locate_rotation(
         Angle of the disc at reading 0. [rad]
     triggers_per_cycle : int, optional
         Triggers in one turn. Default: each frame is a trigger.
+    bins : int, optional
+        Parts of a turn, each of which is one trigger.
 
     Returns
     -------
@@ -113,7 +120,8 @@ def locate_rotation(
             np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
         )
         columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the track past the contact")
-    return _describe_frames(log, columns, triggers_per_cycle)
+    fold = _fold(log, columns, triggers_per_cycle, bins, _DISC)
+    return _describe_frames(log, columns, fold)
 
 
 def locate_slider(
@@ -122,6 +130,7 @@ def locate_slider(
     slider: Sinusoid,
     zero: float | None = None,
     triggers_per_cycle: int | None = None,
+    bins: int | None = None,
 ) -> xr.Dataset:
     """Find position and speed of a sinusoidal slider at each frame.
 
@@ -138,6 +147,8 @@ def locate_slider(
         Angle of the drive at reading 0, or at time 0; default: 0 for a logged angle. [rad]
     triggers_per_cycle : int, optional
         Triggers in one cycle. Default: each frame is a trigger.
+    bins : int, optional
+        Parts of a cycle, each of which is one trigger.
 
     Returns
     -------
@@ -190,7 +201,8 @@ def locate_slider(
     columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the slider")
     if "sliding_speed" in log:
         columns["sliding_speed"] = _logged_speed(log)
-    return _describe_frames(log, columns, triggers_per_cycle)
+    fold = _fold(log, columns, triggers_per_cycle, bins, _SLIDER)
+    return _describe_frames(log, columns, fold)
 
 
 def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> xr.Dataset:
@@ -233,7 +245,7 @@ def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> 
         if signed.min() < 0 < signed.max():
             stroke = np.where(signed >= 0, 1, -1).astype(np.int8)
             columns["stroke"] = _Column(stroke, "1", "sign of the logged speed")
-    return _describe_frames(log, columns, triggers_per_cycle)
+    return _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle))
 
 
 class _Column(NamedTuple):
@@ -252,20 +264,37 @@ def _logged_speed(log: EncoderLog) -> _Column:
     return _Column(np.abs(log.sliding_speed.values), "m s-1", "sliding speed as logged")
 
 
-def _describe_frames(
-    log: EncoderLog, columns: dict[str, _Column], triggers_per_cycle: int | None
-) -> xr.Dataset:
-    """The columns as a dataset, with trigger and cycle of each frame."""
+def _fold(
+    log: EncoderLog,
+    columns: dict[str, _Column],
+    triggers_per_cycle: int | None,
+    bins: int | None = None,
+    dead_points: tuple[float, float] = (0.0, math.pi),
+) -> Fold:
+    """Trigger and cycle of each frame; without a request each frame is a trigger."""
     since = log.number.values - log.number.values[0]
-    trigger, cycle = since, np.zeros_like(since)
-    if triggers_per_cycle is not None:
-        trigger, cycle = since % triggers_per_cycle, since // triggers_per_cycle
-        if "crank_angle" in columns:
-            _check_fold(np.asarray(columns["crank_angle"].values, float), trigger, log)
+    if bins is not None:
+        if "crank_angle" not in columns:
+            raise EncoderError(
+                "Expected a column angle_deg, because [encoder] averages the frames in bins of the "
+                "angle; there is none. Log the angle, or remove bins."
+            )
+        angle = np.asarray(columns["crank_angle"].values, float)
+        return fold_by_phase(np.radians(angle), bins, dead_points)
 
+    if triggers_per_cycle is None:
+        return Fold(np.arange(since.size), np.zeros_like(since))
+    fold = Fold(since % triggers_per_cycle, since // triggers_per_cycle)
+    if "crank_angle" in columns:
+        _check_fold(np.asarray(columns["crank_angle"].values, float), fold.trigger, log)
+    return fold
+
+
+def _describe_frames(log: EncoderLog, columns: dict[str, _Column], fold: Fold) -> xr.Dataset:
+    """The columns as a dataset, with trigger and cycle of each frame."""
     columns = {
-        "trigger": _Column(trigger, "1", "encoder trigger of the cycle"),
-        "cycle": _Column(cycle, "1", "number of the cycle"),
+        "trigger": _Column(fold.trigger, "1", "encoder trigger of the cycle"),
+        "cycle": _Column(fold.cycle, "1", "number of the cycle"),
         **columns,
     }
     return xr.Dataset(
@@ -274,6 +303,7 @@ def _describe_frames(
             for name, column in columns.items()
         },
         {"frame": np.arange(log.sizes["frame"])},
+        {"grouping": fold.remark} if fold.remark else {},
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.motion import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
+from erlif.kinematics import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
 
 
 def make_log(count, **columns):
@@ -153,3 +153,19 @@ def test_a_fold_of_different_angles_is_refused():
     log = make_log(12, angle=np.arange(12) * 90.0)
     with pytest.raises(EncoderError, match=r"frame 5 is 90\.00 deg|frame \d+ is"):
         locate_rotation(log, rotation=Rotation(0.02, 1.0), triggers_per_cycle=5)
+
+
+def test_bins_of_a_slider_keep_the_strokes_apart():
+    """Three cycles of 50.7 frames; the strokes turn at 90 and 270 degrees."""
+    log = make_log(152, angle=np.arange(152) * 360 / 50.7)
+    found = locate_slider(log, slider=Sinusoid(0.01, 5.0), bins=10)
+    assert int(found.trigger.max()) == 9
+    for trigger in range(10):
+        members = found.trigger.values == trigger
+        assert np.unique(found.stroke.values[members]).size == 1
+        assert members.sum() > 10
+
+
+def test_bins_without_an_angle_are_refused():
+    with pytest.raises(EncoderError, match="remove bins"):
+        locate_rotation(make_log(4), rotation=Rotation(0.02, 1.0), bins=4)

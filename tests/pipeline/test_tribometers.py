@@ -1,0 +1,183 @@
+"""Disc, slider and static film from erlif init to the report, and against their known film."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from conftest import SMALL, Laboratory
+
+import erlif
+from erlif.core.errors import ConfigError
+from erlif.plots.files import missing_figures
+from erlif.rig import simulate
+
+KINDS = ("rotation", "sinusoidal", "static")
+GAPS = {
+    "?? nm": {"[camera1]": "580 nm", "[camera2]": "610 nm"},
+    "?? um": "150 um",
+    'radius = "??': ("?? mm", "20 mm"),
+    'stroke = "??': ("?? mm", "10 mm"),
+    'frequency = "??': ("?? Hz", "5 Hz"),
+}
+EXPECTED = {
+    "rotation": {"encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"},
+    "sinusoidal": {
+        *("encoder_angle", "time", "crank_angle", "sliding_speed", "load", "temperature"),
+        *("position", "stroke"),
+    },
+    "static": set(),
+}
+"""What the film has beside maps and statistics."""
+
+TREND = {f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")}
+MOTION = {*EXPECTED["sinusoidal"], "rocker_speed", "film_theory", "film_hamrock_dowson", *TREND}
+
+
+class Case(NamedTuple):
+    """A run, its film as it was written, and the truth."""
+
+    kind: str
+    lab: Laboratory
+    film: xr.Dataset
+    truth: xr.Dataset
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def case(request, tmp_path_factory):
+    """A small run whose settings are written by erlif init and filled in by hand."""
+    lab = Laboratory(tmp_path_factory.mktemp(request.param))
+    rig = replace(SMALL, mechanism=request.param, pictures=8, load_swing=0.3)
+    simulate(lab.directory, seed=31, rig=rig)
+    erlif.save_calibration(erlif.calibrate(lab.fixture), lab.fixture / "calibration.nc")
+    (lab.run / "run.toml").unlink()
+    erlif.init(lab.run, kind=request.param)
+    fill_gaps(lab.run / "run.toml")
+
+    film = erlif.process(lab.run, output=lab.film).load()
+    with xr.open_dataset(lab.directory / "truth.nc", engine="h5netcdf") as truth:
+        return Case(request.param, lab, film, truth.load())
+
+
+def fill_gaps(path: Path) -> None:
+    """Replace each gap as the laboratory does, and no other line."""
+    lines, table = [], ""
+    for line in path.read_text(encoding="utf-8").splitlines():
+        table = line if line.startswith("[") else table
+        for mark, value in GAPS.items():
+            if mark not in line or line.startswith("#"):
+                continue
+            old, new = value if isinstance(value, tuple) else (mark, value)
+            line = line.replace(old, new[table] if isinstance(new, dict) else new)
+        lines.append(line)
+    text = "\n".join(lines) + "\n"
+    assert '= "??' not in text
+    path.write_text(text, encoding="utf-8")
+
+
+def test_settings_have_the_tables_of_their_kind_alone(case):
+    raw = tomllib.loads((case.lab.run / "run.toml").read_text(encoding="utf-8"))
+    optional = {"encoder", "mechanism", "joint", "oil"} & set(raw)
+    assert optional == (set() if case.kind == "static" else {"encoder", "mechanism"})
+
+
+def test_film_has_what_the_motion_gives_and_no_more(case):
+    expected = EXPECTED[case.kind] | (TREND if case.kind != "static" else set())
+    assert MOTION & set(case.film) == expected
+    assert {"thickness", "film_mean", "film_min", "flags"} <= set(case.film)
+
+
+def test_notes_name_what_is_left_out(case):
+    notes = str(case.film.attrs["notes"])
+    assert "[joint]: run.toml has no such table; left out: " in notes
+    assert ("[mechanism]: run.toml has no such table" in notes) == (case.kind == "static")
+    check = " ".join(map(str, erlif.check(case.lab.run)))
+    assert "[joint]: run.toml has no such table" in check
+
+
+def test_speed_is_the_closed_form(case):
+    """2 pi n R of the disc, pi f s cos of the slider."""
+    if case.kind == "static":
+        assert "sliding_speed" not in case.film
+        return
+    angle = np.radians(case.truth.encoder_angle.values)
+    closed = np.full(8, 2 * np.pi * 0.02)
+    if case.kind == "sinusoidal":
+        closed = np.pi * 5 * 0.01 * np.cos(angle)
+        npt.assert_allclose(case.film.position, 5 * np.sin(angle), atol=1e-4)
+        npt.assert_array_equal(case.film.stroke, np.sign(closed))
+    npt.assert_allclose(case.film.sliding_speed, np.abs(closed), rtol=1e-4)
+
+
+def test_film_agrees_with_the_truth_within_its_error_bars(case):
+    """Of eight triggers with one calibration, none is off by four and the rms not by two std."""
+    pull = ((case.film.film_min - case.truth.film_min) / case.film.film_min_std).values
+    assert np.abs(pull).max() < 4
+    assert np.sqrt(np.mean(pull**2)) < 2
+
+    roi = (slice(16, 64), slice(32, 96))  # inside the overlap
+    good = case.film.flags.values[:, *roi] == 0
+    assert good.mean() > 0.5
+    error = np.abs(case.film.thickness.values - case.truth.film.values)[:, *roi]
+    std = np.hypot(case.film.thickness_std.values, case.film.thickness_std_shared.values)
+    within = error[good] < 2 * std[:, *roi][good]
+    assert 0.93 < within.mean() < 0.98
+
+
+def test_exponent_of_speed_over_load_comes_back(case):
+    if case.kind == "static":
+        assert "speed_exponent" not in case.film
+        return
+    std = float(case.film.speed_exponent_std)
+    assert abs(float(case.film.speed_exponent) - 0.62) < 3 * std
+    assert std < 0.1
+
+
+def test_the_page_has_the_figures_and_columns_of_its_kind(case, command, tmp_path):
+    missing = missing_figures(case.lab.film)
+    assert (
+        set(missing)
+        == {
+            "rotation": {"speed_against_angle"},
+            "sinusoidal": set(),
+            "static": {"speed_against_angle", "film_against_speed"},
+        }[case.kind]
+    )
+
+    page = tmp_path / "report.html"
+    command("report", case.lab.film, "-o", page)
+    text = page.read_text(encoding="utf-8")
+    assert ("Left out" in text) == bool(missing)
+    titles = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]", "static": "Frame pairs"}
+    assert titles[case.kind] in text
+    assert "Theory [µm]" not in text
+
+
+def test_frames_of_a_static_film_are_averaged_into_one_trigger(case, tmp_path):
+    """The mean of eight frames has 0.354 of the noise that is new in each, and all of the rest."""
+    if case.kind != "static":
+        return
+    settings = (case.lab.run / "run.toml").read_text(encoding="utf-8")
+    (case.lab.run / "run.toml").write_text(settings + "\n[encoder]\ntriggers_per_cycle = 1\n")
+    film = erlif.process(case.lab.run)
+    (case.lab.run / "run.toml").write_text(settings)
+    assert film.sizes["trigger"] == 1
+    assert film.frames_used.values.tolist() == [8]
+    ratio = np.nanmedian(film.thickness_std[0]) / np.nanmedian(case.film.thickness_std)
+    assert 8**-0.5 < ratio < 0.5
+
+
+def test_a_film_of_a_batch_has_one_line(case, command, tmp_path):
+    output = tmp_path / "film.nc"
+    table = tmp_path / "runs.csv"
+    table.write_text(f"run_dir,output\n{case.lab.run},{output}\n", encoding="utf-8")
+    assert "8 triggers" in command("batch", table).output
+
+
+def test_init_refuses_a_kind_that_there_is_not(tmp_path):
+    with pytest.raises(ConfigError, match="crank-rocker, slider-crank, rotation"):
+        erlif.init(tmp_path, kind="orbital")
