@@ -8,15 +8,16 @@ Format; the versions 3 to 5 are read.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
-from erlif.readers.base import TRUNCATED, Format, FrameFile
+from erlif.readers.base import MOST_FRAMES, TRUNCATED, Format, FrameFile
 from erlif.readers.raw import FrameLayout, RawFrames, count_frames, frame_interval
 from erlif.readers.source import Source
 
@@ -50,6 +51,9 @@ class _Header(NamedTuple):
 
 
 _HEADER, _HEADER_PLACE, _VERSION_PLACE = struct.Struct("<9IdiIIIiiiI"), 548, 28
+
+_OLDEST_PLACE = 656
+"""Place of the number of the oldest frame, which is above 0 for a recording in a loop."""
 
 _LARGER_HEADER = 5
 """Version from which on the frames begin at 8192 and time stamps have microseconds."""
@@ -132,6 +136,7 @@ def open_norpix(path: Path) -> FrameFile:
             raise FrameError("it does not begin as a SEQ file does")
         version, header_size = struct.unpack("<iI", source.read(_VERSION_PLACE, 8))
         header = _Header(*_HEADER.unpack(source.read(_HEADER_PLACE, _HEADER.size)))
+        (oldest,) = struct.unpack("<I", source.read(_OLDEST_PLACE, 4))
         size = source.size
     layout = _find_layout(header)
 
@@ -142,13 +147,19 @@ def open_norpix(path: Path) -> FrameFile:
         raise FrameError(
             f"the header is damaged: frames of {layout.size} bytes cannot lie {header.step} apart"
         )
+
     # a recording that was not closed has no number of frames
     count = header.frames or count_frames(size, start=start, step=header.step)
+    places = range(start, start + count * header.step, header.step)
+    in_time: Sequence[int] | AnyArray = places
+    if version >= _LARGER_HEADER and 0 < oldest < count <= min(size // layout.size, MOST_FRAMES):
+        # a loop goes on at its first place after the last; a lying number takes no memory
+        in_time = np.roll(np.arange(places.start, places.stop, places.step), -oldest)
     bits = header.significant_bits if 1 <= header.significant_bits <= header.bits else header.bits
     file = NorpixFrames(
         path,
         layout,
-        range(start, start + count * header.step, header.step),
+        in_time,
         bits=None if header.format in _HIGH_BITS and bits < header.bits else bits,
     )
     file.has_microseconds = version >= _LARGER_HEADER

@@ -91,6 +91,14 @@ def test_padded_rows(tmp_path, opened):
     npt.assert_array_equal(file.read(1), frames[1])
 
 
+def test_a_recording_in_a_loop_begins_with_its_oldest_frame(tmp_path, opened):
+    frames = random_frames(np.random.default_rng(1), frames=5)
+    times = 1_700_000_000 + np.array([0.3, 0.4, 0.0, 0.1, 0.2])
+    file = opened(write_seq(tmp_path / "a.seq", frames, times=times, oldest=2))
+    npt.assert_array_equal([file.read(k) for k in range(5)], frames[[2, 3, 4, 0, 1]])
+    npt.assert_allclose(file.times, [0, 0.1, 0.2, 0.3, 0.4], atol=1e-6)
+
+
 def test_a_recording_that_was_not_closed_has_the_frames_of_its_size(tmp_path, opened):
     frames = random_frames(np.random.default_rng(1))
     path = write_seq(tmp_path / "a.seq", frames, claimed=0, times=np.arange(3.0))

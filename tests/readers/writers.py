@@ -200,6 +200,7 @@ def write_seq(
     claimed: int | None = None,
     compression=0,
     row_padding=0,
+    oldest=0,
 ) -> Path:
     """A NorPix sequence with time stamps behind the counts, each frame at a multiple of `align`."""
     count, rows, columns = frames.shape
@@ -220,6 +221,7 @@ def write_seq(
         count if claimed is None else claimed, 0, step, rate,
     )  # fmt: skip
     struct.pack_into("<I", header, 620, compression)
+    struct.pack_into("<I", header, 656, oldest)
 
     data = bytes(header)
     for number, image in enumerate(images):
