@@ -177,7 +177,8 @@ def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | floa
         "long_name": "encoder angle as logged",
         "mounted_on": encoder.mounted_on,
         "direction": "falling" if link.falling else "rising",
-        "zero": math.degrees(link.zero),
+        # an encoder that starts again has its zero within half a turn
+        "zero": (math.degrees(link.zero) + 180.0) % 360.0 - 180.0,
     }
     if link.zero_std is not None:
         attrs["zero_std"] = math.degrees(link.zero_std)
