@@ -11,8 +11,8 @@ from erlif.core.errors import FrameError
 from erlif.readers import FrameFile
 from erlif.settings import CameraSettings
 
-_PARTNERS = {"left": "right", "top": "bottom", "odd": "even", "channel 1": "channel 2"}
-"""Parts of one file that belong to two cameras."""
+_PARTNERS = {"left": "right", "top": "bottom", "odd": "even"}
+"""Parts of one file that belong to two cameras; any two channels do as well."""
 
 _T = TypeVar("_T", bound=AnyArray)
 
@@ -25,7 +25,7 @@ class Selection:
     ----------
     part : str
         Half of the sensor ("left", "right", "top", "bottom"), alternating pages ("odd", "even",
-        counted from 1) or channel ("channel 1", "channel 2"); empty for the whole file.
+        counted from 1) or channel ("channel 1" to "channel 4"); empty for the whole file.
     dataset : str
         Path of the array in a file that holds several; empty for the only one.
     shift : int
@@ -146,4 +146,6 @@ def may_share_files(one: Selection, two: Selection) -> bool:
     """
     if one.dataset != two.dataset:
         return True
+    if one.part.startswith("channel") and two.part.startswith("channel"):
+        return one.part != two.part
     return _PARTNERS.get(one.part) == two.part or _PARTNERS.get(two.part) == one.part

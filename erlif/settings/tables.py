@@ -133,6 +133,21 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+FilePart = Literal[
+    "left",
+    "right",
+    "top",
+    "bottom",
+    "odd",
+    "even",
+    "channel 1",
+    "channel 2",
+    "channel 3",
+    "channel 4",
+]
+"""Parts of a file that may belong to one of two cameras."""
+
+
 class CameraSettings(Settings):
     """One camera: its files, its filter and its noise."""
 
@@ -156,13 +171,12 @@ class CameraSettings(Settings):
         description="Bits of a 16-bit word that hold the count: the low ones (right) or the high "
         "ones (left), as in counts that are multiples of 16 at 12 bits.",
     )
-    part: (
-        Literal["left", "right", "top", "bottom", "odd", "even", "channel 1", "channel 2"] | None
-    ) = Field(
+    part: FilePart | None = Field(
         None,
         description="Part of the files that belongs to this camera where one file holds both: half "
-        "of the sensor, odd or even pages (the first page is odd), or a channel of an OME or "
-        "ImageJ file. Darks and flats have the same part. Default: the whole file.",
+        "of the sensor, odd or even pages (the first page is odd), a channel of an OME or ImageJ "
+        "file, or a frame of each LaVision image. Darks and flats have the same part. Default: the "
+        "whole file.",
     )
     dataset: Text | None = Field(
         None,

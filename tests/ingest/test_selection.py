@@ -64,6 +64,7 @@ def test_a_part_that_a_file_does_not_have_is_refused():
     ("one", "two", "may"),
     [
         *(("left", "right", True), ("bottom", "top", True), ("channel 2", "channel 1", True)),
+        *(("channel 1", "channel 3", True), ("channel 3", "channel 3", False)),
         *(("left", "left", False), ("left", "", False), ("", "", False), ("odd", "left", False)),
     ],
 )
