@@ -1,9 +1,9 @@
 """Long runs of damaged files through the readers, by hand.
 
 Run with ``python benchmarks/fuzz_readers.py --minutes 10 tiff "tiff lzw"``; without names,
-all formats are run. ``--list`` shows them. Each damaged file must give counts of the stated kind or FrameError,
-within a second and 100 MB. A file that does not is kept in the folder of ``--keep``, to be made a
-test. The damages are those of tests/readers/mutations.py; CI runs them for a second each.
+all formats are run. ``--list`` shows them. Each damaged file must give counts of the stated kind
+or FrameError, within a second and 100 MB. A file that does not is kept in the folder of ``--keep``,
+to be made a test. The damages are those of tests/readers/mutations.py; CI runs each for a second.
 """
 
 from __future__ import annotations
@@ -22,6 +22,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from readers.mutations import SAMPLES, check_reader, mutate
+
+# compiled decoders are loaded here, so that their memory is not that of a file
+import erlif.readers.lzw
+import erlif.readers.unpack  # noqa: F401
 
 SLOW = 1.0
 """Duration of one file that is reported. [s]"""

@@ -96,8 +96,6 @@ class CameraFiles:
         Other files that hold a part of the recording, such as the header beside raw data.
     bits : int | None
         Significant bits of a count after the headers; None where they state none, or differ.
-    channels : int
-        Number of channels of the file with the most; 0 where none has channels.
     """
 
     pages: list[Page] = field(default_factory=list)
@@ -106,7 +104,6 @@ class CameraFiles:
     times: Array | None = None
     companions: list[Path] = field(default_factory=list)
     bits: int | None = None
-    channels: int = 0
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -197,7 +194,6 @@ def find_pages(
         found.times = read.times if len(paths) == 1 else None
         found.companions += read.companions
         depths.add(read.bits)
-        found.channels = max(found.channels, read.channels)
     found.bits = depths.pop() if len(depths) == 1 else None
     return found
 
@@ -388,7 +384,6 @@ class _Headers(NamedTuple):
     times: Array | None
     companions: Sequence[Path]
     bits: int | None
-    channels: int
 
 
 def _read_headers(path: Path, selection: Selection) -> _Headers:
@@ -412,7 +407,6 @@ def _read_headers(path: Path, selection: Selection) -> _Headers:
             None if times is None else times[places] - times[places[0]],
             file.companions,
             file.bits,
-            len(set(file.channels or ())),
         )
     finally:
         file.close()

@@ -30,10 +30,14 @@ from erlif.ingest.images import (
     read_page,
 )
 from erlif.ingest.logs.proposal import LOG_SUFFIXES
+from erlif.ingest.selection import WHOLE, Selection
+from erlif.ingest.shared import SharedFile, find_cameras_in_file
+from erlif.readers.hdf5 import list_datasets
 
 IMAGE_SUFFIXES = frozenset(
     {
-        *(".tif", ".tiff", ".png", ".bmp", ".pgm", ".jp2"),
+        *(".tif", ".tiff", ".btf", ".png", ".bmp", ".pgm", ".npy", ".avi"),
+        *(".fits", ".fit", ".fts", ".h5", ".hdf5"),
         *(".mraw", ".cine", ".cin", ".seq", ".raw", ".im7", ".b16", ".spe"),
     }
 )
@@ -59,9 +63,6 @@ FEW_LEVELS = 16
 
 USUAL_DEPTHS = (12, 14, 16)
 """Bit depths of cameras that store 16-bit files; dim frames of such a camera fit fewer bits."""
-
-_CAMERAS = 2
-"""Cameras whose light is compared."""
 
 COVERED = 0.8
 """Share of the frames that a way of naming must explain; the rest are other images, of a scale."""
@@ -125,8 +126,6 @@ class ImageSet:
         Names of files that cannot be read, with the reason.
     bits : int | None
         Significant bits of a count after the headers; None where they state none, or differ.
-    channels : int
-        Number of channels of the file with the most; 0 where none has channels.
     """
 
     files: tuple[Path, ...]
@@ -135,7 +134,6 @@ class ImageSet:
     kinds: tuple[str, ...]
     faults: tuple[str, ...]
     bits: int | None = None
-    channels: int = 0
 
 
 @dataclass(frozen=True)
@@ -158,8 +156,10 @@ class CameraSurvey:
         Images of the dry joint; None where no name has one of the words for them.
     counts : CountsSample | None
         None where no page can be read.
-    part : str
-        Part of the files that belongs to the camera; empty where all of them do.
+    selection : Selection
+        Part of the files that belongs to this camera where one file holds both.
+    shared : SharedFile | None
+        How the two are separated, and what shows it; None where each has its own files.
     """
 
     label: str
@@ -169,7 +169,8 @@ class CameraSurvey:
     flats: ImageSet | None
     backgrounds: ImageSet | None
     counts: CountsSample | None
-    part: str = ""
+    selection: Selection = WHOLE
+    shared: SharedFile | None = None
 
 
 @dataclass(frozen=True)
@@ -250,14 +251,18 @@ def survey_directory(directory: Path) -> Survey:
             "Name the folder of one run."
         )
 
+    tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
+    found = tuple(table for table in tables if table is not None)
     images = sorted((path for path in files if _is_image(path)), key=natural_key)
     groups, unassigned = _group_by_camera(images, directory)
     cameras = [_describe_camera(label, group, directory) for label, group in groups.items()]
-    cameras = _drop_common_wavelength(_split_channels(cameras))
+    cameras = _drop_common_wavelength(cameras)
     cameras.sort(key=lambda camera: (camera.wavelength or 0, natural_key(Path(camera.label))))
+    if len(groups) == 1:
+        label, group = groups.popitem()
+        separated = _separate(label, group, unassigned, directory, found)
+        cameras, unassigned = separated or (cameras, unassigned)
 
-    tables = [_read_table(path) for path in sorted(files) if path.suffix.lower() == ".csv"]
-    found = tuple(table for table in tables if table is not None)
     logs = tuple(path for path in sorted(files) if path.suffix.lower() in LOG_SUFFIXES)
     return Survey(directory, tuple(cameras), tuple(unassigned), found, logs)
 
@@ -277,6 +282,9 @@ def _walk(directory: Path, depth: int) -> Iterator[Path]:
 
 
 def _is_image(path: Path) -> bool:
+    # an HDF5 file may as well be a log
+    if path.suffix.lower() in (".h5", ".hdf5"):
+        return bool(list_datasets(path))
     return path.suffix.lower() in IMAGE_SUFFIXES
 
 
@@ -386,12 +394,59 @@ def _one_camera(name: str) -> str | None:
 # images
 
 
-def _describe_camera(label: str, group: dict[str, list[Path]], directory: Path) -> CameraSurvey:
+def _separate(
+    label: str,
+    group: dict[str, list[Path]],
+    unassigned: Sequence[Path],
+    directory: Path,
+    tables: Sequence[TextTable],
+) -> tuple[list[CameraSurvey], list[Path]] | None:
+    """Both cameras of files that hold two, and the files of neither; else None."""
+    shared = find_cameras_in_file(group["frames"][0], [table.rows for table in tables])
+    if shared is None:
+        return None
+
+    # no name has to name a camera where one file of darks holds both
+    rest: list[Path] = []
+    for path in unassigned:
+        purpose = _purpose(_plain_name(path, directory))
+        (rest if purpose == "frames" else group[purpose]).append(path)
+    cameras = []
+    for number, value in enumerate(shared.values):
+        if shared.key == "part":
+            selection = Selection(part=value)
+            camera = _describe_camera(f"{label} {value}", group, directory, selection)
+        else:
+            camera = _describe_camera(value, group, directory, Selection(dataset=value))
+            camera = _add_datasets(camera, shared, number, directory)
+        cameras.append(replace(camera, shared=shared))
+    return cameras, rest
+
+
+def _add_datasets(
+    camera: CameraSurvey, shared: SharedFile, number: int, directory: Path
+) -> CameraSurvey:
+    """Darks and flats that lie in the file of the frames."""
+
+    def describe(names: tuple[str, str] | None) -> ImageSet | None:
+        if names is None:
+            return None
+        chosen = Selection(dataset=names[number])
+        return _describe_set(camera.frames.files, directory, chosen)[0]
+
+    return replace(camera, darks=describe(shared.darks), flats=describe(shared.flats))
+
+
+def _describe_camera(
+    label: str, group: dict[str, list[Path]], directory: Path, selection: Selection = WHOLE
+) -> CameraSurvey:
     """Read the headers of a camera's files, and the counts of some."""
-    frames, pages = _describe_set(group["frames"], directory)
-    flats, flat_pages = _describe_set(group["flats"], directory) if group["flats"] else (None, [])
+    frames, pages = _describe_set(group["frames"], directory, selection)
+    flats, flat_pages = (
+        _describe_set(group["flats"], directory, selection) if group["flats"] else (None, [])
+    )
     darks, dry = (
-        _describe_set(group[purpose], directory)[0] if group[purpose] else None
+        _describe_set(group[purpose], directory, selection)[0] if group[purpose] else None
         for purpose in ("darks", "backgrounds")
     )
     return CameraSurvey(
@@ -402,23 +457,22 @@ def _describe_camera(label: str, group: dict[str, list[Path]], directory: Path) 
         flats=flats,
         backgrounds=dry,
         counts=_sample_counts([*_spread(pages), *_spread(flat_pages)], directory, frames.bits),
+        selection=selection,
     )
 
 
 def _describe_set(
-    files: Sequence[Path], directory: Path
+    files: Sequence[Path], directory: Path, selection: Selection = WHOLE
 ) -> tuple[ImageSet, list[tuple[Page, tuple[int, ...]]]]:
     """Headers of the files, and the readable grey pages with their shapes."""
     pages, kinds, faults, count = [], Counter[str](), [], 0
     depths: set[int | None] = set()
-    channels = 0
     for path in files:
         name = os.path.relpath(path, directory)
-        found = find_pages(directory, glob.escape(name), "frames")
+        found = find_pages(directory, glob.escape(name), "frames", selection)
         faults += [f"{name}: {reason}" for reason in found.faults.values()]
         count += len(found.pages)
         depths.add(found.bits)
-        channels = max(channels, found.channels)
         for place, (page, kind) in enumerate(zip(found.pages, found.kinds, strict=True)):
             if place not in found.faults:
                 kinds[str(kind)] += 1
@@ -427,7 +481,7 @@ def _describe_set(
     usual = tuple(kind for kind, _ in kinds.most_common())
     pattern = _find_pattern(files, directory)
     bits = depths.pop() if len(depths) == 1 else None
-    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits, channels), pages
+    return ImageSet(tuple(files), pattern, count, usual, tuple(faults), bits), pages
 
 
 def _find_pattern(files: Sequence[Path], directory: Path) -> str | None:
@@ -514,18 +568,6 @@ def _common_wavelength(names: Sequence[str]) -> int | None:
     """Wavelength that stands in all names of a camera, if there is exactly one."""
     shared = set.intersection(*(set(_WAVELENGTH.findall(name)) for name in names))
     return int(shared.pop()) if len(shared) == 1 else None
-
-
-def _split_channels(cameras: list[CameraSurvey]) -> list[CameraSurvey]:
-    """Files with two channels hold both cameras, if no name distinguishes cameras."""
-    if len(cameras) != 1 or cameras[0].frames.channels != _CAMERAS:
-        return cameras
-    both = cameras[0]
-    frames = replace(both.frames, pages=both.frames.pages // _CAMERAS)
-    return [
-        replace(both, label=f"{both.label}, {part}", frames=frames, part=part)
-        for part in ("channel 1", "channel 2")
-    ]
 
 
 def _drop_common_wavelength(cameras: Sequence[CameraSurvey]) -> list[CameraSurvey]:

@@ -173,7 +173,8 @@ def _draft_cameras(draft: _Draft, survey: Survey) -> None:
         draft.set("camera2.offset", GAP)
         draft.warn(
             "camera2",
-            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap",
+            f"frames of one camera only were found ({cameras[0].label}); camera 2 is a gap. Where "
+            "the files hold both cameras, give both tables the same files and their part",
         )
     elif len(cameras) > 2:
         labels = ", ".join(camera.label for camera in cameras)
@@ -196,8 +197,6 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     kind = frames.kinds[0] if frames.kinds else "unreadable images"
     draft.set(f"{table}.files", frames.pattern, f"{frames.pages} frames of {kind}.")
     draft.note(table, f"{frames.pages} frames of {kind}, {frames.pattern or camera.label}")
-    if camera.part:
-        draft.set(f"{table}.part", camera.part, "The files hold the frames of two cameras.")
     if frames.pattern is None:
         text = "no single pattern matches these frames and no other file; put them into one folder"
         draft.warn(table, text)
@@ -207,6 +206,7 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
         more = f" ({len(frames.faults) - 1} more)" if len(frames.faults) > 1 else ""
         draft.warn(table, f"{fault}{more}; --skip-bad-frames leaves out unreadable frame pairs")
 
+    _draft_share(draft, table, number, camera)
     if camera.wavelength is not None:
         draft.set(f"{table}.band", f"{camera.wavelength} nm", "From the names of the files.")
     if camera.counts is not None:
@@ -222,6 +222,19 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
     if camera.darks is None:
         draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
         draft.warn(table, "no dark frames were found: give offset, or photograph darks")
+
+
+def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
+    """Part or datasets of a camera where one file holds both."""
+    shared = camera.shared
+    if shared is None:
+        return
+    value = shared.values[number - 1]
+    draft.set(f"{table}.{shared.key}", value, f"Check it: {shared.reason}.")
+    draft.note(table, f'{shared.key} = "{value}": {shared.reason}')
+    for key, names in (("dark_dataset", shared.darks), ("flat_dataset", shared.flats)):
+        if names is not None:
+            draft.set(f"{table}.{key}", names[number - 1])
 
 
 def _draft_depth(draft: _Draft, table: str, counts: CountsSample) -> None:
@@ -267,10 +280,13 @@ def _compare_cameras(draft: _Draft, one: CameraSurvey, two: CameraSurvey) -> Non
     if one.wavelength is None:
         draft.warn(
             "cameras",
-            f"taken as camera1: {one.frames.pattern or one.label}, as camera2: "
-            f"{two.frames.pattern or two.label}. Camera 1 must be the one with the shorter "
-            "wavelength",
+            f"taken as camera1: {_describe(one)}, as camera2: {_describe(two)}. Camera 1 must be "
+            "the one with the shorter wavelength",
         )
+
+
+def _describe(camera: CameraSurvey) -> str:
+    return camera.label if camera.shared else camera.frames.pattern or camera.label
 
 
 def _first(kinds: tuple[str, ...]) -> str:

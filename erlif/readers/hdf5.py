@@ -74,32 +74,15 @@ class Hdf5Frames(FrameFile):
                 return found
             raise FrameError(f"it has no frames at dataset = {name!r}; {self._list()}")
 
-        candidates = self._candidates(3) or self._candidates(2)
+        candidates = _candidates(self._file, 3) or _candidates(self._file, 2)
         if len(candidates) == 1:
             return self._file[candidates[0]]
         what = "several datasets" if candidates else "no dataset"
         raise FrameError(f"it has {what} that may be frames; {self._list()}")
 
-    def _candidates(self, ndim: int) -> list[str]:
-        """Paths of the datasets of that many dimensions; links are not followed."""
-        import h5py
-
-        found: list[str] = []
-        visited = 0
-
-        def visit(name: str, item: object) -> bool | None:
-            nonlocal visited
-            visited += 1
-            if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
-                found.append(f"/{name}")
-            return True if visited > _MOST_VISITED else None
-
-        self._file.visititems(visit)
-        return found
-
     def _list(self) -> str:
         """The datasets that may hold frames, for a message."""
-        found = self._candidates(3) + self._candidates(2)
+        found = _candidates(self._file, 3) + _candidates(self._file, 2)
         if not found:
             return "no dataset of two or three dimensions holds numbers. Choose another file."
         names = []
@@ -135,6 +118,53 @@ class Hdf5Frames(FrameFile):
             raise FrameError("the file is damaged: a chunk is larger than the file can hold")
         self.kinds = SameKinds(kind, frames)
         self.times = _times(data) if data.ndim == 3 else None
+
+
+def list_datasets(path: Path) -> list[str]:
+    """Paths of the arrays of an HDF5 file that may hold frames.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of str
+        In the order of the file; empty for a file of another format, or a damaged one.
+
+    Examples
+    --------
+    >>> list_datasets(Path("pyproject.toml"))
+    []
+    """
+    with path.open("rb") as file:
+        if file.read(8) != _START:
+            return []
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return _candidates(file, 3) or _candidates(file, 2)
+    except Exception:  # h5py raises several types on damaged bytes
+        return []
+
+
+def _candidates(file: Any, ndim: int) -> list[str]:
+    """Paths of the datasets of that many dimensions; links are not followed."""
+    import h5py
+
+    found: list[str] = []
+    visited = 0
+
+    def visit(name: str, item: object) -> bool | None:
+        nonlocal visited
+        visited += 1
+        if isinstance(item, h5py.Dataset) and item.ndim == ndim and item.dtype.kind in "iuf":
+            found.append(f"/{name}")
+        return True if visited > _MOST_VISITED else None
+
+    file.visititems(visit)
+    return found
 
 
 def _follow(file: Any, name: str) -> Any:

@@ -25,7 +25,7 @@ from erlif.readers.plain_tiff import PlainPage, read_plain_directories, read_pla
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
 from erlif.readers.strips import NONE, PACKBITS, Segments, read_segments
-from erlif.readers.tiff_chain import check_directories
+from erlif.readers.tiff_chain import count_directories
 from erlif.readers.tiff_metadata import read_description
 
 # faults of a file are raised; without a handler Python would print what tifffile logs about them
@@ -136,11 +136,12 @@ class TiffFrames(FrameFile):
 
     def _open_other(self) -> bytes:
         """Find the pages by tifffile; the description of the first one."""
-        check_directories(self.path)
+        # a general reader might follow the chain out of the file, and in circles
+        count = count_directories(self.path)
         try:
             self._file = tifffile.TiffFile(self.path)
             self._source = Source(self.path)
-            pages = [_full(page) for page in self._file.pages]
+            pages = [_full(self._file.pages[k]) for k in range(count)]
             if not pages:
                 raise FrameError("the file holds no image")
             self.kinds = [_kind_of(page, self._source.size) for page in pages]

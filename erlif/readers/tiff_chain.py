@@ -37,12 +37,17 @@ _MOST_UNKNOWN = 16
 """Entries of unknown type in a directory; later versions of the format may add some."""
 
 
-def check_directories(path: Path) -> None:
-    """Refuse a file whose directories overlap, form a ring or hold more than the file can.
+def count_directories(path: Path) -> int:
+    """Count the whole directories of a file, and refuse those that overlap or form a ring.
 
     Parameters
     ----------
     path : Path
+
+    Returns
+    -------
+    int
+        Directories before the first that is cut off.
 
     Raises
     ------
@@ -63,9 +68,10 @@ def check_directories(path: Path) -> None:
         taken = directories = 0
         while place:
             size, place = _check_directory(source, place, order, big)
-            taken, directories = taken + size, directories + 1
+            taken, directories = taken + size, directories + (size > 0)
             if taken > source.size or directories > MOST_FRAMES:
                 raise FrameError("the file is damaged: its directories form a ring or overlap")
+        return directories
 
 
 def _check_directory(source: Source, place: int, order: str, big: bool) -> tuple[int, int]:

@@ -309,3 +309,14 @@ def test_images_of_davis_are_found_one_by_one(tmp_path):
             write_im7(path, random_frames(np.random.default_rng(number), frames=1))
     patterns = [camera.frames.pattern for camera in survey_directory(tmp_path).cameras]
     assert patterns == ["cam1/*.im7", "cam2/*.im7"]
+
+
+def test_parts_of_one_file_stand_in_the_order_of_their_pages(tmp_path):
+    """By name, "even" would come before "odd"; odd pages are brighter here."""
+    pages = np.stack([np.full((64, 80), 3000 - 2000 * (k % 2), np.uint16) for k in range(6)])
+    tifffile.imwrite(tmp_path / "both.tif", pages, photometric="minisblack")
+    (tmp_path / "encoder.csv").write_text("frame,angle_deg\n0,1\n1,2\n2,3\n")
+    one, two = survey_directory(tmp_path).cameras
+    assert (one.selection.part, one.counts.highest) == ("odd", 3000)
+    assert (two.selection.part, two.counts.highest) == ("even", 1000)
+    assert one.frames.pages == two.frames.pages == 3

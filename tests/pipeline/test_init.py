@@ -5,6 +5,7 @@ import shutil
 import tomllib
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import tifffile
@@ -342,3 +343,36 @@ def test_a_log_in_time_needs_the_times_of_the_frames(folder):
     text = warnings(erlif.init(folder, overwrite=True))
     assert "40 rows for 4 frames, a log in time" in text
     assert read(folder)["encoder"]["mounted_on"] == "rocker"
+
+
+# both cameras in one file
+
+
+def test_alternating_pages_and_their_darks_are_proposed(tmp_path):
+    rng = np.random.default_rng(1)
+    counts = rng.integers(60, 4000, (8, 64, 80), dtype=np.uint16)
+    tifffile.imwrite(tmp_path / "recording.tif", counts, photometric="minisblack")
+    tifffile.imwrite(tmp_path / "dark.tif", counts[:4] // 60, photometric="minisblack")
+    rows = "".join(f"{k},{k}\n" for k in range(4))
+    (tmp_path / "encoder.csv").write_text("frame,angle_deg\n" + rows)
+
+    notes = erlif.init(tmp_path)
+    settings = read(tmp_path)
+    for number, part in ((1, "odd"), (2, "even")):
+        camera = settings[f"camera{number}"]
+        assert (camera["files"], camera["part"]) == ("recording.tif", part)
+        assert camera["dark"] == "dark.tif"
+    assert "4 frames of 80 x 64 uint16" in "\n".join(map(str, notes))
+    assert "rows for" not in warnings(notes)
+
+
+def test_datasets_of_one_file_are_proposed(tmp_path):
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        for camera in (1, 2):
+            for name in ("counts", "dark"):
+                file[f"camera{camera}/{name}"] = np.full((3, 64, 80), 9 * camera, np.uint16)
+    erlif.init(tmp_path)
+    camera = read(tmp_path)["camera2"]
+    assert (camera["files"], camera["dark"]) == ("run.h5", "run.h5")
+    assert (camera["dataset"], camera["dark_dataset"]) == ("/camera2/counts", "/camera2/dark")
+    assert "part" not in camera
