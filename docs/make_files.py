@@ -232,6 +232,43 @@ FILM = (
         "Its standard deviation.",
         "light and films of the run determine it",
     ),
+    *(
+        Variable(
+            f"bleaching_{name}{suffix}",
+            (),
+            "float64",
+            "1",
+            "Its standard deviation."
+            if suffix
+            else f"Change of the logarithm of the {what} from frame to frame at equal film.",
+            when,
+        )
+        for name, what, when in (
+            ("ratio", "ratio", "the run has several cycles or a reference patch"),
+            (
+                "light",
+                "light of camera 1 over the logged energy",
+                "the run has several cycles or a reference patch, and logged pulse energies",
+            ),
+        )
+        for suffix in ("", "_std")
+    ),
+    Variable(
+        "reference_film",
+        T,
+        "float64",
+        "um",
+        "Film of the reference patch. Attributes: thickness and uncertainty as given. [um]",
+        "[reference] names a patch",
+    ),
+    Variable(
+        "reference_film_std",
+        T,
+        "float64",
+        "um",
+        "Its standard deviation, random and shared.",
+        "[reference] names a patch",
+    ),
     Variable(
         "speed_exponent",
         (),

@@ -163,12 +163,16 @@ class FrameChain(PickledByFields):
         Difference of sharpness that is removed from the ratio.
     no_film_below : float
         Light relative to the surroundings below which both bands show a bubble. [1]
+    ratio_drift : float
+        Change of the logarithm of the ratio from frame to frame by bleaching dyes, which is taken
+        out; frame 0 stays as it is. [1]
     """
 
     correct: FrameCorrection
     camera_map: CameraMap
     blur: BlurDifference = field(default_factory=BlurDifference)
     no_film_below: float = 0.25
+    ratio_drift: float = 0.0
 
     @property
     def pairs(self) -> FramePairs:
@@ -229,7 +233,11 @@ class FrameChain(PickledByFields):
 
     def compute_ratio(self, aligned: AlignedFrames) -> RatioImages:
         """The ratio image of an aligned frame pair."""
-        return compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
+        ratios = compute_ratio(aligned, no_film_below=self.no_film_below, blur=self.blur)
+        if self.ratio_drift:
+            for n, frame in enumerate(ratios.frame.values):
+                ratios.log_ratio.values[n] -= self.ratio_drift * int(frame)
+        return ratios
 
     def ratio(self, frame: int) -> RatioImages:
         """The ratio image of one frame pair, its files hashed as they are read.
@@ -249,7 +257,7 @@ class FrameChain(PickledByFields):
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
-        ratio = self._divide(light, self._find_drift(light), buffers)
+        ratio = self._level(frame, self._divide(light, self._find_drift(light), buffers))
         spare = light.light[1], light.variance[1], light.variance_fixed[1]
         return replace(ratio, digests=digests, spare=spare)
 
@@ -260,8 +268,14 @@ class FrameChain(PickledByFields):
         """
         buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation)
         light = self.correct.light(frame, out=buffers.light)
-        ratio = self._divide(light, drift, buffers)
+        ratio = self._level(frame, self._divide(light, drift, buffers))
         return ratio, np.stack([light.light[0], buffers.warped.light])
+
+    def _level(self, frame: int, ratio: PairRatio) -> PairRatio:
+        """The ratio with fresh dyes."""
+        if self.ratio_drift:
+            ratio.log_ratio[:] -= np.float32(self.ratio_drift * frame)
+        return ratio
 
     def _divide(self, light: PairLight, drift: tuple[float, float], buffers: _Buffers) -> PairRatio:
         return measure_ratio(

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import References
-from erlif.ingest import FramePairs
+from erlif.ingest import FramePairs, Run
+from erlif.passes import PairRatio
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Threads
-from erlif.pipeline.results import FrameResult
+from erlif.pipeline.reference import describe_reference, find_patch
+from erlif.pipeline.results import FrameResult, TriggerResult
 from erlif.ratio import LightCells, cell_places, sample_cells
-from erlif.trend import BackgroundEstimate, LightRecord, estimate_background
+from erlif.settings import LightOptions
+from erlif.thickness import NO_PATCH, PatchMean, sample_patch
+from erlif.trend import (
+    BackgroundEstimate,
+    LightRecord,
+    Region,
+    Trend,
+    estimate_background,
+    fit_trend,
+)
 
 _MOST_FRAMES = 400
 """Frames of an estimate, spread over the run: their number bounds memory and time."""
@@ -38,43 +49,90 @@ def choose_frames(pairs: FramePairs) -> frozenset[int]:
     return frozenset(pairs.spread(_MOST_FRAMES))
 
 
-def measure_cells(chain: FrameChain, *, workers: int | None = None) -> dict[int, LightCells]:
-    """Light and ratio in the cells of the frames that `choose_frames` names.
+class FrameLight(NamedTuple):
+    """Light of a frame pair in the cells of the image and in the reference patch.
+
+    Attributes
+    ----------
+    cells : LightCells
+    patch : PatchMean
+    """
+
+    cells: LightCells
+    patch: PatchMean
+
+
+def sample_light(pair: PairRatio, patch: Region | None) -> FrameLight:
+    """Light of a frame pair.
+
+    Parameters
+    ----------
+    pair : PairRatio
+    patch : Region or None
+        Rows and columns of the reference patch.
+
+    Returns
+    -------
+    FrameLight
+    """
+    cells = sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
+    return FrameLight(cells, sample_reference(pair, patch))
+
+
+def sample_reference(pair: PairRatio, patch: Region | None) -> PatchMean:
+    """Light of a frame pair in the reference patch; NaN without one."""
+    if patch is None:
+        return NO_PATCH
+    within = patch.rows, patch.columns
+    return sample_patch(
+        pair.light_one[within],
+        pair.log_ratio[within],
+        pair.variance[within],
+        pair.flags[within],
+        noise_correlation=pair.noise_correlation,
+    )
+
+
+def measure_lights(
+    chain: FrameChain, patch: Region | None, *, workers: int | None = None
+) -> dict[int, FrameLight]:
+    """Light of the frames that `choose_frames` names.
 
     Parameters
     ----------
     chain : FrameChain
+    patch : Region or None
+        Rows and columns of the reference patch.
     workers : int, optional
         Threads; default: one per processor.
 
     Returns
     -------
-    dict of int to LightCells
+    dict of int to FrameLight
     """
+    lights: dict[int, FrameLight] = {}
+    Threads(workers).compute(
+        lambda frame: sample_light(chain.measure(frame), patch),
+        sorted(choose_frames(chain.pairs)),
+        lights.__setitem__,
+    )
+    return lights
 
-    def measure(frame: int) -> LightCells:
-        pair = chain.measure(frame)
-        return sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
 
-    cells: dict[int, LightCells] = {}
-    Threads(workers).compute(measure, sorted(choose_frames(chain.pairs)), cells.__setitem__)
-    return cells
-
-
-def kept_cells(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, LightCells]:
+def kept_lights(frames: Sequence[FrameResult], pairs: FramePairs) -> dict[int, FrameLight]:
     """The same from what was kept while the films were measured."""
     chosen = choose_frames(pairs)
-    return {one.frame: one.cells for one in frames if one.frame in chosen}
+    return {one.frame: FrameLight(one.cells, one.patch) for one in frames if one.frame in chosen}
 
 
 def find_background(
-    cells: dict[int, LightCells], calibration: Calibration, energies: Array | None
+    lights: dict[int, FrameLight], calibration: Calibration, energies: Array | None
 ) -> BackgroundEstimate | None:
     """Estimate the background of a run.
 
     Parameters
     ----------
-    cells : dict of int to LightCells
+    lights : dict of int to FrameLight
         By frame.
     calibration : Calibration
     energies : array, (frame,), optional
@@ -85,10 +143,10 @@ def find_background(
     BackgroundEstimate or None
         None where the run does not determine it.
     """
-    frames = sorted(cells)
+    frames = sorted(lights)
     if not frames:
         return None
-    parts = np.array([cells[frame] for frame in frames], float).transpose(1, 0, 2)
+    parts = np.array([lights[frame].cells for frame in frames], float).transpose(1, 0, 2)
     found = estimate_background(
         LightRecord(*parts),
         cell_places(),
@@ -229,3 +287,248 @@ def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
         background_recorded=recorded,
     )
     return replace(chain, correct=replace(chain.correct, references=References(added)))
+
+
+def find_bleaching(
+    lights: dict[int, FrameLight], triggers: AnyArray, energies: Array | None
+) -> tuple[Trend | None, str]:
+    """Change of ratio and light with every pulse, at equal film.
+
+    Parameters
+    ----------
+    lights : dict of int to FrameLight
+        By frame.
+    triggers : array of int, (frame,)
+        Trigger of every frame of the run.
+    energies : array, (frame,), optional
+        Relative pulse energies from the log. [1]
+
+    Returns
+    -------
+    trend : Trend or None
+        None where neither a patch nor several cycles determine it.
+    source : str
+        Where the film is the same: the reference patch, or equal triggers.
+    """
+    frames = np.array(sorted(lights), int)
+    if not frames.size:
+        return None, ""
+    lowered = np.zeros(frames.size)
+    if energies is not None and (energies[frames] > 0).all():
+        lowered = np.log(energies[frames])
+    unknown = energies is None  # light alone then follows the energy as well
+    patch = np.array([lights[frame].patch for frame in frames])
+    if np.isfinite(patch[:, 1]).any():
+        light = np.where(unknown, np.nan, patch[:, :1] - lowered[:, None])
+        group = np.zeros(frames.size, int)
+        return fit_trend(frames.astype(float), group, patch[:, 1:2], light), "on the patch"
+
+    light = np.array([lights[frame].cells.light for frame in frames], float)
+    ratio = np.array([lights[frame].cells.log_ratio for frame in frames], float)
+    light = np.where(unknown, np.nan, light - lowered[:, None])
+    found = fit_trend(frames.astype(float), triggers[frames], ratio, light)
+    return found, "at equal triggers"
+
+
+def describe_bleaching(
+    trend: Trend | None, source: str, *, frames: int, corrected: bool
+) -> tuple[dict[str, Any], list[Note]]:
+    """Variables of the film and notes about bleaching dyes.
+
+    Parameters
+    ----------
+    trend : Trend or None
+    source : str
+        As `find_bleaching` returns it.
+    frames : int
+        Frames of the run.
+    corrected : bool
+        Whether it was to be taken out.
+
+    Returns
+    -------
+    variables : dict of str to variable
+    notes : list of Note
+    """
+    if trend is None:
+        if not corrected:
+            return {}, []
+        text = (
+            "bleaching cannot be separated from a change of the film: this takes several cycles "
+            "or a reference patch. Nothing was taken out of the ratio"
+        )
+        return {}, [Note(Level.WARNING, "bleaching", text)]
+    attrs = {"units": "1", "long_name": f"change of ln(ratio) per frame, {source}"}
+    of_light = {"units": "1", "long_name": f"change of ln(light of camera 1) per frame, {source}"}
+    std = {"units": "1", "long_name": "its standard deviation"}
+    variables: dict[str, Any] = {
+        "bleaching_ratio": ((), trend.log_ratio, attrs | {"corrected": str(corrected).lower()}),
+        "bleaching_ratio_std": ((), trend.log_ratio_std, std),
+    }
+    if np.isfinite(trend.light):
+        variables |= {
+            "bleaching_light": ((), trend.light, of_light),
+            "bleaching_light_std": ((), trend.light_std, std),
+        }
+    if not trend.significant() and not corrected:
+        return variables, []
+    light = ""
+    if np.isfinite(trend.light):
+        light = f", the light of camera 1 by {_per_cent(trend.light, trend.light_std, frames)}"
+    text = (
+        f"{source}, the ratio changes by {_per_cent(trend.log_ratio, trend.log_ratio_std, frames)}"
+        f"{light} over the run, as with dyes that bleach"
+    )
+    if source == "at equal triggers":
+        text += " or films that change from cycle to cycle"
+    if corrected:
+        return variables, [Note(Level.NOTE, "bleaching", f"{text}; taken out of the ratio")]
+    text += '; bleaching = "correct" in [light] takes the change out of the ratio'
+    return variables, [Note(Level.WARNING, "bleaching", text)]
+
+
+def _per_cent(slope: float, std: float, frames: int) -> str:
+    return f"{100 * frames * slope:+.2f} ± {100 * frames * std:.2f} %"
+
+
+def widen_by_bleaching(
+    film: xr.Dataset,
+    trend: Trend | None,
+    pulses: Array,
+    calibration: Calibration,
+    *,
+    corrected: bool,
+) -> xr.Dataset:
+    """Add the error of the drift of the ratio to the errors of mean and minimum.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        film_mean and film_min with their standard deviations. [um]
+    trend : Trend or None
+    pulses : array, (trigger,)
+        Mean number of the pulses of each trigger.
+    calibration : Calibration
+    corrected : bool
+        Where it was taken out, its uncertainty remains; else a significant change itself.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    if trend is None or not (corrected or trend.significant()):
+        return film
+    change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
+    low, high = calibration.thickness_range
+    for name in ("film_mean", "film_min"):
+        values = np.clip(np.nan_to_num(film[name].values, nan=high), low, high)
+        std = film[f"{name}_std"]
+        shift = np.nan_to_num(pulses) * change / calibration.slope(values)
+        film[f"{name}_std"] = std.copy(data=np.hypot(std.values, shift))
+    return film
+
+
+@dataclass(frozen=True)
+class LightFindings:
+    """What light and films of a run show beside the films.
+
+    Attributes
+    ----------
+    background : BackgroundEstimate | None
+        None where it is not determined.
+    bleaching : Trend | None
+        None where it is not determined.
+    source : str
+        Where the film is the same, for bleaching.
+    """
+
+    background: BackgroundEstimate | None = None
+    bleaching: Trend | None = None
+    source: str = ""
+
+    def complete(self, remaining: LightFindings, options: LightOptions) -> LightFindings:
+        """What was corrected as it was found before, and the rest from the finished films."""
+        return LightFindings(
+            self.background if options.background == "correct" else remaining.background,
+            self.bleaching if options.bleaching == "correct" else remaining.bleaching,
+            self.source if options.bleaching == "correct" else remaining.source,
+        )
+
+
+def run_patch(run: Run) -> Region | None:
+    """Rows and columns of the reference patch of a run; None without one."""
+    settings = run.settings
+    return find_patch(
+        settings.reference, pitch=1e3 * settings.optics.pixel_pitch, shape=run.pairs.shape
+    )
+
+
+def find_light(
+    lights: dict[int, FrameLight],
+    calibration: Calibration,
+    triggers: AnyArray,
+    energies: Array | None,
+) -> LightFindings:
+    """Background and bleaching of a run; parameters as for both."""
+    return LightFindings(
+        find_background(lights, calibration, energies),
+        *find_bleaching(lights, triggers, energies),
+    )
+
+
+def correct_light(
+    chain: FrameChain, calibration: Calibration, found: LightFindings, options: LightOptions
+) -> tuple[FrameChain, Calibration]:
+    """Chain and calibration with which the films are measured, where corrections are asked for."""
+    if options.background == "correct" and found.background is not None:
+        chain = subtract(chain, found.background)
+        calibration = replace(calibration, background=found.background.error)
+    if options.bleaching == "correct" and found.bleaching is not None:
+        chain = replace(chain, ratio_drift=found.bleaching.log_ratio)
+    return chain, calibration
+
+
+def describe_light(
+    found: LightFindings, results: Sequence[TriggerResult], run: Run, calibration: Calibration
+) -> tuple[dict[str, Any], list[Note]]:
+    """Variables and notes about background, bleaching and reference patch."""
+    options = run.settings.light
+    parts = [
+        describe_background(
+            found.background, calibration, corrected=options.background == "correct"
+        ),
+        describe_bleaching(
+            found.bleaching,
+            found.source,
+            frames=len(run.pairs.usable),
+            corrected=options.bleaching == "correct",
+        ),
+        describe_reference(results, run.settings.reference, calibration),
+    ]
+    variables: dict[str, Any] = {}
+    notes: list[Note] = []
+    for more, also in parts:
+        variables |= more
+        notes += also
+    return variables, notes
+
+
+def widen_errors(
+    film: xr.Dataset,
+    found: LightFindings,
+    results: Sequence[TriggerResult],
+    run: Run,
+    calibration: Calibration,
+) -> xr.Dataset:
+    """Errors of mean and minimum with what was not corrected, or only within an error."""
+    options = run.settings.light
+    if options.background != "correct":
+        film = widen_statistics(film, found.background, calibration)
+    pulses = [np.mean([one.frame for one in result.frames] or [0]) for result in results]
+    return widen_by_bleaching(
+        film,
+        found.bleaching,
+        np.array(pulses),
+        calibration,
+        corrected=options.bleaching == "correct",
+    )

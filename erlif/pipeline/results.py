@@ -14,9 +14,10 @@ from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages
 from erlif.ingest import FramePairs, depth_warning
 from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PulseSample
+from erlif.thickness import NO_PATCH, PatchMean
 from erlif.trend import FilmStatistics
 
-_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells")
+_COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells", "patch")
 """Arrays of a trigger with one row for each frame pair."""
 
 
@@ -41,6 +42,8 @@ class FrameResult:
         Means by which the pulse is recognised.
     cells : LightCells
         Light and ratio in coarse cells; NaN in frames that are not sampled.
+    patch : PatchMean
+        Light and ratio of the reference patch; NaN without one.
     """
 
     frame: int
@@ -50,6 +53,7 @@ class FrameResult:
     digests: tuple[str, str] = ("", "")
     pulse: PulseSample = field(default=NO_PULSE, compare=False)
     cells: LightCells = field(default=NO_CELLS, compare=False)
+    patch: PatchMean = field(default=NO_PATCH, compare=False)
 
     @classmethod
     def of(
@@ -112,6 +116,7 @@ class TriggerResult:
             "cells": np.array([one.cells for one in self.frames], np.float32).reshape(
                 -1, *np.shape(NO_CELLS)
             ),
+            "patch": np.array([one.patch for one in self.frames], float).reshape(-1, 3),
         }
 
     @classmethod
@@ -122,7 +127,6 @@ class TriggerResult:
             value = arrays[f"film_{one.name}"]
             kept[one.name] = value if value.ndim else float(value)
         statistics = FilmStatistics(**kept)
-        columns = (arrays[name] for name in _COLUMNS)
         frames = tuple(
             FrameResult(
                 int(frame),
@@ -132,8 +136,11 @@ class TriggerResult:
                 (digests[0].decode(), digests[1].decode()),
                 PulseSample(*pulse),
                 LightCells(*cells),
+                PatchMean(*patch.tolist()),
             )
-            for frame, drift, peaks, energy, digests, pulse, cells in zip(*columns, strict=True)
+            for frame, drift, peaks, energy, digests, pulse, cells, patch in zip(
+                *(arrays[name] for name in _COLUMNS), strict=True
+            )
         )
         return cls(statistics, frames, tuple(arrays["pixels"].tolist()))
 

@@ -49,13 +49,15 @@ from erlif.pipeline.film import (
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.light import (
+    LightFindings,
     choose_frames,
-    describe_background,
-    find_background,
-    kept_cells,
-    measure_cells,
-    subtract,
-    widen_statistics,
+    correct_light,
+    describe_light,
+    find_light,
+    kept_lights,
+    measure_lights,
+    run_patch,
+    widen_errors,
 )
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import PulseError, check_pulses
@@ -201,19 +203,19 @@ def process_run(
         own_map = calibration.camera_map
         nodes = None if own_map is None else MapNodes.of(own_map)
         calibration, own_map = replace(calibration, camera_map=None), None
-        correct = settings.light.background == "correct"
+        options, patch = settings.light, run_patch(run)
+        correct = "correct" in (options.background, options.bleaching)
         prepared = prepare_chain(run, progress, stored=stored, tables_only=not correct)
         chain, notes_on_cameras = prepared.chain, prepared.notes
         refuse_swapped_cameras(chain, calibration, prepared.sample, stored=nodes)
 
         # a background that is to be subtracted is found before the films are measured
-        energies, background, measuring = read_energies(run.log), None, calibration
+        energies, found, measuring = read_energies(run.log), LightFindings(), calibration
         if correct:
-            with stage("background", _logger):
-                background = find_background(measure_cells(chain), calibration, energies)
-            if background is not None:
-                chain = subtract(chain, background)
-                measuring = replace(calibration, background=background.error)
+            with stage("light", _logger):
+                lights = measure_lights(chain, patch)
+                found = find_light(lights, calibration, cycle.trigger.values, energies)
+            chain, measuring = correct_light(chain, calibration, found, options)
 
         # the frames need neither the sample nor the map that was stored
         del prepared, stored
@@ -246,15 +248,16 @@ def process_run(
             *notes_on_pulses,
             *describe_frame_notes(frames, run.pairs),
         ]
-        if not correct:
-            background = find_background(kept_cells(frames, run.pairs), calibration, energies)
-        light, notes_on_light = describe_background(background, calibration, corrected=correct)
+        remaining = find_light(
+            kept_lights(frames, run.pairs), calibration, cycle.trigger.values, energies
+        )
+        found = found.complete(remaining, options)
+        light, notes_on_light = describe_light(found, results, run, calibration)
         notes += notes_on_light
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, measuring, hashes=hashes, notes=notes)
         film = film.assign(light)
-        if not correct:
-            film = widen_statistics(film, background, calibration)
+        film = widen_errors(film, found, results, run, calibration)
         film.attrs["identity"] = identify_work(run, calibration, hashes)
         groups = {
             "frames": describe_frames(run, cycle, results, drift),
@@ -286,6 +289,7 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
         sliding_along_x=settings.optics.x_axis == "sliding",
         smoothing=settings.thickness.smoothing,
         sampled=choose_frames(run.pairs),
+        patch=run_patch(run),
     )
 
 

@@ -22,8 +22,9 @@ from erlif.passes import FilmTables, PairRatio, PairSum, measure_film, measure_p
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Engine
 from erlif.pipeline.film import MAPS
+from erlif.pipeline.light import FrameLight, sample_light, sample_reference
 from erlif.pipeline.results import FrameResult, TriggerResult
-from erlif.ratio import NO_CELLS, LightCells, sample_cells, sample_pulse, smooth_ratio
+from erlif.ratio import NO_CELLS, sample_pulse, smooth_ratio
 from erlif.thickness import measure_pulse_energy, measure_thickness
 from erlif.trend import FilmCurve, Region, summarise_blocks
 
@@ -49,6 +50,8 @@ class TriggerTask(PickledByFields):
         Resolution of the smoothed ratio behind the maps; None: not smoothed. [px]
     sampled : frozenset[int]
         Frame pairs whose light is kept in coarse cells.
+    patch : Region | None
+        Rows and columns of the reference patch.
     """
 
     chain: FrameChain
@@ -57,6 +60,7 @@ class TriggerTask(PickledByFields):
     sliding_along_x: bool = True
     smoothing: int | None = None
     sampled: frozenset[int] = frozenset()
+    patch: Region | None = None
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -78,14 +82,14 @@ class TriggerTask(PickledByFields):
         if len(frames) == 1:  # the film of the trigger is that of its only frame
             ratio = self.chain.measure(frames[0])
             pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
-            cells = self._sample(frames[0], ratio)
+            light = self._sample(frames[0], ratio)
             film = measure_film(ratio, self.tables, self.region)
             energy = measure_pulse_energy(
                 ratio.light_one, film.thickness, film.flags, attenuation=attenuation
             )
             kept.append(
                 FrameResult(
-                    frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse, cells
+                    frames[0], ratio.drift, ratio.peaks, energy, ratio.digests, pulse, *light
                 )
             )
         else:
@@ -94,10 +98,10 @@ class TriggerTask(PickledByFields):
                 pair = self.chain.measure(frame)
                 total.add(pair)
                 pulse = sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
-                cells = self._sample(frame, pair)
+                light = self._sample(frame, pair)
                 energy = measure_pulse(pair, self.tables, attenuation=attenuation)
                 kept.append(
-                    FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse, cells)
+                    FrameResult(frame, pair.drift, pair.peaks, energy, pair.digests, pulse, *light)
                 )
             ratio = total.mean()
             if not frames:
@@ -115,10 +119,11 @@ class TriggerTask(PickledByFields):
             maps = {variable.name: measured[variable.name].values for variable in MAPS}
         return maps, TriggerResult(statistics, tuple(kept), tuple(count_flags(maps["flags"])))
 
-    def _sample(self, frame: int, pair: PairRatio) -> LightCells:
-        if frame not in self.sampled:
-            return NO_CELLS
-        return sample_cells(pair.light_one, pair.log_ratio, pair.variance, pair.flags)
+    def _sample(self, frame: int, pair: PairRatio) -> FrameLight:
+        """Light of a frame in the cells of the image and in the reference patch."""
+        if frame in self.sampled:
+            return sample_light(pair, self.patch)
+        return FrameLight(NO_CELLS, sample_reference(pair, self.patch))
 
     @cached_property
     def tables(self) -> FilmTables:

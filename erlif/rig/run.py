@@ -312,8 +312,8 @@ def run_toml(rig: RigSettings, triggers: Triggers) -> str:
         edge = _PATCH_EDGE * rig.pitch
         reference = f"""
 [reference]
-x = [{first + edge:.6g}, {last - edge:.6g}]
-y = [{upper + edge:.6g}, {lower - edge:.6g}]
+region = {{ x = [{first + edge:.6g}, {last - edge:.6g}], \
+y = [{upper + edge:.6g}, {lower - edge:.6g}] }}
 thickness = "{rig.reference:g} um"
 uncertainty = "{_REFERENCE_STD:g} um"
 """

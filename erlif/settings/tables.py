@@ -670,6 +670,37 @@ class LightOptions(Settings):
         "frames of the dry joint: reported with its uncertainty, or subtracted from the frames. It "
         "is taken as even over the image.",
     )
+    bleaching: Literal["report", "correct"] = Field(
+        "report",
+        description="Change of the ratio with every pulse at equal film, on the reference patch or "
+        "at equal triggers of several cycles: reported, or taken out of the ratio.",
+    )
+
+
+class ReferenceSettings(Settings):
+    """A patch of known film that both cameras see in every frame."""
+
+    region: RegionOfInterest | None = Field(
+        None,
+        description="Region of the patch in mm.",
+        examples=[{"x": [1.2, 3.4], "y": [6, 9]}],
+    )
+    thickness: Length | None = Field(
+        None,
+        description="Film of the patch. Default: there is no patch.",
+        examples=["5.2 um"],
+    )
+    uncertainty: Length | None = Field(
+        None,
+        description="Standard deviation of that film. Default: it is exact.",
+        examples=["0.02 um"],
+    )
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.region is None) != (self.thickness is None):
+            raise ValueError("give region and thickness of the reference patch together")
+        return self
 
 
 class RunName(Settings):
@@ -707,6 +738,7 @@ class RunSettings(Settings):
     registration: RegistrationOptions = RegistrationOptions()
     thickness: ThicknessOptions = ThicknessOptions()
     light: LightOptions = LightOptions()
+    reference: ReferenceSettings = ReferenceSettings()
 
     @property
     def name(self) -> str:

@@ -1,6 +1,7 @@
 """Maps to statistics, profiles, theory and the speed exponent."""
 
 from erlif.trend.background import BackgroundEstimate, LightRecord, estimate_background
+from erlif.trend.bleaching import Trend, fit_trend
 from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
@@ -30,6 +31,7 @@ __all__ = [
     "Region",
     "RigidGap",
     "Solid",
+    "Trend",
     "VogelLaw",
     "average_across_sliding",
     "compare_with_roughness",
@@ -37,6 +39,7 @@ __all__ = [
     "find_region",
     "fit_exponent",
     "fit_gap_minimum",
+    "fit_trend",
     "predict_film",
     "rigid_gap",
     "sum_blocks",

@@ -229,11 +229,12 @@ def test_the_patch_has_its_film_at_all_triggers_and_is_named_in_run_toml(odd):
     settings = tomllib.loads((odd / "run" / "run.toml").read_text())["reference"]
     assert settings["thickness"] == "4 um"
     with xr.open_dataset(odd / "truth.nc", engine="h5netcdf") as truth:
-        patch = truth.film.sel(x=slice(*settings["x"]), y=slice(*settings["y"]))
+        region = settings["region"]
+        patch = truth.film.sel(x=slice(*region["x"]), y=slice(*region["y"]))
         assert patch.size > 50
         npt.assert_array_equal(patch, 4.0)
         (left, _), _ = RigSettings(width=64, height=48).region
-        assert settings["x"][1] < left
+        assert region["x"][1] < left
 
 
 def test_the_fixture_has_neither_background_nor_bleaching(odd, tmp_path):
