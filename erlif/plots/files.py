@@ -270,7 +270,7 @@ def _describe_steady(film: xr.Dataset) -> str:
     if "sliding_speed" not in film:
         return "the film has no speed"
     speed = 1e3 * float(film.sliding_speed[0])
-    return f"the sliding speed is the same at all triggers, {speed:.4g} mm/s"
+    return f"the sliding speed is the same at all triggers to 1 %, {speed:.4g} mm/s"
 
 
 def _reason_without_trend(film: xr.Dataset) -> str | None:

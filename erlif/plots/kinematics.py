@@ -217,7 +217,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     if speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
     else:
-        ax.set_ylim(0, None)
+        ax.set_ylim(0, 1.1 * speed.max())  # whole markers
     ax.set_xlabel(label)
     ax.set_ylabel("sliding speed [mm/s]")
     if against_position and "stroke" in film:

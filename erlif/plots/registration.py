@@ -8,6 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.ticker import MaxNLocator
 
 from erlif.plots.maps import bare_image
 from erlif.plots.style import (
@@ -135,6 +136,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
         )
 
     ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("number of the frame pair [1]")
     ax.set_ylabel("drift of camera 2 [px]")
     ax.margins(x=0.01)

@@ -11,8 +11,8 @@ from erlif.core.arrays import Array, Mask
 from erlif.files import motion_of
 from erlif.plots.style import OUTWARD, STROKES
 
-_STEADY = 1e-6
-"""Relative range of a speed below which it is the same at all triggers."""
+_STEADY = 0.01
+"""Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
 
 _ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
 """Look of the triggers where there are no strokes."""
@@ -98,7 +98,7 @@ def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
 
 
 def has_varying_speed(film: xr.Dataset) -> bool:
-    """Whether the sliding or the joint speed differs between triggers."""
+    """Whether the sliding or the joint speed differs by more than a hundredth between triggers."""
     name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
     if name not in film:
         return False

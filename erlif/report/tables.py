@@ -154,6 +154,10 @@ def _exponent_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     for name, title in (("speed_exponent", "minimum"), ("speed_exponent_mean", "mean")):
         if name not in film:
             continue
+        if not math.isfinite(float(film[name])):
+            reason = "not fitted: fewer than five triggers can be used, or it hardly varies"
+            rows.append((f"Power of speed over load, {title} film thickness", reason))
+            continue
         text = with_error(float(film[name]), float(film[f"{name}_std"]))
         used = film[name].attrs.get("triggers_used")
         count = f" ({int(used)} triggers)" if used is not None else ""

@@ -56,6 +56,20 @@ def dim_case(request, tmp_path_factory):
     return process(tmp_path_factory.mktemp("dim"), seed, rig)
 
 
+MOVED = {
+    "rotation": (621, RigSettings(mechanism="rotation", load_swing=0.5)),
+    "sinusoidal": (622, RigSettings(mechanism="sinusoidal")),
+    "static": (623, RigSettings(mechanism="static", pictures=8)),
+}
+
+
+@pytest.fixture(scope="module", params=MOVED, ids=str)
+def moved_case(request, tmp_path_factory):
+    """A disc, a slider and a static film."""
+    seed, rig = MOVED[request.param]
+    return process(tmp_path_factory.mktemp("moved"), seed, rig)
+
+
 def process(out, seed, rig):
     simulate(out, seed=seed, rig=rig)
     calibration = erlif.calibrate(out / "fixture")
@@ -141,6 +155,24 @@ def check_coverage(case):
         assert 0.66 <= np.mean(pull[here] < 1) <= 0.70, (low, high)
         assert 0.945 <= np.mean(pull[here] < 2) <= 0.965, (low, high)
     assert octaves >= 3
+
+
+@pytest.mark.slow
+def test_error_bars_cover_on_other_tribometers(moved_case):
+    check_coverage(moved_case)
+    check_far_off(moved_case)
+    check_minimum_film_thickness(moved_case)
+
+
+@pytest.mark.slow
+def test_mean_film_of_other_tribometers_is_right_within_its_error_bars(moved_case):
+    x, y = moved_case.film.x.values, moved_case.film.y.values
+    inside = ((y >= 2) & (y <= 13))[:, None] & ((x >= 4) & (x <= 15))
+    use = inside & (moved_case.film.flags.values == 0)
+    known = np.where(use, moved_case.truth.film.values, 0).sum(axis=(1, 2)) / use.sum(axis=(1, 2))
+    pull = (moved_case.film.film_mean.values - known) / moved_case.film.film_mean_std.values
+    assert np.abs(pull).max() < 4
+    assert np.sqrt(np.mean(pull**2)) < 2  # one calibration for all triggers
 
 
 @pytest.mark.slow

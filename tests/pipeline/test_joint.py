@@ -74,3 +74,25 @@ def test_frames_of_the_rig_are_located_as_it_made_them(run, truth):
     npt.assert_allclose(cycle.rocker_speed, truth.rocker_speed, atol=1e-3)
     npt.assert_allclose(cycle.sliding_speed, np.abs(truth.rocker_speed) * 33.36e-3, atol=1e-4)
     assert math.isclose(float(cycle.encoder_angle[1]), 8.0)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "travel"),
+    [
+        ({"kind": "rotation", "radius": "33.36 mm", "speed": "60 rpm"}, math.inf),
+        ({"kind": "sinusoidal", "stroke": "10 mm", "frequency": "5 Hz"}, 5e-3),
+    ],
+)
+def test_entrained_oil_moves_at_half_the_speed_of_the_moving_surface(mechanism, travel):
+    """A shaft never turns back; a slider of 10 mm stroke carries the oil over 5 mm."""
+    raw = tomllib.loads(RUN_TOML) | {"mechanism": mechanism}
+    joint = describe_joint(RunSettings.model_validate(raw))
+    assert joint.stroke == travel
+    npt.assert_allclose(joint.radius, 4.872010, rtol=1e-6)
+
+
+@pytest.mark.parametrize("missing", ["joint", "oil"])
+def test_without_joint_or_oil_there_is_nothing_to_predict_from(missing):
+    raw = tomllib.loads(RUN_TOML)
+    del raw[missing]
+    assert describe_joint(RunSettings.model_validate(raw)) is None
