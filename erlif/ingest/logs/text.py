@@ -34,6 +34,9 @@ SAMPLE = 400
 LONGEST_LINE = 2**20
 """Characters of a line above which a file is no table."""
 
+LARGE = 2**20
+"""Size from which all rows are read at once, if they hold numbers alone. [byte]"""
+
 _SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 
 _COMMENT = ("#", "%")
@@ -91,6 +94,9 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
 
     try:
         layout = _find_layout(text(), wanted, path)
+        plain = _read_plain(content, encoding, layout)
+        if plain is not None:
+            return _make_table(path, layout, *plain, spoken)
         builders, rows = _read_rows(text(), layout, path)
     except (UnicodeError, csv.Error) as error:
         raise EncoderError(
@@ -99,15 +105,24 @@ def read_text_table(path: Path, wanted: Collection[str]) -> LogTable:
         ) from error
 
     decimal = _check_decimals(builders, path)
-    columns = tuple(
-        builder.finish(unit) for builder, unit in zip(builders, layout.units, strict=True)
-    )
+    columns = [builder.finish(unit) for builder, unit in zip(builders, layout.units, strict=True)]
+    return _make_table(path, layout, columns, rows, decimal, spoken)
+
+
+def _make_table(
+    path: Path,
+    layout: _Layout,
+    columns: Sequence[LogColumn],
+    rows: Sequence[int],
+    decimal: str,
+    spoken: str,
+) -> LogTable:
     separator = _SEPARATORS[layout.separator]
     remarks = [f"columns separated by {separator}"] if layout.separator != "," else []
     remarks += [remark for remark in (decimal, spoken) if remark]
     if layout.header_row > 1:
         remarks.append(f"header in row {layout.header_row}")
-    return LogTable(path.name, columns, rows, tuple(remarks))
+    return LogTable(path.name, tuple(columns), rows, tuple(remarks))
 
 
 # bytes to rows
@@ -269,6 +284,44 @@ def _is_unit_row(cells: Sequence[str], names: Sequence[str]) -> bool:
 
 
 # numbers
+
+
+def _read_plain(
+    content: bytes, encoding: str, layout: _Layout
+) -> tuple[list[LogColumn], Sequence[int], str] | None:
+    """Columns of a large file of nothing but finite numbers, read at once; else None."""
+    if len(content) < LARGE or b'"' in content:
+        return None
+    text = content.decode(encoding)
+    has_commas = layout.separator != "," and "," in text
+    if has_commas and "." in text:
+        return None
+    if has_commas:
+        text = text.replace(",", ".")
+
+    # more rows than are read would be found as a wrong number of lines
+    width = len(layout.names)
+    lines = text.count("\n") + (not text.endswith("\n")) - layout.first_row
+    if lines * width > MOST_CELLS:
+        return None
+    try:
+        numbers = np.loadtxt(
+            io.StringIO(text),
+            delimiter=layout.separator,
+            comments=None,
+            skiprows=layout.first_row,
+            ndmin=2,
+        )
+    except ValueError:
+        return None
+    if numbers.shape != (lines, width) or not np.isfinite(numbers).all():
+        return None
+    columns = [
+        LogColumn(name, unit, numbers[:, place].copy())
+        for place, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
+    ]
+    first = layout.first_row + 1
+    return columns, range(first, first + lines), "decimal commas" if has_commas else ""
 
 
 @dataclass

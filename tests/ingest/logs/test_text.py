@@ -3,6 +3,7 @@
 import os
 import time
 
+import numpy as np
 import pytest
 
 from erlif.core.errors import EncoderError
@@ -117,3 +118,41 @@ def test_a_file_of_words_alone_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("erlif.ingest.logs.text.MOST_TEXTS", 100)
     with pytest.raises(EncoderError, match="Export the part of the log"):
         read(tmp_path, "angle,b\n" + "x,y\n" * 200)
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ",")])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_a_large_file_gives_the_same_table_as_a_small_one(
+    tmp_path, monkeypatch, separator, decimal, encoding
+):
+    rows = [f"{k / 7:.7f}{separator}{-k / 3:.5e}" for k in range(60)]
+    text = f"° a\nb{separator}angle\n" + "\n".join(rows).replace(".", decimal) + "\n"
+    small = read(tmp_path, text.encode(encoding))
+    monkeypatch.setattr("erlif.ingest.logs.text.LARGE", 0)
+    monkeypatch.setattr("erlif.ingest.logs.text._read_rows", None)  # must not be needed
+    large = read(tmp_path, text.encode(encoding))
+    assert numbers(large) == numbers(small)
+    assert list(large.rows) == list(small.rows)
+    assert large.remarks == small.remarks
+
+
+@pytest.mark.parametrize(
+    "row", ["1,x", "1,nan", "", "1,2,3", "1", "# pause", "1_0,2", '"1",2', "1,0x10", "1,2,"]
+)
+def test_a_large_file_with_another_row_is_read_row_by_row(tmp_path, monkeypatch, row):
+    text = "time,angle\n0,1\n" + row + "\n1,2\n"
+
+    def outcome():
+        try:
+            table = read(tmp_path, text)
+        except EncoderError as error:
+            return str(error)
+        cells = [
+            (column.values[~np.isnan(column.values)].tolist(), column.texts)
+            for column in table.columns
+        ]
+        return cells, list(table.rows)
+
+    small = outcome()
+    monkeypatch.setattr("erlif.ingest.logs.text.LARGE", 0)
+    assert outcome() == small
