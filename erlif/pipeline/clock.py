@@ -76,7 +76,7 @@ def fit_start(
             f"fit its start; {log.file} has {turns:.0f}. Export the part of the log that belongs "
             'to the run, or give start = "0.25 s" in [encoder] of run.toml.'
         )
-    time = np.linspace(first, last, count)
+    time = log.samples["time"].values[np.linspace(0, rows - 1, count).astype(int)]
     located = locate_frames(
         sample_log(log, time),
         mechanism=build_linkage(links),
