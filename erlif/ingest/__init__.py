@@ -1,7 +1,14 @@
 """A directory to counts: recordings, image formats, pairing of the cameras, the encoder log."""
 
 from erlif.ingest.encoder_log import read_encoder_log
-from erlif.ingest.frames import FramePairs, PairCounts, read_frames, read_pair, skipped_notes
+from erlif.ingest.frames import (
+    FramePairs,
+    PairCounts,
+    format_notes,
+    read_frames,
+    read_pair,
+    skipped_notes,
+)
 from erlif.ingest.hashes import hash_files_beside_frames, hash_inputs, sign_inputs
 from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, FoundStart, Run, open_fixture, open_run
@@ -19,6 +26,7 @@ __all__ = [
     "RunEntry",
     "Selection",
     "depth_warning",
+    "format_notes",
     "hash_files_beside_frames",
     "hash_inputs",
     "natural_key",

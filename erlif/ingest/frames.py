@@ -37,6 +37,8 @@ class FramePairs:
         (frame,); None where no header has it. [s]
     companions : tuple[tuple[Path, ...], tuple[Path, ...]]
         Other files of camera 1 and camera 2 that hold a part of the recording.
+    warnings : tuple[str, str]
+        Why the format of camera 1 and camera 2 is doubtful; empty where it is not.
     """
 
     directory: Path
@@ -46,6 +48,7 @@ class FramePairs:
     skipped: dict[int, str] = field(default_factory=dict)
     times: Array | None = field(default=None, compare=False)
     companions: tuple[tuple[Path, ...], tuple[Path, ...]] = ((), ())
+    warnings: tuple[str, str] = ("", "")
 
     @property
     def usable(self) -> list[int]:
@@ -196,4 +199,28 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
     return [
         Note(Level.WARNING, f"frame pair {k} left out", reason)
         for k, reason in sorted(pairs.skipped.items())
+    ]
+
+
+def format_notes(pairs: FramePairs) -> list[Note]:
+    """Warnings of formats in which counts are doubtful.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> pairs = FramePairs(Path(), ((), ()), (64, 64), (8, 8), warnings=("", "AVI stores 8 bits"))
+    >>> print(*format_notes(pairs))
+    camera2: AVI stores 8 bits
+    """
+    return [
+        Note(Level.WARNING, f"camera{camera}", warning)
+        for camera, warning in enumerate(pairs.warnings, 1)
+        if warning
     ]

@@ -96,6 +96,8 @@ class CameraFiles:
         Other files that hold a part of the recording, such as the header beside raw data.
     bits : int | None
         Significant bits of a count after the headers; None where they state none, or differ.
+    warning : str
+        Why the counts of a format are doubtful; empty where they are not.
     """
 
     pages: list[Page] = field(default_factory=list)
@@ -104,6 +106,7 @@ class CameraFiles:
     times: Array | None = None
     companions: list[Path] = field(default_factory=list)
     bits: int | None = None
+    warning: str = ""
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
@@ -194,6 +197,7 @@ def find_pages(
         found.times = read.times if len(paths) == 1 else None
         found.companions += read.companions
         depths.add(read.bits)
+        found.warning = found.warning or read.warning
     found.bits = depths.pop() if len(depths) == 1 else None
     return found
 
@@ -384,6 +388,7 @@ class _Headers(NamedTuple):
     times: Array | None
     companions: Sequence[Path]
     bits: int | None
+    warning: str
 
 
 def _read_headers(path: Path, selection: Selection) -> _Headers:
@@ -407,6 +412,7 @@ def _read_headers(path: Path, selection: Selection) -> _Headers:
             None if times is None else times[places] - times[places[0]],
             file.companions,
             file.bits,
+            file.warning,
         )
     finally:
         file.close()

@@ -102,6 +102,7 @@ def pair_cameras(
         faults,
         times=two.times if one.times is None else one.times,
         companions=(tuple(one.companions), tuple(two.companions)),
+        warnings=(one.warning, two.warning),
     )
 
 

@@ -18,6 +18,7 @@ from erlif.ingest import (
     FramePairs,
     Run,
     depth_warning,
+    format_notes,
     open_fixture,
     open_run,
     read_frames,
@@ -113,6 +114,7 @@ def _steps(recording: Run | Fixture) -> list[tuple[str, Step]]:
 
 def _check_counts(pairs: FramePairs) -> Iterator[Note]:
     """Highest count of each camera, and how much of a frame is saturated."""
+    yield from format_notes(pairs)
     highest = np.zeros(2, int)
     saturated = np.zeros(2)
     scale = np.array(pairs.full_scales)

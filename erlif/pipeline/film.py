@@ -16,7 +16,7 @@ from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
-from erlif.ingest import FramePairs, Run, skipped_notes
+from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
 from erlif.pipeline.pulses import read_energies
@@ -225,7 +225,8 @@ def describe_film(
     film = film.assign(describe_exponents(film, results, calibration))
 
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
-    own = [*notes, *note_omissions(settings, film), *_censoring_notes(results)]
+    own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film)]
+    own += _censoring_notes(results)
     from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",

@@ -20,7 +20,14 @@ from erlif.core.errors import CalibrationError, OutputError
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, silent
 from erlif.core.timing import stage
-from erlif.ingest import FramePairs, Run, hash_inputs, open_fixture, skipped_notes
+from erlif.ingest import (
+    FramePairs,
+    Run,
+    format_notes,
+    hash_inputs,
+    open_fixture,
+    skipped_notes,
+)
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import check_pulses
@@ -114,6 +121,7 @@ def calibrate(
             *prepared.notes,
             *notes_on_pulses,
             *describe_frame_notes(frames, fixture.pairs),
+            *format_notes(fixture.pairs),
             *skipped_notes(fixture.pairs),
         ),
         camera_map=move_map(prepared.chain.camera_map, mean_drift(frames)),

@@ -5,7 +5,7 @@ import pytest
 import tifffile
 
 from erlif.core.errors import FrameError
-from erlif.ingest import Page, read_frames
+from erlif.ingest import Page, format_notes, read_frames
 from erlif.ingest.images import find_pages
 from erlif.ingest.pairing import frame_numbers, pair_cameras
 from erlif.ingest.selection import Selection
@@ -263,6 +263,7 @@ class Stamped(FrameFile):
     def __init__(self, path):
         self.times = np.array([0.0, float(path.read_bytes()[5:])])
         self.companions = [path.with_suffix(".raw")]
+        self.warning = f"it is {path.stem}"
 
     def read(self, index):
         return np.full((64, 80), index, np.uint8)
@@ -283,6 +284,10 @@ def test_times_of_the_header_are_those_of_camera_1(stamped):
     pairs = pair_cameras(stamped, ("one.st", "two.st"), bit_depths=(8, 8))
     assert list(pairs.times) == [0.0, 0.25]
     assert pairs.companions == ((stamped / "one.raw",), (stamped / "two.raw",))
+    assert [str(note) for note in format_notes(pairs)] == [
+        "camera1: it is one",
+        "camera2: it is two",
+    ]
 
 
 @pytest.mark.parametrize("times", ["nan", "0.5"], ids=["not a number", "two files"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 
+import h5py
 import numpy as np
 import pytest
 import tifffile
@@ -76,6 +77,52 @@ def to_halves(run):
     add_parts(run, "left", "right", files="both.mraw")
 
 
+def to_alternating_pages(run):
+    """Left-aligned counts in one BigTIFF of any suffix, cameras by turns."""
+    (one, *references), (two, *others) = take_pages(run, ".dat", both="both")
+    for name, a, b in zip(("", "_dark", "_flat"), (one, *references), (two, *others), strict=True):
+        pages = np.stack([a, b], axis=1).reshape(-1, *a.shape[1:]) << 4
+        tifffile.imwrite(run / f"both{name}.dat", pages, bigtiff=True, photometric="minisblack")
+    add_parts(run, "odd", "even", files="both.dat", keys='alignment = "left"')
+
+
+def to_ome(run):
+    """Floating-point counts in OME files with a channel for each camera."""
+    (one, *references), (two, *others) = take_pages(run, ".ome.tif", both="both")
+    for name, a, b in zip(("", "_dark", "_flat"), (one, *references), (two, *others), strict=True):
+        tifffile.imwrite(
+            run / f"both{name}.ome.tif",
+            np.stack([a, b]).astype(np.float32),
+            metadata={"axes": "CTYX"},
+            compression="zlib",
+        )
+    add_parts(run, "channel 1", "channel 2", files="both.ome.tif")
+
+
+def to_hdf5(run):
+    """Frames, darks and flats of both cameras in one file, as int32."""
+    with h5py.File(run / "run.h5", "w") as file:
+        for camera, counts in enumerate(take_pages(run, ".h5", both="run"), 1):
+            for name, pages in zip(("counts", "dark", "flat"), counts, strict=True):
+                file.create_dataset(
+                    f"camera{camera}/{name}", data=pages.astype("i4"), compression="gzip"
+                )
+    text = (run / "run.toml").read_text()
+    for name in ("dark", "flat"):
+        text = text.replace(f'"run_{name}.h5"', '"run.h5"')
+    for camera in (1, 2):
+        keys = "".join(
+            f'\n{key} = "/camera{camera}/{name}"'
+            for key, name in (
+                ("dataset", "counts"),
+                ("dark_dataset", "dark"),
+                ("flat_dataset", "flat"),
+            )
+        )
+        text = text.replace('files = "run.h5"\n', f'files = "FILE"{keys}\n', 1)
+    (run / "run.toml").write_text(text.replace('"FILE"', '"run.h5"'))
+
+
 def take_pages(run, suffix, *, both=""):
     """Frames, darks and flats of both cameras; the TIFF files go and run.toml names new ones."""
     text, found = (run / "run.toml").read_text(), []
@@ -96,17 +143,23 @@ def take_pages(run, suffix, *, both=""):
     return found
 
 
-def add_parts(run, one, two, *, files):
-    """Give both cameras the same files, and each its part."""
+def add_parts(run, one, two, *, files, keys=""):
+    """Give both cameras the same files and keys, and each its part."""
     text = (run / "run.toml").read_text()
     for part in (one, two):
         text = text.replace(
-            f'files = "both{files[files.index(".") :]}"', f'FILES\npart = "{part}"', 1
+            f'files = "both{files[files.index(".") :]}"', f'FILES\npart = "{part}"\n{keys}', 1
         )
     (run / "run.toml").write_text(text.replace("FILES", f'files = "{files}"'))
 
 
-@pytest.mark.parametrize("convert", [to_mraw, to_cine, to_seq, to_raw, to_set, to_halves])
+@pytest.mark.parametrize(
+    "convert",
+    [
+        *(to_mraw, to_cine, to_seq, to_raw, to_set, to_halves),
+        *(to_alternating_pages, to_ome, to_hdf5),
+    ],
+)
 def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film, convert):
     convert(lab.run)
     erlif.process(lab.run, output=lab.film, workers=1).close()
