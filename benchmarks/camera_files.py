@@ -18,15 +18,20 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 import tifffile
+from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from readers import writers
 
 from erlif.readers import FrameFile, open_frames
+
+Writer = Callable[[Path, np.ndarray], Path]
 
 PASSES = 7
 FRAMES, SIDE = 24, 1024
@@ -42,16 +47,75 @@ def write_tiff(path: Path, frames: np.ndarray) -> Path:
     return path
 
 
+def write_pages(path: Path, frames: np.ndarray, **options: Any) -> Path:
+    """One TIFF by tifffile."""
+    tifffile.imwrite(path, frames, photometric="minisblack", **options)
+    return path
+
+
+def write_libtiff(path: Path, frames: np.ndarray) -> Path:
+    """One TIFF with LZW by libtiff."""
+    first, *rest = (Image.fromarray(frame) for frame in frames)
+    first.save(path, save_all=True, append_images=rest, compression="tiff_lzw")
+    return path
+
+
+def write_picture(path: Path, frames: np.ndarray) -> Path:
+    """One picture by Pillow."""
+    Image.fromarray(frames[0]).save(path, path.suffix[1:].replace("pgm", "ppm"))
+    return path
+
+
+def write_npy(path: Path, frames: np.ndarray) -> Path:
+    """One array by numpy."""
+    np.save(path, frames)
+    return path
+
+
+def write_hdf5(path: Path, frames: np.ndarray, **options: Any) -> Path:
+    """One dataset by h5py, a chunk for each frame."""
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=frames, **options)
+    return path
+
+
+def as_bytes(write: Writer) -> Writer:
+    """A writer of 8-bit counts."""
+    return lambda path, frames: write(path, frames.astype(np.uint8))
+
+
 def davis(path: Path, frames: np.ndarray, packing: int) -> Path:
     """An IM7 image; smooth counts, which the compressions expect."""
     smooth = (2000 + np.cumsum(frames.astype(int) % 9 - 4, axis=2)).astype(np.uint16)
     return writers.write_im7(path, smooth, packing=packing)
 
 
-Writer = Callable[[Path, np.ndarray], Path]
-
 FORMATS: dict[str, tuple[str, Writer, int, slice]] = {
     "TIFF, plain pages": ("a.tif", write_tiff, 12, slice(None)),
+    "TIFF, deflate": (
+        "aa.tif",
+        lambda p, f: write_pages(p, f, compression="zlib", predictor=2),
+        12,
+        slice(None),
+    ),
+    "TIFF, LZW": ("ab.tif", write_libtiff, 12, slice(None)),
+    "TIFF, tiles": ("ac.tif", lambda p, f: write_pages(p, f, tile=(256, 256)), 12, slice(None)),
+    "TIFF, big endian": ("ad.tif", lambda p, f: write_pages(p, f, byteorder=">"), 12, slice(None)),
+    "TIFF, OME": ("ae.tif", lambda p, f: write_pages(p, f, ome=True), 12, slice(None)),
+    "TIFF, ImageJ": ("af.tif", lambda p, f: write_pages(p, f, imagej=True), 12, slice(None)),
+    "NPY": ("ag.npy", write_npy, 12, slice(None)),
+    "FITS": ("ah.fits", writers.write_fits, 12, slice(None)),
+    "HDF5": ("ai.h5", write_hdf5, 12, slice(None)),
+    "HDF5, gzip": (
+        "aj.h5",
+        lambda p, f: write_hdf5(p, f, chunks=(1, SIDE, SIDE), compression="gzip", shuffle=True),
+        12,
+        slice(0, 6),
+    ),
+    "PNG": ("ak.png", write_picture, 12, slice(0, 1)),
+    "BMP": ("al.bmp", as_bytes(write_picture), 8, slice(0, 1)),
+    "PGM": ("am.pgm", as_bytes(write_picture), 8, slice(0, 1)),
+    "AVI, uncompressed": ("an.avi", as_bytes(writers.write_avi), 8, slice(None)),
     "MRAW 8": ("b.mraw", lambda p, f: writers.write_mraw(p, f, stored=8), 8, slice(None)),
     "MRAW 12 packed": ("c.mraw", lambda p, f: writers.write_mraw(p, f, stored=12), 12, slice(None)),
     "MRAW 16": ("d.mraw", lambda p, f: writers.write_mraw(p, f), 12, slice(None)),
@@ -92,6 +156,7 @@ FORMATS: dict[str, tuple[str, Writer, int, slice]] = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("formats", nargs="*", help="beginnings of names; default: all formats")
     parser.add_argument("--directory", type=Path, help="where the files are written; default: /tmp")
     options = parser.parse_args()
 
@@ -100,6 +165,8 @@ def main() -> None:
     rng = np.random.default_rng(1)
     with tempfile.TemporaryDirectory(dir=options.directory) as directory:
         for name, (file_name, write, bits, part) in FORMATS.items():
+            if options.formats and not name.startswith(tuple(options.formats)):
+                continue
             counts = writers.random_frames(rng, frames=FRAMES, rows=SIDE, columns=SIDE, bits=bits)
             path = write(Path(directory, file_name), counts[part])
             measure(name, path)
