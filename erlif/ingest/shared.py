@@ -39,8 +39,10 @@ class SharedFile:
         Its value for camera 1 and camera 2.
     reason : str
         What in the file shows it.
-    darks, flats : tuple[str, str] | None
-        Datasets of both cameras; None where there are none.
+    darks : tuple[str, str] | None
+        Datasets of dark frames of both cameras; None where there are none.
+    flats : tuple[str, str] | None
+        Datasets of flat frames of both cameras; None where there are none.
     """
 
     key: Literal["part", "dataset"]
