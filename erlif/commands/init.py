@@ -16,6 +16,11 @@ KINDS = ("crank-rocker", "slider-crank", "rotation", "sinusoidal", "static")
 DEFAULT_KIND = "crank-rocker"
 
 
+def on_terminal() -> bool:
+    """Whether somebody can be asked."""
+    return sys.stdin.isatty()
+
+
 @click.command()
 @click.argument("directory", type=PATH)
 @click.option("--fixture", is_flag=True, help="Write fixture.toml for a calibration fixture.")
@@ -44,10 +49,12 @@ def init(directory: Path, fixture: bool, kind: str | None, overwrite: bool) -> N
     from erlif.settings import read_fixture_settings, read_run_settings
 
     if fixture and kind is not None:
-        raise click.UsageError("--kind is that of a run; a fixture has none. Leave it out.")
+        raise ConfigError(
+            "Expected no --kind: it is that of a run, not of a fixture. Leave it out."
+        )
     if kind is None:
         kind = DEFAULT_KIND
-        if not fixture and sys.stdin.isatty():
+        if not fixture and on_terminal():
             kind = click.prompt("Tribometer", type=click.Choice(KINDS), default=DEFAULT_KIND)
 
     notes = write_settings(directory, fixture=fixture, kind=kind, overwrite=overwrite)

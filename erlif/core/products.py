@@ -11,10 +11,12 @@ import xarray as xr
 from erlif.core.errors import ErlifError
 
 EncoderLog = NewType("EncoderLog", xr.Dataset)
-"""Log of the encoder: angle (frame) [degree].
+"""Log of the encoder, one row for each frame pair: number (frame).
 
-Where logged, time (frame) [s], load (frame) [N] and temperature (frame) [degree_Celsius]; further
-columns under their own names.
+Where they are logged, angle (frame) [degree], with angle_rate (frame) [degree/s] from a continuous
+log, time (frame) [s], load (frame) [N], temperature (frame) [degree_Celsius], sliding_speed (frame)
+[m s-1] and rotation_speed (frame) [rad s-1]; further columns under their own names. Without a log,
+time (frame) comes from the headers of the camera files.
 """
 
 Frames = NewType("Frames", xr.Dataset)

@@ -182,7 +182,7 @@ def _open_log(
     """The log with one row for each frame pair, and what was taken for what in it."""
     encoder = settings.encoder
     if encoder is None or encoder.file is None:
-        return _number_frames(pairs), []
+        return number_frames(pairs), []
 
     # the position of a linkage follows from the angle alone; other motions do without it
     log, notes = read_log(
@@ -222,8 +222,24 @@ def _open_log(
     return sample_log(log, since + encoder.start), notes
 
 
-def _number_frames(pairs: FramePairs) -> EncoderLog:
-    """In place of a log: numbers of the frames, and times where the camera files have them."""
+def number_frames(pairs: FramePairs) -> EncoderLog:
+    """Make what stands in place of a log: numbers of the frames, and times of the camera files.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Returns
+    -------
+    EncoderLog
+        number (frame); time (frame) where the headers of the files have it [s].
+
+    Examples
+    --------
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> number_frames(run.pairs).number.values[:3]
+    array([0, 1, 2])
+    """
     log = xr.Dataset({"number": ("frame", np.arange(len(pairs.pages[0])))})
     if pairs.times is not None and np.isfinite(pairs.times).all():
         attrs = {"units": "s", "long_name": "time after the first frame"}

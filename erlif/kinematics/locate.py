@@ -167,7 +167,10 @@ def encoder_notes(located: xr.Dataset) -> list[Note]:
         texts.append("its reading falls while the angle of its link rises, as the log shows")
     if remark := located.attrs.get("grouping"):
         texts.append(remark)
-    return [Note(Level.NOTE, "encoder", text) for text in texts]
+    notes = [Note(Level.NOTE, "encoder", text) for text in texts]
+    if contradiction := located.attrs.get("contradiction"):
+        notes.append(Note(Level.WARNING, "[mechanism]", contradiction))
+    return notes
 
 
 def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | float | int]:

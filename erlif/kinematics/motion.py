@@ -25,6 +25,9 @@ _OFF_ANGLE = 0.5
 _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
 
+_OFF_RATE = 0.1
+"""Relative difference of the logged rate from that of the settings that is reported."""
+
 _TURN = 360.0
 
 _DISC, _SLIDER = (0.0, math.pi), (-math.pi / 2, math.pi / 2)
@@ -120,8 +123,8 @@ def locate_rotation(
             np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
         )
         columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the track past the contact")
-    fold = _fold(log, columns, triggers_per_cycle, bins, _DISC)
-    return _describe_frames(log, columns, fold)
+    located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _DISC))
+    return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
 
 def locate_slider(
@@ -201,8 +204,10 @@ def locate_slider(
     columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the slider")
     if "sliding_speed" in log:
         columns["sliding_speed"] = _logged_speed(log)
-    fold = _fold(log, columns, triggers_per_cycle, bins, _SLIDER)
-    return _describe_frames(log, columns, fold)
+    located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _SLIDER))
+    return located.assign_attrs(
+        _compare_rate(log, 2 * math.pi * slider.frequency, "frequency") if "angle" in log else {}
+    )
 
 
 def locate_logged(log: EncoderLog, *, triggers_per_cycle: int | None = None) -> xr.Dataset:
@@ -322,6 +327,26 @@ def _check_fold(angle: Array, trigger: npt.NDArray[np.int64], log: EncoderLog) -
             f"{off[worst]:.2f} deg from the first cycle's. Set triggers_per_cycle in [encoder] to "
             "the number of triggers in one cycle, or remove it: each frame is then a trigger."
         )
+
+
+def _compare_rate(log: EncoderLog, given: float | None, key: str) -> dict[str, str]:
+    """A remark as attribute where angle and time of the log contradict the given rate [rad/s]."""
+    if given is None or "angle" not in log or "time" not in log or log.sizes["frame"] < 2:
+        return {}
+
+    # only steps of less than half a turn can be seen in full
+    step, time = _smallest_turn(np.diff(log.angle.values)), np.diff(log.time.values)
+    expected = np.degrees(given) * time
+    if not (expected.min() > 0 and expected.max() < _LARGEST_STEP):
+        return {}
+    found = float(np.median(step / expected))
+    if abs(found - 1) < _OFF_RATE:
+        return {}
+    text = (
+        f"angle and time of the log turn at {found:.3g} times the {key} in [mechanism]; the latter "
+        "was used for the sliding speed. Correct it, or the columns of the log"
+    )
+    return {"contradiction": text}
 
 
 def _smallest_turn(angle: Array) -> Array:

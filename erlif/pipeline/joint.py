@@ -66,13 +66,17 @@ def locate_run(run: Run) -> xr.Dataset:
     per_cycle = encoder.triggers_per_cycle
     match settings.mechanism:
         case CrankRockerSettings() | SliderCrankSettings() as links:
-            return locate_frames(
+            located = locate_frames(
                 log,
                 mechanism=build_linkage(links),
                 crank_speed=links.crank_speed,
                 pin_radius=None if settings.joint is None else settings.joint.pin_radius,
                 encoder=describe_encoder_settings(settings),
             )
+            # a logged speed stands in place of a computed one, for every kind of motion
+            logged = locate_logged(log)
+            names = [name for name in ("sliding_speed",) if name in logged]
+            return located.assign({name: logged[name] for name in names})
         case RotationSettings() as disc:
             return locate_rotation(
                 log,

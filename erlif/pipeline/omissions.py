@@ -32,14 +32,17 @@ def note_omissions(settings: RunSettings, triggers: xr.Dataset) -> list[Note]:
         for table, names, cure in _lacking(settings, triggers)
     ]
     return [
-        Note(Level.NOTE, table, f"{_absent(table)}; left out: {', '.join(names)}. {cure}")
+        Note(Level.NOTE, table, f"{_absent(table, settings)}; left out: {', '.join(names)}. {cure}")
         for table, names, cure in found
         if names
     ]
 
 
-def _absent(table: str) -> str:
-    return "the log has none" if table.startswith("column") else "run.toml has no such table"
+def _absent(table: str, settings: RunSettings) -> str:
+    if not table.startswith("column"):
+        return "run.toml has no such table"
+    logged = settings.encoder is not None and settings.encoder.file is not None
+    return "the log has none" if logged else "there is no log"
 
 
 def _lacking(
@@ -48,7 +51,8 @@ def _lacking(
     """Missing table, the variables that need it, and what to add."""
     moving = "sliding_speed" in triggers or "rocker_speed" in triggers
     if settings.mechanism is None and not moving:
-        motion = ("stroke", "crank_angle", "sliding_speed", *_EXPONENTS)
+        theory = _THEORY if settings.joint is not None else ()
+        motion = ("stroke", "crank_angle", "sliding_speed", *theory, *_EXPONENTS)
         cure = (
             "A static film needs none; for a film in motion add [mechanism], or a column of the "
             "sliding speed to the log."

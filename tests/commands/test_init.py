@@ -1,5 +1,9 @@
 """``erlif init``."""
 
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+
 
 def test_what_was_found_and_what_is_missing_is_printed(lab, command):
     (lab.run / "run.toml").unlink()
@@ -20,3 +24,22 @@ def test_the_settings_of_a_fixture_are_written_on_request(lab, command):
 def test_existing_settings_are_not_replaced_without_overwrite(lab, refused, command):
     assert "--overwrite" in refused("init", lab.run)
     command("init", lab.run, "--overwrite")
+
+
+def test_the_kind_of_tribometer_is_asked_for_on_a_terminal(lab, monkeypatch):
+    monkeypatch.setattr("erlif.commands.init.on_terminal", lambda: True)
+    result = CliRunner().invoke(main, ["init", str(lab.run), "--overwrite"], input="rotation\n")
+    assert "Tribometer (crank-rocker, slider-crank, rotation, sinusoidal, static)" in result.output
+    assert 'kind = "rotation"' in (lab.run / "run.toml").read_text(encoding="utf-8")
+
+
+def test_a_kind_is_written_without_asking(lab, command):
+    command("init", lab.run, "--overwrite", "--kind", "static")
+    text = (lab.run / "run.toml").read_text(encoding="utf-8")
+    assert "[mechanism]" not in text
+    assert 'file = "encoder.csv"' in text  # the log is there, and gives load and temperature
+
+
+def test_a_fixture_has_no_kind(lab, refused):
+    message = refused("init", lab.fixture, "--fixture", "--kind", "static", "--overwrite")
+    assert "Expected no --kind" in message

@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 
 import h5netcdf
 import numpy as np
@@ -11,6 +12,10 @@ import xarray as xr
 import erlif
 from erlif.core.errors import OutputError
 from erlif.files import write_dataset
+from erlif.ingest import open_run
+from erlif.pipeline.film import describe_triggers, predict_theory
+from erlif.pipeline.joint import locate_run
+from erlif.pipeline.omissions import note_omissions
 from erlif.settings import RunSettings, read_run_settings
 
 # film.nc as documented: dims and unit of each variable
@@ -47,6 +52,16 @@ ROOT = {
     "y": (("y",), "mm"),
     "trigger": (("trigger",), None),
 }
+LEFT_OUT = {
+    "mechanism": {"stroke", "crank_angle", "rocker_speed", "sliding_speed", "theory", "exponents"},
+    "joint": {"sliding_speed", "theory", "film_parameter"},
+    "oil": {"theory"},
+}
+"""What a film of this run lacks without a table of run.toml; maps and statistics need none."""
+GROUPS = {
+    "theory": {"film_hamrock_dowson", "film_theory"},
+    "exponents": {name for name in ROOT if name.startswith("speed_exponent")},
+}
 FRAMES = {
     "frame": None,
     "trigger": "1",
@@ -76,6 +91,25 @@ def test_film_has_the_documented_variables(opened):
     assert opened.thickness.dtype == np.float32
     assert opened.flags.dtype == np.uint8
     assert dict(opened.sizes) == {"trigger": 6, "y": 96, "x": 128, "flag": 8}
+
+
+@pytest.mark.parametrize("missing", LEFT_OUT)
+def test_film_without_a_table_lacks_what_needs_it(small_rig, missing):
+    """The log gives the load, and the joint belongs to the oil."""
+    run = open_run(small_rig.run)
+    tables = {missing: None} | ({"oil": None} if missing == "joint" else {})
+    run = replace(run, settings=run.settings.model_copy(update=tables))
+    triggers = describe_triggers(run, locate_run(run))
+    film = triggers.assign(film_min=("trigger", np.ones(6)))
+    found = {*triggers, *predict_theory(run.settings, film)}  # exponents need the maps
+
+    lacking = set().union(*(GROUPS.get(name, {name}) for name in LEFT_OUT[missing]))
+    named = " ".join(note.text for note in note_omissions(run.settings, triggers))
+    for name in lacking:
+        assert name not in found, name
+        # a note names what any motion gives, and a standard deviation with its quantity
+        assert name in named or name == "rocker_speed" or name.endswith("_std"), name
+    assert {"load", "temperature", "encoder_angle"} <= found
 
 
 def test_names_of_the_film_are_reserved_in_the_log(opened):

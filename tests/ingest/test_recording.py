@@ -3,6 +3,7 @@
 import contextlib
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import imageio.v3 as iio
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from erlif.core.errors import ConfigError, EncoderError, ErlifError, FrameError
 from erlif.ingest import open_fixture, open_run, read_frames
+from erlif.ingest.recording import number_frames
 
 
 def counts_of(directory):
@@ -173,3 +175,23 @@ def test_a_frame_with_any_bytes_changed_is_read_left_out_or_refused(written, scr
             )
     finally:
         path.write_bytes(original)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_without_a_log_frames_have_numbers_and_the_times_of_the_camera(small_rig, timed):
+    pairs = open_run(small_rig.run).pairs
+    times = np.arange(6) * 0.01
+    log = number_frames(replace(pairs, times=times if timed else None))
+    assert log.number.values.tolist() == [0, 1, 2, 3, 4, 5]
+    assert ("time" in log) == timed
+    if timed:
+        assert log.time.values.tolist() == times.tolist()
+
+
+def test_a_run_without_an_encoder_opens(lab):
+    text = (lab.run / "run.toml").read_text(encoding="utf-8")
+    kept = text.partition("[encoder]")[0] + "[thickness]" + text.partition("[thickness]")[2]
+    (lab.run / "run.toml").write_text(kept, encoding="utf-8")
+    run = open_run(lab.run)
+    assert set(run.log) == {"number"}
+    assert run.log_notes == []

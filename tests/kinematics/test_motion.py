@@ -8,7 +8,15 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import EncoderError
-from erlif.kinematics import Rotation, Sinusoid, locate_logged, locate_rotation, locate_slider
+from erlif.core.notes import Level
+from erlif.kinematics import (
+    Rotation,
+    Sinusoid,
+    encoder_notes,
+    locate_logged,
+    locate_rotation,
+    locate_slider,
+)
 
 
 def make_log(count, **columns):
@@ -137,6 +145,35 @@ def test_a_logged_speed_that_turns_back_has_strokes():
     assert found.sliding_speed.values.tolist() == [0.1, 0.2, 0.1, 0.2]
     assert found.stroke.values.tolist() == [1, 1, -1, -1]
     assert "stroke" not in locate_logged(make_log(2, sliding_speed=[0.1, 0.0]))
+
+
+# settings that the log contradicts
+
+
+@pytest.mark.parametrize(("rpm", "seen"), [(100, False), (104, False), (50, True), (230, True)])
+def test_a_speed_that_the_log_contradicts_is_reported(rpm, seen):
+    """60 degrees in 0.1 s are 100 rpm."""
+    log = make_log(12, angle=np.arange(12) * 60.0 % 360, time=0.1 * np.arange(12))
+    speed = rpm * math.pi / 30
+    notes = encoder_notes(locate_rotation(log, rotation=Rotation(0.02, speed)))
+    assert [note.level for note in notes] == [Level.WARNING] * seen
+    if seen:
+        assert f"{100 / rpm:.3g} times the speed in [mechanism]" in notes[0].text
+
+
+def test_a_frequency_that_the_log_contradicts_is_reported():
+    """60 degrees in 0.1 s are 1.667 Hz."""
+    log = make_log(12, angle=np.arange(12) * 60.0 % 360, time=0.1 * np.arange(12))
+    assert not encoder_notes(locate_slider(log, slider=Sinusoid(0.01, 5 / 3)))
+    (note,) = encoder_notes(locate_slider(log, slider=Sinusoid(0.01, 1.0)))
+    assert "1.67 times the frequency" in note.text
+
+
+def test_steps_of_more_than_half_a_turn_contradict_nothing():
+    """At 500 rpm the disc turns by 300 degrees from frame to frame, which look like -60."""
+    log = make_log(12, angle=np.arange(12) * 300.0 % 360, time=0.1 * np.arange(12))
+    found = locate_rotation(log, rotation=Rotation(0.02, 500 * math.pi / 30))
+    assert not encoder_notes(found)
 
 
 # folding

@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import numpy.testing as npt
@@ -96,3 +97,11 @@ def test_without_joint_or_oil_there_is_nothing_to_predict_from(missing):
     raw = tomllib.loads(RUN_TOML)
     del raw[missing]
     assert describe_joint(RunSettings.model_validate(raw)) is None
+
+
+def test_a_logged_speed_stands_in_place_of_that_of_the_linkage(run):
+    logged = np.linspace(-0.1, 0.1, run.log.sizes["frame"])
+    log = run.log.assign(sliding_speed=("frame", logged))
+    found = locate_run(replace(run, log=log))
+    npt.assert_allclose(found.sliding_speed, np.abs(logged))
+    npt.assert_allclose(found.rocker_speed, locate_run(run).rocker_speed)

@@ -40,7 +40,7 @@ def test_a_disc_without_angle_and_load_names_both_columns():
     tables = ("encoder", "joint", "oil")
     found = note(("sliding_speed",), without=tables, mechanism=DISC)
     assert list(found) == ["column angle_deg", "column load_N", "[joint]"]
-    assert "left out: load, speed_exponent" in found["column load_N"]
+    assert "there is no log; left out: load, speed_exponent" in found["column load_N"]
     assert 'load = "20 N" to [mechanism]' in found["column load_N"]
     assert "film_theory" in found["[joint]"]
 
