@@ -105,7 +105,7 @@ def unpack(
     return counts[:pixels]
 
 
-# one signature, so that one function is compiled for all orders: 0.3 s, once per machine
+# one signature, so that one function is compiled for all orders: half a second, once per machine
 @njit("void(uint8[::1], uint16[::1], int64, uint16[::1])", nogil=True, cache=True)
 def _unpack(packed: AnyArray, counts: Counts, packing: int, table: Counts) -> None:
     """Decode whole groups; branches stand outside the loops, which are vectorised."""
