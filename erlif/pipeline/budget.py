@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -23,7 +24,15 @@ from erlif.pipeline.clock import fit_start
 from erlif.pipeline.film import choose_region, group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
+from erlif.pipeline.light import (
+    correct_light,
+    find_light,
+    measure_lights,
+    remaining_errors,
+    run_patch,
+)
 from erlif.pipeline.prepare import prepare_chain
+from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.register import stored_map
 from erlif.ratio import RatioSum
 from erlif.thickness import measure_thickness
@@ -63,7 +72,10 @@ _SOURCES = tuple(
 )
 _NOISE_TERMS = tuple(source.term for source in _SOURCES)
 
-_SHARED_TERMS = ("registration", "calibration", "marks of the surfaces")
+_LIGHT_TERMS = ("background", "bleaching")
+"""Terms of runs in which light shows them, or from which they were taken."""
+
+_SHARED_TERMS = ("registration", "calibration", *_LIGHT_TERMS, "marks of the surfaces")
 _ALL_NOISE = "noise of all kinds"
 
 _NEAR = 0.05
@@ -150,8 +162,14 @@ def budget(
     stored = stored_map(calibration.camera_map, settings.registration)
     chain = prepare_chain(run, progress, stored=stored).chain
 
+    # light that is not film needs the whole run, as the film had it
+    options = settings.light
+    lights = measure_lights(chain, run_patch(run))
+    found = find_light(lights, calibration, cycle.trigger.values, read_energies(run.log))
+    chain, measuring = correct_light(chain, calibration, found, options)
+
     sources = _split_variance(chain, frames)
-    maps = measure_thickness(sources.ratio, calibration)
+    maps = measure_thickness(sources.ratio, measuring)
     valid = maps.flags.values == 0
     if not valid.any():
         raise ConfigError(
@@ -163,17 +181,24 @@ def budget(
     statistics = summarise_film(
         sources.ratio,
         maps,
-        calibration,
+        measuring,
         region=region,
         sliding_along_x=settings.optics.x_axis == "sliding",
     )
     film = _smooth_film(maps, calibration)
-    columns = _pixel_columns(sources, film, valid, calibration, films, trigger)
+    columns = _pixel_columns(sources, film, valid, measuring, films, trigger)
     inside = np.zeros_like(valid)
     inside[region.rows, region.columns] = valid[region.rows, region.columns]
     rate = 1 / calibration.slope(film)
-    columns.append(_mean_column(statistics, calibration, sources, rate, inside))
-    columns.append(_minimum_column(statistics, calibration))
+    whole = [
+        _mean_column(statistics, measuring, sources, rate, inside),
+        _minimum_column(statistics, measuring),
+    ]
+    pulse = np.array([np.mean(frames)])
+    for column in whole:
+        errors = remaining_errors(found, options, np.array([column.value]), pulse, calibration)
+        more = {term: float(error[0]) for term, error in errors.items()}
+        columns.append(replace(column, terms={**column.terms, **more}))
     return _as_dataset(columns, settings.name, trigger, len(frames))
 
 
@@ -305,7 +330,8 @@ def _pixel_columns(
             for source, variance in sources.variances.items()
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
-        terms["calibration"] = float(calibration.thickness_std(wanted))
+        gradient = calibration.gradient(wanted) / calibration.slope(wanted)
+        terms |= _by_calibration(gradient, calibration)
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
 
@@ -335,7 +361,7 @@ def _mean_column(
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
     terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
-    terms["calibration"] = _by_calibration(statistics.mean_gradient, calibration)
+    terms |= _by_calibration(statistics.mean_gradient, calibration)
     return _Column("mean film", statistics.mean, terms)
 
 
@@ -344,13 +370,20 @@ def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Co
     terms = {
         _ALL_NOISE: statistics.minimum_random_std,
         "marks of the surfaces": statistics.minimum_surface_std,
-        "calibration": _by_calibration(statistics.minimum_gradient, calibration),
+        **_by_calibration(statistics.minimum_gradient, calibration),
     }
     return _Column("minimum film", statistics.minimum, terms)
 
 
-def _by_calibration(gradient: Array, calibration: Calibration) -> float:
-    return float(np.sqrt(gradient @ calibration.full_covariance @ gradient))
+def _by_calibration(gradient: Array, calibration: Calibration) -> dict[str, float]:
+    """The error of the fixture, and what the subtraction of a background adds to it."""
+    total = float(gradient @ calibration.full_covariance @ gradient)
+    if calibration.background is None:
+        return {"calibration": math.sqrt(total)}
+    covariance = replace(calibration, background=None).full_covariance
+    own = gradient[: len(covariance)]
+    alone = float(own @ covariance @ own)
+    return {"calibration": math.sqrt(alone), "background": math.sqrt(max(total - alone, 0.0))}
 
 
 def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:
@@ -371,13 +404,16 @@ def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int
             for column in columns
         ]
 
-    # a run without a background has no such terms
-    noise = [
-        term
-        for term in _NOISE_TERMS
-        if not term.startswith(_DRY) or np.nan_to_num(rows[term]).any()
-    ]
-    order = [*noise, "random part", *_SHARED_TERMS, "shared part", "total"]
+    # a run without a background or bleaching has no such terms
+    noise, shared = (
+        [
+            term
+            for term in terms
+            if not term.startswith((_DRY, *_LIGHT_TERMS)) or np.nan_to_num(rows[term]).any()
+        ]
+        for terms in (_NOISE_TERMS, _SHARED_TERMS)
+    )
+    order = [*noise, "random part", *shared, "shared part", "total"]
     kinds = {source.term: source.kind for source in _SOURCES}
     kinds |= dict.fromkeys(_SHARED_TERMS, SHARED) | dict.fromkeys(sums, "sum")
     std = np.array([rows[term] for term in order])

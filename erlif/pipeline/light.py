@@ -234,34 +234,6 @@ def _describe(estimate: BackgroundEstimate, calibration: Calibration, *, correct
     )
 
 
-def widen_statistics(
-    film: xr.Dataset, estimate: BackgroundEstimate | None, calibration: Calibration
-) -> xr.Dataset:
-    """Add the shift by a background that was not subtracted to the errors of mean and minimum.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        film_mean and film_min with their standard deviations. [um]
-    estimate : BackgroundEstimate or None
-        What is not significant changes nothing.
-    calibration : Calibration
-
-    Returns
-    -------
-    xarray.Dataset
-    """
-    if estimate is None or not estimate.significant:
-        return film
-    low, high = calibration.thickness_range
-    for name in ("film_mean", "film_min"):
-        values = np.clip(np.nan_to_num(film[name].values, nan=high), low, high)
-        shift = estimate.film_shift(values, calibration)
-        std = film[f"{name}_std"]
-        film[f"{name}_std"] = std.copy(data=np.hypot(std.values, shift))
-    return film
-
-
 def subtract(chain: FrameChain, estimate: BackgroundEstimate) -> FrameChain:
     """The chain with an even background subtracted from every frame.
 
@@ -391,43 +363,6 @@ def _per_cent(slope: float, std: float, frames: int) -> str:
     return f"{100 * frames * slope:+.2f} ± {100 * frames * std:.2f} %"
 
 
-def widen_by_bleaching(
-    film: xr.Dataset,
-    trend: Trend | None,
-    pulses: Array,
-    calibration: Calibration,
-    *,
-    corrected: bool,
-) -> xr.Dataset:
-    """Add the error of the drift of the ratio to the errors of mean and minimum.
-
-    Parameters
-    ----------
-    film : xarray.Dataset
-        film_mean and film_min with their standard deviations. [um]
-    trend : Trend or None
-    pulses : array, (trigger,)
-        Mean number of the pulses of each trigger.
-    calibration : Calibration
-    corrected : bool
-        Where it was taken out, its uncertainty remains; else a significant change itself.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
-    if trend is None or not (corrected or trend.significant()):
-        return film
-    change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
-    low, high = calibration.thickness_range
-    for name in ("film_mean", "film_min"):
-        values = np.clip(np.nan_to_num(film[name].values, nan=high), low, high)
-        std = film[f"{name}_std"]
-        shift = np.nan_to_num(pulses) * change / calibration.slope(values)
-        film[f"{name}_std"] = std.copy(data=np.hypot(std.values, shift))
-    return film
-
-
 @dataclass(frozen=True)
 class LightFindings:
     """What light and films of a run show beside the films.
@@ -513,22 +448,60 @@ def describe_light(
     return variables, notes
 
 
+def remaining_errors(
+    found: LightFindings,
+    options: LightOptions,
+    film: Array,
+    pulses: Array,
+    calibration: Calibration,
+) -> dict[str, Array]:
+    """Errors that background and bleaching leave in films, beyond those of the calibration.
+
+    Parameters
+    ----------
+    found : LightFindings
+    options : LightOptions
+    film : array, (film,)
+        [um]
+    pulses : array, (film,)
+        Number of the pulse at which each was measured.
+    calibration : Calibration
+
+    Returns
+    -------
+    dict of str to array
+        By source: what is significant and not corrected, and the uncertainty of a drift that was
+        taken out. The uncertainty of a background that was subtracted is part of the calibration
+        with which the films were measured. [um]
+    """
+    low, high = calibration.thickness_range
+    values = np.clip(np.nan_to_num(film, nan=high), low, high)
+    errors = {}
+    background = found.background
+    if options.background != "correct" and background is not None and background.significant:
+        errors["background"] = np.abs(background.film_shift(values, calibration))
+
+    trend = found.bleaching
+    if trend is not None and (options.bleaching == "correct" or trend.significant()):
+        corrected = options.bleaching == "correct"
+        change = trend.log_ratio_std if corrected else abs(trend.log_ratio)
+        errors["bleaching"] = np.nan_to_num(pulses) * change / calibration.slope(values)
+    return errors
+
+
 def widen_errors(
     film: xr.Dataset,
     found: LightFindings,
     results: Sequence[TriggerResult],
-    run: Run,
+    options: LightOptions,
     calibration: Calibration,
 ) -> xr.Dataset:
-    """Errors of mean and minimum with what was not corrected, or only within an error."""
-    options = run.settings.light
-    if options.background != "correct":
-        film = widen_statistics(film, found.background, calibration)
-    pulses = [np.mean([one.frame for one in result.frames] or [0]) for result in results]
-    return widen_by_bleaching(
-        film,
-        found.bleaching,
-        np.array(pulses),
-        calibration,
-        corrected=options.bleaching == "correct",
-    )
+    """Add `remaining_errors` to the standard deviations of mean and minimum film."""
+    pulses = np.array([np.mean([one.frame for one in result.frames] or [0]) for result in results])
+    for name in ("film_mean", "film_min"):
+        std = film[f"{name}_std"]
+        errors = remaining_errors(found, options, film[name].values, pulses, calibration)
+        for error in errors.values():
+            std = std.copy(data=np.hypot(std.values, error))
+        film[f"{name}_std"] = std
+    return film

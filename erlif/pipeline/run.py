@@ -257,7 +257,7 @@ def process_run(
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
         film = describe_film(run, triggers, results, measuring, hashes=hashes, notes=notes)
         film = film.assign(light)
-        film = widen_errors(film, found, results, run, calibration)
+        film = widen_errors(film, found, results, options, calibration)
         film.attrs["identity"] = identify_work(run, calibration, hashes)
         groups = {
             "frames": describe_frames(run, cycle, results, drift),

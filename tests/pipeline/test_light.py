@@ -92,3 +92,13 @@ def test_a_short_run_does_not_determine_a_background(film):
     with erlif.open_film(film) as opened:
         assert "background" not in opened
         assert "do not determine light that is not film" in opened.attrs["notes"]
+
+
+@pytest.mark.parametrize("name", ["run", "corrected"])
+def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
+    film = {"run": reported, "corrected": corrected}[name]
+    budget = erlif.budget(lab / name, trigger=10)
+    for quantity, variable in (("mean film", "film_mean"), ("minimum film", "film_min")):
+        column = budget["std"].sel(quantity=quantity)
+        assert float(column.sel(term="background")) > 0
+        npt.assert_allclose(column.sel(term="total"), film[f"{variable}_std"][10], rtol=1e-3)
