@@ -2,33 +2,9 @@
 
 import numpy as np
 import pytest
+from scenes.motion import DISC, SLIDER, film_of
 
-from erlif.files import settings_of
-from erlif.plots import example_film
 from erlif.plots.triggers import choose_abscissa, has_varying_speed, stroke_looks
-from erlif.settings import RunSettings, to_toml
-
-DISC = {"kind": "rotation", "radius": "20 mm", "speed": "60 rpm"}
-SLIDER = {"kind": "sinusoidal", "stroke": "10 mm", "frequency": "5 Hz"}
-
-
-def film_of(mechanism, *, without=(), **columns):
-    """The example film with another mechanism, without some variables and with others."""
-    film = example_film()
-    raw = settings_of(film).model_dump(exclude_none=True) | {"mechanism": mechanism}
-    if mechanism is None:
-        del raw["mechanism"]
-    film = film.assign_attrs(settings=to_toml(RunSettings.model_validate(_as_text(raw))))
-    film = film.drop_vars(without)
-    return film.assign({name: ("trigger", values) for name, values in columns.items()})
-
-
-def _as_text(table):
-    """Quantities as the user wrote them."""
-    return {
-        key: _as_text(value) if isinstance(value, dict) else getattr(value, "text", value)
-        for key, value in table.items()
-    }
 
 
 @pytest.mark.parametrize(
