@@ -229,7 +229,7 @@ def _kind_of(page: tifffile.TiffPage, size: int) -> FrameKind:
     lossy = _LOSSY.get(int(page.compression))
     if lossy is not None:
         raise FrameError(
-            f"its images are compressed with {lossy}, which changes the counts. Save them "
+            f"its images are compressed with {lossy}, which may change the counts. Save them "
             "uncompressed, or with LZW or deflate."
         )
     if page.dtype is None or page.imagedepth != 1:

@@ -106,3 +106,18 @@ def test_frames_behind_the_end_of_the_file_are_truncated(tmp_path):
     assert file.kinds[0] == FrameKind((64, 80), "uint16")
     assert [kind.dtype for kind in file.kinds] == ["uint16", "uint16", "truncated"]
     file.close()
+
+
+@pytest.mark.parametrize("dtype", ["u1", "u2", "i2", "u4", "f4", "f8"])
+@pytest.mark.parametrize("place", ["first", "extension"])
+def test_files_of_astropy_are_read(tmp_path, dtype, place):
+    fits = pytest.importorskip("astropy.io.fits")
+    counts = (COUNTS >> 8).astype(dtype)
+    parts = [fits.PrimaryHDU(counts)]
+    if place == "extension":
+        table = fits.BinTableHDU.from_columns([fits.Column("a", "J", array=np.arange(9))])
+        parts = [fits.PrimaryHDU(), table, fits.ImageHDU(counts)]
+    fits.HDUList(parts).writeto(tmp_path / "a.fits")
+    found = read(tmp_path / "a.fits", (tmp_path / "a.fits").read_bytes())
+    assert found.dtype == counts.dtype
+    np.testing.assert_array_equal(found, counts)

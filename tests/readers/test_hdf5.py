@@ -166,3 +166,11 @@ def test_a_damaged_file_is_refused(path):
     place = content.index(b"\x78\x5e") if b"\x78\x5e" in content else content.index(b"\x78\x01")
     path.write_bytes(content[: place + 100] + b"\xff" * 50 + content[place + 150 :])
     assert "damaged" in refusal(path)
+
+
+@pytest.mark.parametrize("name", ["Blosc", "Bitshuffle", "Zstd"])
+def test_compressions_of_hdf5plugin_are_read(path, name):
+    plugin = pytest.importorskip("hdf5plugin")
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), **getattr(plugin, name)())
+    np.testing.assert_array_equal(read(path), COUNTS)
