@@ -89,7 +89,7 @@ def test_a_key_left_out_has_the_documented_default(lab):
         ),
         (
             'mounted_on = "rocker"',
-            'mounted_on = "coupler"',
+            'mounted_on = "frame"',
             ["[encoder] mounted_on", "rocker", "crank", "coupler"],
         ),
         (
