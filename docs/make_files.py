@@ -290,6 +290,9 @@ FILM_ATTRIBUTES = (
     Attribute("title", "Title with the name of the run."),
     Attribute("history", "Version of erlif and the step that wrote the file."),
     Attribute("erlif_version", "Version of erlif."),
+    Attribute(
+        "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
+    ),
     Attribute("settings", "All settings, defaults included, as TOML."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute(
@@ -499,7 +502,9 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("Conventions", "CF-1.11."),
     Attribute("title", "ERLIF calibration."),
     Attribute("erlif_version", "Version of erlif."),
-    Attribute("format_version", "Version of the form of the file."),
+    Attribute(
+        "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
+    ),
     Attribute("band_camera1_nm", "Centre wavelength of camera 1. [nm]"),
     Attribute("band_camera2_nm", "Centre wavelength of camera 2. [nm]"),
     Attribute("ratio_direction", "camera2/camera1."),

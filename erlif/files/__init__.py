@@ -11,7 +11,7 @@ from erlif.files.contents import (
     region_of,
     settings_of,
 )
-from erlif.files.film import describe_hashes, open_film, write_dataset, write_film
+from erlif.files.film import describe_hashes, open_film, reading_film, write_dataset, write_film
 from erlif.files.netcdf import fix_text, has_group, open_netcdf
 from erlif.files.netcdf_maps import NetcdfMaps
 from erlif.files.replacing import refuse_existing, replacing
@@ -36,6 +36,7 @@ __all__ = [
     "motion_of",
     "open_film",
     "open_netcdf",
+    "reading_film",
     "refuse_existing",
     "region_of",
     "remove_remains",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError, OutputError
 from erlif.core.flags import count_flags
 from erlif.files.film import open_film
+from erlif.files.soundness import read_settings
 from erlif.settings import RegionOfInterest, RunSettings
 
 
@@ -44,7 +44,13 @@ def settings_of(film: xr.Dataset) -> RunSettings:
             "Expected the settings among the attributes of the film, as erlif process writes them; "
             "there are none. Make the film again with: erlif process RUN_DIR"
         )
-    return RunSettings.model_validate(tomllib.loads(str(film.attrs["settings"])))
+    try:
+        return read_settings(str(film.attrs["settings"]))
+    except ValueError as error:
+        raise OutputError(
+            f"Expected the settings among the attributes of the film, as erlif process writes "
+            f"them; {error}. Make the film again with: erlif process RUN_DIR"
+        ) from error
 
 
 def motion_of(film: xr.Dataset) -> str:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import xarray as xr
 
 from erlif.core.errors import OutputError
+from erlif.files.headers import check_netcdf, check_zarr
 from erlif.files.netcdf import fix_text, open_netcdf
 from erlif.files.replacing import replacing, take_name, write_error
+from erlif.files.soundness import check_film, check_frames, check_registration
 from erlif.files.unfinished import PartialFilm
+
+_MAKE_ONE = "Make one with: erlif process RUN_DIR"
 
 
 def write_dataset(
@@ -83,7 +88,7 @@ def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.D
     ...         chunks = work.encode({"thickness": np.full((2, 3), 5.0, np.float32)})
     ...         work.put(0, chunks, {})
     ...         write_film(work, film, {})
-    ...     with open_film(output) as found:
+    ...     with open_netcdf(output) as found:
     ...         float(found.thickness[0, 1, 2])
     5.0
     """
@@ -114,7 +119,8 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     Raises
     ------
     OutputError
-        If there is no such file, or if it is not a film.
+        If there is no such file, or if it is not a film: its variables, attributes, settings and
+        format version are checked, its maps are not read.
 
     Examples
     --------
@@ -124,7 +130,7 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
     path = Path(path)
-    make_one = "Make one with: erlif process RUN_DIR"
+    make_one = _MAKE_ONE
     if not path.exists():
         raise OutputError(f"Expected a film file; {path} does not exist. {make_one}")
     if path.is_dir() and path.suffix != ".zarr":
@@ -134,20 +140,86 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
         raise OutputError(f"Expected a film file; {path} is a directory{hint}")
 
     try:
-        if path.suffix == ".zarr":
-            dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
-        else:
-            dataset = open_netcdf(path, group=group)
+        return _open_checked(path, group)
     except Exception as error:  # damaged bytes raise exceptions of many kinds in HDF5 and zarr
-        raise OutputError(
-            f"Expected a film as erlif process writes it; {path} is damaged or something else "
-            f"({error}). {make_one}"
-        ) from error
+        raise _damaged(path, error) from error
 
-    if group is None and "thickness" not in dataset:
-        names = ", ".join(map(str, dataset.variables))
-        raise OutputError(f"Expected a film with a variable thickness; {path} holds {names}.")
+
+def _open_checked(path: Path, group: str | None) -> xr.Dataset:
+    """The root or a group of a film; ValueError or another exception where it is none."""
+    if path.suffix == ".zarr":
+        check_zarr(path)
+        dataset: xr.Dataset = xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    else:
+        if not path.is_file():
+            raise ValueError("it is not a regular file")
+        check_netcdf(path)
+        dataset = open_netcdf(path, group=group)
+
+    check = {None: check_film, "frames": check_frames, "registration": check_registration}
+    try:
+        if group in check:
+            check[group](dataset)
+    except BaseException:
+        dataset.close()
+        raise
     return dataset
+
+
+@contextmanager
+def reading_film(path: str | Path) -> Iterator[None]:
+    """Name the film where a part of it turns out to be damaged while it is read.
+
+    Parameters
+    ----------
+    path : path
+        The film that is used in the block.
+
+    Returns
+    -------
+    context manager
+
+    Raises
+    ------
+    OutputError
+        In place of the error of HDF5 or zarr.
+
+    Examples
+    --------
+    >>> with reading_film("film.nc"):
+    ...     raise OSError("Can't synchronously read data")
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.OutputError: Expected a film as erlif process writes it; film.nc is damaged \
+or something else (Can't synchronously read data). Make one with: erlif process RUN_DIR
+    """
+    try:
+        yield
+    except (OSError, RuntimeError, ValueError) as error:
+        # an error of the system has a number, one of HDF5 has none
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
+        if isinstance(error, OSError) or _is_from_zarr(error):
+            raise _damaged(Path(path), error) from error
+        raise
+
+
+def _is_from_zarr(error: BaseException) -> bool:
+    """Whether an exception was raised while zarr or a codec of it read a chunk."""
+    trace = error.__traceback__
+    while trace is not None:
+        if str(trace.tb_frame.f_globals.get("__name__", "")).startswith(("zarr.", "numcodecs.")):
+            return True
+        trace = trace.tb_next
+    return False
+
+
+def _damaged(path: Path, error: Exception) -> OutputError:
+    reason = str(error).strip().rstrip(".").partition("\n")[0]
+    return OutputError(
+        f"Expected a film as erlif process writes it; {path} is damaged or something else "
+        f"({reason}). {_MAKE_ONE}"
+    )
 
 
 def describe_hashes(hashes: Mapping[str, str]) -> str:

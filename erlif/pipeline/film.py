@@ -13,6 +13,7 @@ from erlif.calibration import Calibration, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS, Flag
+from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
@@ -233,6 +234,7 @@ def describe_film(
         title=f"oil-film thickness, {settings.name}",
         history=f"erlif {__version__}: process {settings.name}",
         erlif_version=__version__,
+        **{ATTRIBUTE: FORMAT_VERSION},
         settings=to_toml(settings),
         input_hashes=describe_hashes(hashes),
         calibration=record_calibration(calibration),

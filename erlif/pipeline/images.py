@@ -131,6 +131,11 @@ def _read_stored(film_path: Path, trigger: int) -> _Stored:
             ) from missing
 
     with open_film(film_path, group="frames") as frames:
+        if "file_camera1" not in frames or "file_camera2" not in frames:
+            raise OutputError(
+                f"Expected the names of the frames in the group frames of {film_path.name}; there "
+                "are none. Make the film again with: erlif process RUN_DIR"
+            )
         drift = np.column_stack([frames.drift_x.values, frames.drift_y.values])
         files = [[str(name) for name in frames[f"file_camera{n}"].values] for n in (1, 2)]
         trigger_of = frames.trigger.values.astype(np.int64)

@@ -19,6 +19,7 @@ from erlif.files import (
     describe_trigger,
     fastest_trigger,
     open_film,
+    reading_film,
     refuse_existing,
     settings_of,
 )
@@ -403,7 +404,7 @@ def write_figures(
 
     out_dir = Path(out_dir)
     written: list[Path] = []
-    with open_film(film_path) as film:
+    with reading_film(film_path), open_film(film_path) as film:
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
         reasons = {name: reason_missing(name, source) for name in DRAWN}

@@ -12,7 +12,14 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
 from erlif.core.version import __version__
-from erlif.files import flag_shares, open_film, refuse_existing, replacing, settings_of
+from erlif.files import (
+    flag_shares,
+    open_film,
+    reading_film,
+    refuse_existing,
+    replacing,
+    settings_of,
+)
 from erlif.plots.files import FigureSource, find_source
 from erlif.report.figures import figures_section
 from erlif.report.maps import MapCoding, choose_coding, embed_map
@@ -78,7 +85,7 @@ def write_report(
     """
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
-    with open_film(film_path) as film:
+    with reading_film(film_path), open_film(film_path) as film:
         source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
         text = _make_page(replace(source, allow_outside=allow_outside))
     with replacing(out_path) as scratch:

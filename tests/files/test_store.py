@@ -3,9 +3,7 @@
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.stores import FILM, GROUPS, contents, finish, maps_of, open_store, put
-
-from erlif.files import open_film
+from scenes.stores import FILM, GROUPS, contents, finish, maps_of, open_store, put, read_store
 
 
 @pytest.fixture(params=["netcdf", "zarr"])
@@ -59,7 +57,7 @@ def test_completed_film_holds_maps_coordinates_variables_groups_and_text(kind, t
     store = open_store(kind, tmp_path)
     put(store, 0, 1, 2, 3)
     path = finish(store).rename(tmp_path / ("film.nc" if kind == "netcdf" else "film.zarr"))
-    with open_film(path) as film:
+    with read_store(path) as film:
         assert film.thickness.dims == ("trigger", "y", "x")
         assert film.thickness.attrs["units"] == "um"
         npt.assert_array_equal(film.flags.attrs["flag_masks"], [1, 2])
@@ -68,5 +66,5 @@ def test_completed_film_holds_maps_coordinates_variables_groups_and_text(kind, t
             expected = maps_of(trigger)
             npt.assert_allclose(film.thickness[trigger], expected["thickness"], atol=0.03)
             npt.assert_array_equal(film.flags[trigger], expected["flags"])
-    with open_film(path, group="frames") as frames:
+    with read_store(path, group="frames") as frames:
         assert frames.file_camera1.values.tolist() == ["a.tif", "ä.tif"]

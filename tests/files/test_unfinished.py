@@ -3,10 +3,10 @@
 import logging
 
 import pytest
-from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of
+from scenes.stores import FILM, GRID, GROUPS, VARIABLES, contents, maps_of, read_store
 
 from erlif.core.errors import OutputError
-from erlif.files import MapStore, PartialFilm, open_film, remove_remains, write_film
+from erlif.files import MapStore, PartialFilm, remove_remains, write_film
 from erlif.files.replacing import remove
 
 
@@ -104,7 +104,7 @@ def test_a_film_that_cannot_be_completed_keeps_its_triggers(output, monkeypatch)
     with begin(output) as work:
         assert all(map(work.has, range(4)))
         write_film(work, FILM, GROUPS)
-    with open_film(output) as film:
+    with read_store(output) as film:
         assert film.attrs["title"] == FILM.attrs["title"]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from erlif.files import MapVariable, NetcdfMaps, ZarrMaps
+from erlif.files import MapVariable, NetcdfMaps, ZarrMaps, open_netcdf
 
 VARIABLES = (
     MapVariable("thickness", "float32", {"units": "um"}, std="thickness_std"),
@@ -54,6 +54,13 @@ def finish(store):
     store.finish(FILM, GROUPS)
     store.close()
     return store.path
+
+
+def read_store(path, group=None):
+    """A completed film, or a group of it, as it stands in the file."""
+    if path.is_dir():
+        return xr.open_zarr(path, group=group, consolidated=False, chunks=None)
+    return open_netcdf(path, group=group)
 
 
 def contents(path):
