@@ -204,7 +204,7 @@ def compare_calibrations(calibration: Calibration, earlier: Calibration) -> Comp
         raise CalibrationError(
             f"Expected calibrations of the same bands; one is of {calibration.bands[0]:g} and "
             f"{calibration.bands[1]:g} nm, the other of {earlier.bands[0]:g} and "
-            f"{earlier.bands[1]:g} nm."
+            f"{earlier.bands[1]:g} nm. Compare calibrations made with the same filters."
         )
     film = np.linspace(*_common_range(calibration, earlier), _GRID)
     pairs = _match_points(calibration, earlier)

@@ -131,7 +131,7 @@ def _find_axes(table: _Table, name: str, notes: list[Note]) -> tuple[Array, int]
     if along <= _LINE * across:
         raise CalibrationError(
             f"Expected x_mm to change along the profile in {name}; it is {values[0, 0]:g} at all "
-            "points. A scan along y is given with y_mm as x_mm, and direction in fixture.toml "
+            "points. Give a scan along y with y_mm as x_mm, and direction in fixture.toml "
             "turned by 90 deg."
         )
     if not surface:

@@ -251,12 +251,12 @@ def calibration_of(film: xr.Dataset) -> Calibration:
     Traceback (most recent call last):
         ...
     erlif.core.errors.OutputError: Expected the calibration among the attributes of the film, as \
-erlif process writes it; there is none.
+erlif process writes it; there is none. Make the film again with: erlif process RUN_DIR
     """
     if "calibration" not in film.attrs:
         raise OutputError(
             "Expected the calibration among the attributes of the film, as erlif process writes "
-            "it; there is none."
+            "it; there is none. Make the film again with: erlif process RUN_DIR"
         )
     try:
         calibration = _read_record(json.loads(str(film.attrs["calibration"])), settings_of(film))

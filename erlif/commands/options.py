@@ -54,5 +54,6 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
     """
     if output.suffix not in suffixes:
         raise OutputError(
-            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}."
+            f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}. "
+            "Name it so with -o."
         )

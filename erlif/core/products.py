@@ -102,5 +102,5 @@ def require(dataset: xr.Dataset, *names: str) -> None:
         present = ", ".join(str(name) for name in dataset.variables)
         raise ErlifError(
             f"This stage reads {', '.join(names)}; {', '.join(missing)} is missing from the "
-            f"dataset, which holds {present}. Was a stage of the pipeline left out?"
+            f"dataset, which holds {present}. Call the stage before it first."
         )

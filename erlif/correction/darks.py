@@ -119,7 +119,9 @@ def reduce_darks(pages: Iterable[Counts]) -> Darks:
         stack.add(page)
         levels.append(float(np.mean(page, dtype=float)))
     if stack is None:
-        raise FrameError("Expected at least one dark page; there is none.")
+        raise FrameError(
+            "Expected at least one dark page; there is none. Record one, or give offset."
+        )
 
     # hot pixels stand out from their surroundings, whatever the dark level does over the sensor
     mean, variance, n = stack.mean, stack.variance, stack.count

@@ -135,12 +135,14 @@ def check_trigger(film: xr.Dataset, trigger: int) -> None:
     >>> check_trigger(film, 2)
     Traceback (most recent call last):
         ...
-    erlif.core.errors.ErlifError: Expected a trigger from 0 to 1, as many as the film has; got 2.
+    erlif.core.errors.ErlifError: Expected a trigger from 0 to 1, as many as the film has; got 2. \
+Choose one of them.
     """
     count = film.sizes["trigger"]
     if not 0 <= trigger < count:
         raise ErlifError(
-            f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}."
+            f"Expected a trigger from 0 to {count - 1}, as many as the film has; got {trigger}. "
+            "Choose one of them."
         )
 
 

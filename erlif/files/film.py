@@ -136,7 +136,7 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
     if path.is_dir() and path.suffix != ".zarr":
         hint = f". {make_one}"
         if (path / "film.nc").is_file():
-            hint = f"; did you mean {path / 'film.nc'}?"
+            hint = f". Name its file: {path / 'film.nc'}"
         raise OutputError(f"Expected a film file; {path} is a directory{hint}")
 
     try:

@@ -206,7 +206,7 @@ def _open_log(
         if find_start is None:
             raise EncoderError(
                 'Expected the time of the first frame as start = "0.25 s" in [encoder]; "fit" is '
-                "found by the commands alone."
+                "found by the commands alone. Give the time itself."
             )
         found = find_start(settings, pairs, log, since)
         sampled = sample_log(log, since + found.value)

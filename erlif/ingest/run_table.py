@@ -70,18 +70,24 @@ def read_run_table(path: Path) -> list[RunEntry]:
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     _check_header(header, path)
     if len(rows) == 1:
-        raise ConfigError(f"Expected at least one run in {path}; it holds the header alone.")
+        raise ConfigError(
+            f"Expected at least one run in {path}; it holds the header alone. "
+            "Write one row for each run."
+        )
 
     entries = []
     for number, row in rows[1:]:
         if len(row) != len(header):
             raise ConfigError(
                 f"Expected {len(header)} cells in row {number} of {path}, as in the header; got "
-                f"{len(row)}. A path that holds a comma stands in double quotes."
+                f"{len(row)}. Put a path that holds a comma into double quotes."
             )
         cells = {name: cell.strip() for name, cell in zip(header, row, strict=True)}
         if not cells["run_dir"]:
-            raise ConfigError(f"Expected a run_dir in row {number} of {path}; the cell is empty.")
+            raise ConfigError(
+                f"Expected a run_dir in row {number} of {path}; the cell is empty. Name a run "
+                "directory, or take the row out."
+            )
         found = {name: path.parent / cell for name, cell in cells.items() if cell}
         entries.append(RunEntry(**found))
     return entries
@@ -107,7 +113,9 @@ def _read_rows(path: Path) -> list[tuple[int, list[str]]]:
 
     # Python 3.11 reads a null byte as any other character; no path may hold one
     if any("\0" in cell for _, row in found for cell in row):
-        raise ConfigError(f"Expected {path} to be a CSV text file; it holds a null byte.")
+        raise ConfigError(
+            f"Expected {path} to be a CSV text file; it holds a null byte. Save it as CSV in UTF-8."
+        )
     return found
 
 
@@ -116,9 +124,9 @@ def _check_header(header: list[str], path: Path) -> None:
     for name in header:
         if name not in _COLUMNS:
             near = difflib.get_close_matches(name, _COLUMNS, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]!r}?" if near else "take it out."
+            hint = f"did you mean {near[0]!r}? Correct it." if near else "take it out."
             raise ConfigError(f"{expected}; got {name!r}; {hint}")
         if header.count(name) > 1:
-            raise ConfigError(f"{expected}; {name} stands there {header.count(name)} times.")
+            raise ConfigError(f"{expected}; {name} comes {header.count(name)} times. Keep one.")
     if "run_dir" not in header:
-        raise ConfigError(f"{expected}; run_dir is missing. The first row names the columns.")
+        raise ConfigError(f"{expected}; run_dir is missing. Name the columns in the first row.")

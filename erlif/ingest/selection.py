@@ -58,7 +58,10 @@ class Selection:
         else:
             return every
         if not found:
-            raise FrameError(f'it has no frame that belongs to part = "{self.part}"')
+            raise FrameError(
+                f'it has no frame that belongs to part = "{self.part}". Correct part in the '
+                "settings."
+            )
         return found
 
     def crop_shape(self, shape: tuple[int, ...]) -> tuple[int, ...]:

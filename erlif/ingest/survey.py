@@ -243,7 +243,10 @@ def survey_directory(directory: Path) -> Survey:
     ()
     """
     if not directory.is_dir():
-        raise FrameError(f"Expected a directory with frames; {directory} is not a directory.")
+        raise FrameError(
+            f"Expected a directory with frames; {directory} is not a directory. Name the folder "
+            "that holds the frames of both cameras."
+        )
     files = list(islice(_walk(directory, DEEPEST), MOST_FILES + 1))
     if len(files) > MOST_FILES:
         raise FrameError(

@@ -217,7 +217,10 @@ def _follow_crank(angle: Array, inverse: Callable[..., Array], time: Array | Non
     try:
         options = np.stack([inverse(angle, rising=True), inverse(angle, rising=False)])
     except ModelError as error:
-        raise EncoderError(str(error)) from error
+        raise EncoderError(
+            f"{str(error).rstrip('.')}. Correct the links, mounted_on or zero in run.toml, or the "
+            "angles of the log."
+        ) from error
     if angle.size == 1:
         return np.asarray(options[0])
 

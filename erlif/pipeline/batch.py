@@ -170,7 +170,9 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
         else:
             given.append(RunEntry(Path(one)))
     if not given:
-        raise ConfigError("Expected at least one run directory or a table of runs; got none.")
+        raise ConfigError(
+            "Expected at least one run directory or a table of runs; got none. Name one."
+        )
 
     entries = [
         RunEntry(one.run_dir, one.calibration, one.output or one.run_dir / "film.nc")
@@ -182,7 +184,8 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
     for output in outputs:
         if output.suffix not in _SUFFIXES:
             raise OutputError(
-                f"Expected a name in {' or '.join(_SUFFIXES)} for the output; got {output}."
+                f"Expected a name in {' or '.join(_SUFFIXES)} for the output; got {output}. "
+                "Correct the column output."
             )
     return entries
 

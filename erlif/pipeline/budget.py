@@ -212,7 +212,8 @@ def _choose_trigger(
         trigger = int(cycle.trigger[fastest])
     if not 0 <= trigger < len(frames_of) or not frames_of[trigger]:
         raise ConfigError(
-            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}."
+            f"Expected a trigger from 0 to {len(frames_of) - 1} that has frames; got {trigger}. "
+            "Choose another with --trigger."
         )
     return trigger, frames_of[trigger]
 

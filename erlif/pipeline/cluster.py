@@ -285,7 +285,7 @@ def _check_form(scheduler: str) -> None:
     if _LOCAL.fullmatch(scheduler) or is_address:
         return
     if not scheduler.endswith(".json"):
-        raise ClusterError(f"{_FORMS}; got {scheduler!r}.")
+        raise ClusterError(f"{_FORMS}; got {scheduler!r}. Give one of these.")
 
 
 def _read_address(path: Path) -> str:

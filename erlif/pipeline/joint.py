@@ -158,5 +158,8 @@ def _describe_viscosity(oil: OilSettings) -> float | VogelLaw:
     if oil.vogel is not None:
         return VogelLaw(oil.vogel.a, oil.vogel.b, oil.vogel.c)
     if oil.viscosity is None:  # the settings refuse an oil with neither
-        raise ConfigError('Expected viscosity = "0.12 Pa s" or a vogel law in [oil]; got neither.')
+        raise ConfigError(
+            'Expected viscosity = "0.12 Pa s" or a vogel law in [oil]; got neither. '
+            "Add one of them."
+        )
     return oil.viscosity

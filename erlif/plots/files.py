@@ -396,11 +396,13 @@ def write_figures(
 
     >>> write_figures("run/film.nc", "figures", formats=("gif",))
     Traceback (most recent call last):
-    erlif.core.errors.OutputError: Expected figures as png, pdf, svg; got gif.
+    erlif.core.errors.OutputError: Expected figures as png, pdf, svg; got gif. Choose from these.
     """
     unknown = [kind for kind in formats if kind not in _KINDS]
     if unknown:
-        raise OutputError(f"Expected figures as {', '.join(_KINDS)}; got {', '.join(unknown)}.")
+        raise OutputError(
+            f"Expected figures as {', '.join(_KINDS)}; got {', '.join(unknown)}. Choose from these."
+        )
 
     out_dir = Path(out_dir)
     written: list[Path] = []

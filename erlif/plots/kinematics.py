@@ -65,7 +65,7 @@ def linkage_cycle(film: xr.Dataset) -> LinkageCycle:
     if links is None or encoder is None:
         raise ConfigError(
             "Expected the film of a crank-rocker or a slider-crank; its settings have no linkage. "
-            "Draw it with film_over_cycle."
+            "Use film_over_cycle."
         )
     mechanism, omega = build_linkage(links), links.crank_speed
     if isinstance(mechanism, SliderCrank):

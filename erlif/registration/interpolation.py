@@ -526,7 +526,8 @@ def warp(
         )
     if image.ndim != 2 or min(image.shape) < 3:
         raise RegistrationError(
-            f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}."
+            f"Warping needs an image of at least 3 by 3 pixels, got {image.shape}. Pass a "
+            "whole frame."
         )
 
     bad = NOTHING_BAD

@@ -270,7 +270,9 @@ def open_frames(source: Pairs, settings: RegistrationSettings) -> Frames:
     """
     count = sum(1 for _ in source()) if callable(source) else len(source)
     if count == 0:
-        raise RegistrationError("Registration needs at least one pair of frames, got none.")
+        raise RegistrationError(
+            "Registration needs at least one pair of frames, got none. Pass one or more."
+        )
 
     # the middle of each of equal parts of the run
     most = min(count, settings.frames_for_map)

@@ -127,12 +127,13 @@ class RegistrationSettings:
         if not 0 < self.search <= LARGEST_SEARCH:
             raise RegistrationError(
                 f"search must lie above 0 and at most at {LARGEST_SEARCH} of the frame; "
-                f"got {self.search}."
+                f"got {self.search}. Keep the default if in doubt."
             )
         if self.passes < 1 or self.frames_for_map < 1 or self.threads < 1:
             raise RegistrationError(
                 f"passes, frames_for_map and threads must be at least 1; "
-                f"got {self.passes}, {self.frames_for_map} and {self.threads}."
+                f"got {self.passes}, {self.frames_for_map} and {self.threads}. "
+                "Correct the settings."
             )
 
 

@@ -103,7 +103,10 @@ def simulate(
             for name in WRITTEN:
                 (Path(scratch) / name).rename(out / name)
     except OSError as error:
-        raise OutputError(f"{out} could not be written: {error.strerror or error}.") from error
+        raise OutputError(
+            f"{out} could not be written: {error.strerror or error}. Choose another directory, or "
+            "make room."
+        ) from error
     return out
 
 

@@ -177,7 +177,7 @@ def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
     if len(rig.film_table) != speed.size:
         raise ModelError(
             f"film_table needs one film for each of {speed.size} triggers, got "
-            f"{len(rig.film_table)}."
+            f"{len(rig.film_table)}. Give one number for each."
         )
     return np.array(rig.film_table, dtype=np.float64)
 

@@ -358,13 +358,13 @@ class RigSettings:
         if min(self.width, self.height) < SMALLEST_PICTURE:
             raise ModelError(
                 f"The virtual cameras need at least {SMALLEST_PICTURE} x {SMALLEST_PICTURE} "
-                f"pixels, got {self.width} x {self.height}."
+                f"pixels, got {self.width} x {self.height}. Choose a larger size."
             )
         pages = (self.fixture_frames, self.dark_pages, self.flat_pages, len(self.flat_levels))
         if min(self.cycles, *pages) < 1:
             raise ModelError(
                 "The virtual rig needs at least one cycle, fixture frame, dark page, flat page "
-                "and level."
+                "and level. Choose 1 or more of each."
             )
 
     def _check_motion(self) -> None:
@@ -372,7 +372,7 @@ class RigSettings:
         if not 0 < self.spacing <= LARGEST_SPACING:
             raise ModelError(
                 f"The trigger spacing must lie above 0 and at most at {LARGEST_SPACING:g} degrees, "
-                f"got {self.spacing:g}."
+                f"got {self.spacing:g}. Choose another spacing."
             )
         # Grashof: the crank turns if it is the shortest link and the frame is long enough
         if self.crank + self.ground >= self.coupler + self.rocker or self.crank >= min(
@@ -383,19 +383,23 @@ class RigSettings:
                 "links."
             )
         if not 0 < self.pin_radius < self.bushing_radius:
-            raise ModelError("The pin radius must be smaller than the bushing radius.")
+            raise ModelError(
+                "The pin radius must be smaller than the bushing radius. Correct one of them."
+            )
 
     def _check_optics(self) -> None:
         """Refuse light, film and displacement outside the range of the simulation."""
         if self.light <= 0 or self.gain <= 0 or self.film_floor <= 0 or self.film_reference <= 0:
             raise ModelError(
-                "light, gain, film_reference and film_floor of the virtual rig must be above zero."
+                "light, gain, film_reference and film_floor of the virtual rig must be above zero. "
+                "Choose larger numbers."
             )
         extra = (self.background, self.background_beam, self.background_pages, self.reference)
         if min(extra) < 0 or not all(0 <= share < 1 for share in self.bleaching):
             raise ModelError(
                 "background, background_beam, background_pages and reference of the virtual rig "
-                "must be 0 or more, and the two shares of bleaching lie from 0 to below 1."
+                "must be 0 or more, and the two shares of bleaching lie from 0 to below 1. "
+                "Choose other numbers."
             )
         # beyond these the search for the object points of camera 2 may not converge
         if (
@@ -406,10 +410,13 @@ class RigSettings:
             raise ModelError(
                 f"Camera 2 may differ by at most {LARGEST_SCALE:g} in scale, "
                 f"{LARGEST_ROTATION:g} degrees in rotation and {LARGEST_DISTORTION:g} px in "
-                "distortion."
+                "distortion. Choose smaller differences."
             )
         if not 0 <= self.wedge[0] < self.wedge[1]:
-            raise ModelError(f"The wedge must rise from a film of 0 um or more, got {self.wedge}.")
+            raise ModelError(
+                f"The wedge must rise from a film of 0 um or more, got {self.wedge}. "
+                "Choose other ends."
+            )
 
     @property
     def pitch(self) -> float:

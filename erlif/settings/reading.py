@@ -134,7 +134,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
     """The file as TOML has it; ConfigError where it is missing or something else."""
     directory, name = path.parent, path.name
     if not directory.is_dir():
-        hint = ""
+        hint = " Name the directory of the recording."
         if directory.name == name:
             hint = f" Name the directory that holds it: {directory.parent}"
         raise ConfigError(
@@ -145,7 +145,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
         option = " --fixture" if name == "fixture.toml" else ""
         hint = f"Make one from the files in it with: erlif init {directory}{option}"
         if (directory / other).is_file():
-            hint = f"It holds {other}: is it meant for the other command?"
+            hint = f"It holds {other}: use the command for that, or name another directory."
         raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
 
     try:

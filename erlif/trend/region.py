@@ -68,7 +68,8 @@ def find_region(x: Array, y: Array, *, roi: tuple[Interval, Interval] | None = N
         raise ConfigError(
             f"Expected a region of interest of at least {_SMALLEST} x {_SMALLEST} pixels within "
             f"the image, x 0 to {x[-1]:.2f} mm and y 0 to {y[-1]:.2f} mm; [thickness] roi is "
-            f"x = [{across[0]:g}, {across[1]:g}], y = [{down[0]:g}, {down[1]:g}]."
+            f"x = [{across[0]:g}, {across[1]:g}], y = [{down[0]:g}, {down[1]:g}]. Correct "
+            "roi, or pixel_pitch in [optics]."
         )
     return Region(rows, columns)
 

@@ -53,7 +53,7 @@ def test_a_path_in_quotes_may_hold_a_comma(table):
         ("monday\ntuesday\n", "got 'monday'"),
         ("calibration\na.nc\n", "run_dir is missing"),
         ("run_dir,calibratoin\nmonday,a.nc\n", "did you mean 'calibration'"),
-        ("run_dir,run_dir\nmonday,tuesday\n", "stands there 2 times"),
+        ("run_dir,run_dir\nmonday,tuesday\n", "comes 2 times"),
         ("run_dir\n", "header alone"),
         ("run_dir,output\nmonday\n", "2 cells in row 2"),
         ("run_dir,output\n,film.nc\n", "run_dir in row 2"),

@@ -143,7 +143,7 @@ def test_all_faults_come_in_one_message(lab):
     [
         ("nowhere", "not a directory"),
         ("run/run.toml", "not a directory"),
-        ("fixture", "meant for the other command"),
+        ("fixture", "use the command for that"),
     ],
 )
 def test_a_directory_without_run_toml_is_refused(lab, directory, expected):
@@ -152,7 +152,7 @@ def test_a_directory_without_run_toml_is_refused(lab, directory, expected):
 
 
 def test_a_run_is_no_fixture(lab):
-    with pytest.raises(ConfigError, match="is it meant for the other command"):
+    with pytest.raises(ConfigError, match="use the command for that"):
         read_fixture_settings(lab.run)
 
 
