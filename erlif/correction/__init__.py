@@ -1,5 +1,6 @@
 """Counts to light with variance: dark, flat, photon transfer, saturation."""
 
+from erlif.correction.agreement import find_reference_faults
 from erlif.correction.background import Background, reduce_background
 from erlif.correction.camera import CameraMeasurement, measure_camera
 from erlif.correction.darks import Darks, declare_darks, reduce_darks
@@ -31,6 +32,7 @@ __all__ = [
     "count_pixels",
     "declare_darks",
     "find_pile_up",
+    "find_reference_faults",
     "fit_photon_transfer",
     "make_flat_field",
     "make_references",

@@ -11,6 +11,7 @@ from erlif.correction.darks import Darks, declare_darks, reduce_darks
 from erlif.correction.flats import reduce_flats, sum_light
 from erlif.correction.photon_transfer import LightLevel, reduce_level
 from erlif.correction.saturation import Histogram
+from erlif.correction.view import FrameView
 
 _CLEAR_OF_SATURATION = 0.95
 """Share of the saturation below which a pixel of a flat is linear."""
@@ -35,6 +36,10 @@ class CameraMeasurement:
         Number of flat pages.
     background : Background | None
         Light of the dry joint; None where none was recorded.
+    level_pages : tuple[int, ...]
+        Flat pages of each light level.
+    view : FrameView | None
+        Mean of the frames with which darks and flats are compared; None where there are none.
     """
 
     darks: Darks
@@ -44,6 +49,8 @@ class CameraMeasurement:
     flat_light: AnyArray | None = None
     flat_pages: int = 0
     background: Background | None = None
+    level_pages: tuple[int, ...] = ()
+    view: FrameView | None = None
 
     @property
     def has_flat(self) -> bool:
@@ -122,4 +129,5 @@ def measure_camera(
         sum_light(found.stacks),
         sum(stack.count for stack in found.stacks),
         dry,
+        tuple(stack.count for stack in found.stacks),
     )

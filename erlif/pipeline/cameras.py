@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +14,12 @@ from erlif.correction import (
     Cameras,
     DeclaredNoise,
     count_pixels,
+    find_reference_faults,
     make_references,
     measure_camera,
 )
 from erlif.correction.saturation import Histogram
+from erlif.correction.view import FrameView, ViewSum
 from erlif.ingest import (
     Fixture,
     FramePairs,
@@ -46,7 +50,7 @@ def measure_cameras(recording: Run | Fixture) -> tuple[CameraMeasurement, Camera
     FrameError
         If darks or flats are missing, unreadable, or do not fit the frames.
     """
-    one, two = count_frames(recording.pairs)
+    one, two = look_at_frames(recording.pairs)
     return _measure(recording, 1, one), _measure(recording, 2, two)
 
 
@@ -74,20 +78,40 @@ def characterise_cameras(recording: Run | Fixture) -> Cameras:
     FrameError
         As `measure_cameras`.
     """
-    return make_references(measure_cameras(recording), declared=declared_noise(recording))
+    measured = measure_cameras(recording)
+    cameras = make_references(measured, declared=declared_noise(recording))
+    faults = find_reference_faults(measured, cameras.references)
+    return replace(cameras, notes=(*cameras.notes, *faults))
 
 
-def count_frames(pairs: FramePairs) -> tuple[Histogram, Histogram]:
-    """Pixels by count of each camera, over a few frames."""
-    one, two = (np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales)
+class FrameLook(NamedTuple):
+    """What a few frames of a camera show before they are corrected.
+
+    Attributes
+    ----------
+    histogram : Histogram
+        Pixels by count, (full scale + 1,).
+    view : FrameView
+        Their mean.
+    """
+
+    histogram: Histogram
+    view: FrameView
+
+
+def look_at_frames(pairs: FramePairs) -> tuple[FrameLook, FrameLook]:
+    """Read a few frames of each camera, evenly spread over the recording."""
+    counted = [np.zeros(full_scale + 1, np.int64) for full_scale in pairs.full_scales]
+    totals = [ViewSum(pairs.shape) for _ in counted]
     for frame in pairs.spread(_FRAMES_SEARCHED):
-        counts = read_pair(pairs, frame).counts
-        one += count_pixels(counts[0], one.size - 1)
-        two += count_pixels(counts[1], two.size - 1)
+        for camera, counts in enumerate(read_pair(pairs, frame).counts):
+            counted[camera] += count_pixels(counts, counted[camera].size - 1)
+            totals[camera].add(counts)
+    one, two = (FrameLook(*both) for both in zip(counted, (t.mean() for t in totals), strict=True))
     return one, two
 
 
-def _measure(recording: Run | Fixture, number: int, histogram: Histogram) -> CameraMeasurement:
+def _measure(recording: Run | Fixture, number: int, look: FrameLook) -> CameraMeasurement:
     settings = recording.cameras[number - 1]
     camera, shape = f"camera{number}", recording.pairs.shape
 
@@ -103,11 +127,12 @@ def _measure(recording: Run | Fixture, number: int, histogram: Histogram) -> Cam
 
     # the settings hold either a file of darks or a level
     level = settings.offset if settings.offset is not None else 0.0
-    return measure_camera(
+    measured = measure_camera(
         darks=level if settings.dark is None else read(settings.dark, "dark"),
         flats=() if settings.flat is None else read(settings.flat, "flat"),
-        histogram=histogram,
+        histogram=look.histogram,
         shape=shape,
         camera=camera,
         background=() if settings.background is None else read(settings.background, "background"),
     )
+    return replace(measured, view=look.view)

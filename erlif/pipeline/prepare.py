@@ -11,7 +11,7 @@ from erlif.core.memory import release_memory
 from erlif.core.products import References
 from erlif.core.progress import Progress
 from erlif.core.timing import stage
-from erlif.correction import CameraMeasurement, make_references
+from erlif.correction import CameraMeasurement, find_reference_faults, make_references
 from erlif.ingest import Fixture, Run
 from erlif.pipeline.cameras import declared_noise, measure_cameras
 from erlif.pipeline.chain import FrameChain, FrameCorrection
@@ -62,7 +62,8 @@ def prepare_chain(
         measured: tuple[CameraMeasurement, ...] = measure_cameras(recording)
         declared = declared_noise(recording)
         cameras = make_references(measured, declared=declared)
-        for note in cameras.notes:
+        faults = find_reference_faults(measured, cameras.references)
+        for note in (*cameras.notes, *faults):
             _logger.info("%s", note)
 
     # where nothing is left to be estimated, the references are all that is needed
@@ -103,7 +104,7 @@ def prepare_chain(
         for note in completed.notes[len(cameras.notes) :]:
             _logger.info("%s", note)
     release_memory()
-    return completed
+    return replace(completed, notes=(*completed.notes, *faults))
 
 
 def correct_recording(recording: Run | Fixture, references: References) -> FrameCorrection:

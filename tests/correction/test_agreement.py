@@ -1,0 +1,169 @@
+"""Darks and flats that do not belong to their frames."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import FrameError
+from erlif.correction import DeclaredNoise, make_references, measure_camera
+from erlif.correction.agreement import find_reference_faults, find_share
+from erlif.correction.view import ViewSum
+
+SHAPE = (96, 128)
+GAIN = 4.0
+OFFSET = 64.0
+
+
+def pages(rng, light, count):
+    """Exposures of a light [DN] above an offset of 64 DN, with a read noise of 2 DN."""
+    electrons = rng.poisson(np.broadcast_to(GAIN * light, (count, *SHAPE)))
+    noise = rng.normal(0, 2, electrons.shape)
+    return np.rint(OFFSET + electrons / GAIN + noise).clip(0, 4095).astype(np.uint16)
+
+
+def beam(rng):
+    """Light of a frame: a beam, and a speckle that is new in every frame."""
+    y, x = np.mgrid[-1 : 1 : SHAPE[0] * 1j, -1 : 1 : SHAPE[1] * 1j]
+    return 1500 * np.exp(-(x**2 + y**2) / 2) * (1 + 0.05 * rng.normal(size=SHAPE))
+
+
+class Bench:
+    """Two cameras whose pixels respond with 1 %."""
+
+    def __init__(self, seed=1, response=0.01):
+        self.rng = np.random.default_rng(seed)
+        self.response = [1 + response * self.rng.normal(size=SHAPE) for _ in range(2)]
+
+    def camera(self, *, darks=None, flat=None, frames=None, number=0):
+        rng, response = self.rng, self.response[number]
+        darks = pages(rng, np.zeros(SHAPE), 4) if darks is None else darks
+        flat = pages(rng, 2000 * response, 6) if flat is None else flat
+        frames = response if frames is None else frames
+        view = ViewSum(SHAPE)
+        for _ in range(8):
+            view.add(pages(rng, beam(rng) * frames, 1)[0])
+        measured = measure_camera(
+            darks=darks,
+            flats=flat,
+            histogram=np.zeros(4096, np.int64),
+            shape=SHAPE,
+            camera=f"camera{number + 1}",
+        )
+        return replace(measured, view=view.mean())
+
+
+def faults(one, two):
+    cameras = make_references([one, two], declared=[DeclaredNoise(GAIN, 8.0)] * 2)
+    return [str(note) for note in find_reference_faults([one, two], cameras.references)]
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_good_bench_has_no_fault(seed):
+    bench = Bench(seed)
+    assert faults(bench.camera(), bench.camera(number=1)) == []
+
+
+def test_cameras_without_a_pattern_are_not_judged():
+    """A camera that corrects its own response leaves nothing to be compared."""
+    bench = Bench(response=0.0)
+    assert faults(bench.camera(), bench.camera(number=1)) == []
+
+
+def test_share_of_the_flat_in_the_frames_is_one_within_its_error(bench):
+    one, two = bench.camera(), bench.camera(number=1)
+    references = make_references([one, two], declared=[DeclaredNoise(GAIN, 8.0)] * 2).references
+    for n, measured in enumerate((one, two)):
+        own = find_share(measured.view, measured, references, n)
+        other = find_share(measured.view, measured, references, 1 - n)
+        assert abs(own.value - 1) < 4 * own.std
+        assert abs(other.value) < 4 * other.std
+        assert own.std < 0.1
+
+
+def test_frames_of_exchanged_cameras_are_refused(bench):
+    one, two = bench.response
+    with pytest.raises(
+        FrameError, match=r"look swapped: exchange files in \[camera1\] and \[camera2\]"
+    ):
+        faults(bench.camera(frames=two), bench.camera(frames=one, number=1))
+
+
+def test_a_flat_of_another_camera_is_reported(bench):
+    other = pages(bench.rng, 2000 * (1 + 0.01 * bench.rng.normal(size=SHAPE)), 6)
+    (note,) = faults(bench.camera(flat=other), bench.camera(number=1))
+    assert note.startswith("camera1: the frames do not show the response of the pixels")
+
+
+def test_a_dark_brighter_than_the_frames_is_refused(bench):
+    with pytest.raises(FrameError, match="brighter than its dark"):
+        faults(
+            bench.camera(
+                darks=pages(bench.rng, 2000 * bench.response[0], 4),
+                flat=pages(bench.rng, 3500 * bench.response[0], 6),
+            ),
+            bench.camera(number=1),
+        )
+
+
+def test_light_in_the_dark_is_reported_with_its_share(bench):
+    lit = pages(bench.rng, 0.03 * beam(bench.rng), 4)
+    (note,) = faults(bench.camera(darks=lit), bench.camera(number=1))
+    assert note.startswith("camera1: the dark shows 3.")  # 3 % of the whole, 3.1 % of the rest
+
+
+def test_darks_of_changing_level_are_reported(bench):
+    darks = np.concatenate([pages(bench.rng, np.full(SHAPE, 60.0 * (k > 1)), 1) for k in range(4)])
+    (note,) = faults(bench.camera(darks=darks), bench.camera(number=1))
+    npt.assert_allclose(float(note.split("changes by ")[1].split()[0]), 34.6, atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("cut", "words"),
+    [
+        ({"darks": 2}, "camera1: 2 dark page(s), the other camera has 4"),
+        ({"flat": 5}, "camera1: 5 flat page(s), the other camera has 6"),
+    ],
+)
+def test_files_cut_short_are_reported(bench, cut, words):
+    light = {"darks": np.zeros(SHAPE), "flat": 2000 * bench.response[0]}
+    options = {name: pages(bench.rng, light[name], count) for name, count in cut.items()}
+    (note,) = faults(bench.camera(**options), bench.camera(number=1))
+    assert words in note
+
+
+def test_a_last_light_level_with_fewer_pages_is_reported(bench):
+    cameras = []
+    for number in range(2):
+        response = bench.response[number]
+        flat = [*pages(bench.rng, 1000 * response, 3), *pages(bench.rng, 2000 * response, 1)]
+        cameras.append(bench.camera(flat=flat, number=number))
+    notes = faults(*cameras)
+    assert len(notes) == 2
+    assert all("1 page(s) at the last light level of the flat, 3 and" in note for note in notes)
+
+
+def test_a_flat_with_the_beam_of_the_laser_is_reported(bench):
+    y, x = np.mgrid[-1 : 1 : SHAPE[0] * 1j, -1 : 1 : SHAPE[1] * 1j]
+    shape = np.exp(-(x**2 + y**2) / 2)
+    cameras = [
+        bench.camera(flat=pages(bench.rng, 2500 * shape * bench.response[n], 6), number=n)
+        for n in range(2)
+    ]
+    notes = faults(*cameras)
+    assert [note.split(":")[0] for note in notes] == ["camera1", "camera2"]
+    assert all("an evenly lit target" in note for note in notes)
+
+
+def test_flats_of_unlike_light_are_reported(bench):
+    tilt = np.linspace(0.75, 1.25, SHAPE[1])
+    flat = pages(bench.rng, 2000 * tilt * bench.response[1], 6)
+    (note,) = faults(bench.camera(), bench.camera(flat=flat, number=1))
+    # the outer of eight blocks are 1/16 of the width from the edge
+    assert note.startswith("camera1 and camera2: the light of their flats differs by -22% to +22%")
