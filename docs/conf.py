@@ -120,6 +120,7 @@ STAGES = (
     "kinematics",
     "trend",
     "pipeline",
+    "audit",
     "files",
     "plots",
     "report",

@@ -25,7 +25,7 @@ _FUNCTIONS = {
     "batch": "erlif.pipeline.batch",
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
-    "check": "erlif.pipeline.check",
+    "check": "erlif.audit",
     "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
@@ -35,6 +35,7 @@ _FUNCTIONS = {
     "summarise": "erlif.report",
 }
 _MODULES = (
+    "audit",
     "calibration",
     "correction",
     "files",
@@ -57,6 +58,7 @@ __all__ = [
     "ErlifError",
     "Flag",
     "__version__",
+    "audit",
     "batch",
     "budget",
     "calibrate",
@@ -87,6 +89,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from erlif import (
+        audit,
         calibration,
         correction,
         files,
@@ -103,13 +106,13 @@ if TYPE_CHECKING:
         thickness,
         trend,
     )
+    from erlif.audit import check
     from erlif.calibration import Calibration, open_calibration, save_calibration
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.files import open_film
     from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget
-    from erlif.pipeline.check import check
     from erlif.pipeline.fixture import calibrate
     from erlif.pipeline.init import init
     from erlif.pipeline.run import process

@@ -27,6 +27,7 @@ ORDER = (
     "trend",
     "passes",
     "pipeline",
+    "audit",
     "plots",
     "report",
     "commands",

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
 
 from erlif.commands.options import ALLOW_OUTSIDE, PATH
+from erlif.commands.status import BAD_INPUT, DEFECT
 from erlif.core.notes import Level
 
 
 @click.command()
 @click.argument("directory", type=PATH)
+@click.option("--strict", is_flag=True, help="End with status 1 where there are warnings.")
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @ALLOW_OUTSIDE
-def check(directory: Path, allow_outside: bool) -> None:
+def check(directory: Path, strict: bool, as_json: bool, allow_outside: bool) -> None:
     """Audit a run or fixture directory before anything is computed.
 
     Lists what was found and ends with exit status 2 at the first error. Gaps in run.toml or
@@ -23,10 +27,16 @@ def check(directory: Path, allow_outside: bool) -> None:
     Example:
       erlif check data_samples/straight_bushing
     """
-    from erlif.pipeline.check import check as check_directory
+    from erlif.audit import audit
 
-    notes = check_directory(directory, allow_outside=allow_outside)
-    for note in notes:
-        click.echo(f"{note.level:8s}{note}")
-    if any(note.level is Level.ERROR for note in notes):
-        raise click.exceptions.Exit(2)
+    found = audit(directory, allow_outside=allow_outside)
+    if as_json:
+        click.echo(json.dumps(found.to_record(), indent=1))
+    else:
+        for note in found.notes:
+            click.echo(f"{note.level:8s}{note}")
+
+    if found.count(Level.ERROR):
+        raise click.exceptions.Exit(BAD_INPUT)
+    if strict and found.count(Level.WARNING):
+        raise click.exceptions.Exit(DEFECT)

@@ -2,7 +2,6 @@
 
 from erlif.pipeline.batch import batch
 from erlif.pipeline.budget import budget
-from erlif.pipeline.check import check
 from erlif.pipeline.fixture import calibrate
 from erlif.pipeline.images import restore_images
 from erlif.pipeline.init import init
@@ -12,7 +11,6 @@ __all__ = [
     "batch",
     "budget",
     "calibrate",
-    "check",
     "init",
     "process",
     "restore_images",

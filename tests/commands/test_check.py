@@ -1,5 +1,6 @@
 """``erlif check``."""
 
+import json
 import shutil
 
 import pytest
@@ -45,7 +46,29 @@ def test_a_fixture_is_checked_with_its_profile(lab, command):
 
 def test_v_shows_the_parts_of_the_check_and_their_times(lab):
     result = CliRunner().invoke(main, ["-v", "check", str(lab.fixture)])
-    lines = [line for line in result.stderr.splitlines() if "pipeline.check: " in line]
+    lines = [line for line in result.stderr.splitlines() if "audit.directory: " in line]
     assert lines[0].endswith("check of counts: started")
     assert "check of profile: finished after" in lines[-1]
     assert not CliRunner().invoke(main, ["check", str(lab.fixture)]).stderr
+
+
+def test_strict_ends_with_status_1_where_there_are_warnings(lab):
+    lab.edit("run/run.toml", ('calibration = "../fixture/calibration.nc"\n', ""))
+    assert CliRunner().invoke(main, ["check", str(lab.run)]).exit_code == 0
+    result = CliRunner().invoke(main, ["check", "--strict", str(lab.run)])
+    assert result.exit_code == 1
+    assert "process will need --calibration" in result.stdout
+
+
+def test_json_holds_the_findings(lab, command):
+    record = json.loads(command("check", "--json", lab.run).stdout)
+    assert (record["name"], record["errors"]) == ("virtual straight bushing", 0)
+    assert {"level", "subject", "text"} == set(record["notes"][0])
+
+
+def test_json_of_an_error_ends_with_status_2(tmp_path):
+    result = CliRunner().invoke(main, ["check", "--json", str(tmp_path)])
+    assert result.exit_code == 2
+    record = json.loads(result.stdout)
+    assert record["errors"] == 1
+    assert "erlif init" in record["notes"][-1]["text"]

@@ -7,7 +7,11 @@ import pytest
 from scenes.tiff_pages import rewrite
 
 import erlif
+from erlif.audit import audit
 from erlif.core.notes import Level
+from erlif.ingest import frames
+
+content_of = frames.read_content
 
 
 def about(notes, subject):
@@ -17,9 +21,10 @@ def about(notes, subject):
 def test_a_good_run_is_described_in_the_order_of_the_audit(lab):
     notes = erlif.check(lab.run)
     subjects = list(dict.fromkeys(note.subject for note in notes))
-    assert subjects[:2] == ["frames", "counts"]
-    assert subjects[-2:] == ["encoder log", "calibration"]
-    assert all(note.level is not Level.ERROR for note in notes)
+    main = ["frames", "counts", "pairs", "darks and flats", "registration", "encoder log"]
+    assert [subject for subject in subjects if subject in main] == main
+    assert subjects[-2:] == ["calibration", "ratio"]
+    assert all(note.level is Level.NOTE for note in notes)
 
 
 def test_triggers_cycles_and_speed_are_those_of_the_rig(lab):
@@ -41,7 +46,7 @@ def test_highest_counts_and_saturation_of_each_camera_are_reported(lab):
     one, two = about(erlif.check(lab.run), "counts")
     assert one.level is Level.NOTE
     assert two.level is Level.WARNING
-    assert "highest count 4095 of 4095, at most 2.08% of a frame saturated" in two.text
+    assert "highest count 4095 of 4095, at most 2.08% of a frame saturated. Shorten" in two.text
 
 
 def test_the_calibration_is_opened_and_its_range_reported(lab):
@@ -99,3 +104,37 @@ def test_the_parts_of_the_audit_are_logged_with_their_times(lab, caplog):
         erlif.check(lab.run)
     assert "check of counts: started" in caplog.messages
     assert any(message.startswith("check of encoder log: finished") for message in caplog.messages)
+
+
+def test_the_record_holds_findings_pairs_and_frames(lab):
+    record = audit(lab.run).to_record()
+    assert (record["errors"], record["warnings"]) == (0, 0)
+    assert record["notes"][0] == {
+        "level": "note",
+        "subject": "frames",
+        "text": "6 pairs of 128 x 96 pixels, 'virtual straight bushing'",
+    }
+    assert record["pairs"][0]["camera2"] == "frame_0000.tif"
+    assert [one["frame"] for one in record["frames"]] == list(range(6))
+
+
+def test_frames_of_a_long_recording_are_read_a_bounded_number_of_times(lab, monkeypatch):
+    """One hundred pairs, all of them the six of the rig."""
+    content = {n: [path.read_bytes() for path in lab.frames(n)] for n in (1, 2)}
+    for n in (1, 2):
+        for k in range(100):
+            path = lab.run / f"camera{n}" / f"frame_{k:04d}.tif"
+            path.write_bytes(content[n][k % 6])
+    text = "frame,angle_deg\n" + "".join(f"{k},{10.0 * (k % 36)}\n" for k in range(100))
+    (lab.run / "encoder.csv").write_text(text)
+    lab.edit("run/run.toml", ('"rocker"', '"crank"'), ("triggers_per_cycle = 6", ""))
+
+    read = []
+    monkeypatch.setattr(
+        frames, "read_content", lambda *a, **k: read.append(a) or content_of(*a, **k)
+    )
+    found = audit(lab.run)
+    assert "counts of 24 of them, evenly spread, are examined" in found.notes[0].text
+    assert len(found.survey.frames) == 24
+    # 24 for the counts, 8 for darks and flats (twice), 12 to register, 4 as a sample, 16 in a row
+    assert len(read) <= 2 * (24 + 8 + 8 + 12 + 4 + 16 + 16)

@@ -1,0 +1,60 @@
+"""Overlap, registration and pulses against the truth of the rig."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.audit.cameras import choose_consecutive, note_pulses, note_registration
+
+
+def test_registration_is_described_by_three_pairs(surveyed):
+    first, *pairs = note_registration(surveyed)
+    assert len(pairs) == 3
+    assert all(note.level == "note" for note in (first, *pairs))
+    # the rig displaces camera 2 by (4, -3) px in the middle, and by 0.3 px more in each frame
+    x, y = first.text.split("(")[1].split(")")[0].split(", ")
+    npt.assert_allclose([float(x), float(y)], [4.0, -3.0], atol=0.4)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [({"quality": 0.2}, "correlation of 0.20"), ({"overlap": None}, "0% of the image in common")],
+)
+def test_poor_registrations_are_warnings(surveyed, change, words):
+    found = surveyed.chain.camera_map
+    change = {k: np.zeros_like(found.overlap) if v is None else v for k, v in change.items()}
+    chain = replace(surveyed.chain, camera_map=replace(found, **change))
+    texts = [n.text for n in note_registration(replace(surveyed, chain=chain)) if n.level != "note"]
+    assert len(texts) == 1
+    assert words in texts[0]
+
+
+def test_frames_without_a_common_texture_are_named(surveyed):
+    frames = (replace(surveyed.frames[0], drift=(np.nan, np.nan)), *surveyed.frames[1:])
+    last = list(note_registration(replace(surveyed, frames=frames)))[-1]
+    assert last.level == "warning"
+    assert last.text.startswith("no common texture of the cameras in pairs 0.")
+
+
+def test_true_pairs_are_counted(surveyed, run):
+    (note,) = note_pulses(surveyed, run.pairs)
+    assert note.text == "6 of 6 pairs searched for images of other pulses"
+
+
+@pytest.mark.parametrize(("count", "first", "chosen"), [(60, 0, 60), (61, 22, 16), (1000, 492, 16)])
+def test_of_a_long_recording_consecutive_pairs_are_searched(run, count, first, chosen):
+    page = run.pairs.pages[0][0]
+    pairs = replace(run.pairs, pages=((page,) * count, (page,) * count))
+    assert choose_consecutive(pairs) == list(range(first, first + chosen))
+
+
+def test_the_picture_shows_light_and_a_difference_without_film(surveyed):
+    picture = surveyed.picture
+    assert picture.light[0].shape == (96, 128)
+    valid = np.isfinite(picture.difference)
+    assert valid.mean() > 0.8
+    assert abs(np.nanmean(picture.difference)) < 0.01  # the film is taken out
+    ratio = np.nanmedian(picture.light[1] / picture.light[0])
+    npt.assert_allclose(ratio, np.exp(np.median(surveyed.log_ratios)), rtol=0.05)
