@@ -18,7 +18,7 @@ from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Level, Note
 from erlif.files import replacing
 from erlif.ingest import read_encoder_log
-from erlif.ingest.logs.proposal import propose_log
+from erlif.ingest.logs.proposal import LogProposal, propose_log
 from erlif.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
 from erlif.pipeline.log_cycle import WHOLE_TURN, Cycle, find_cycle
 from erlif.settings import (
@@ -315,29 +315,36 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
     draft.leave_out += ["joint", "oil"]
     if kind == "static":
         draft.leave_out.append("mechanism")
-    columns = _draft_optional_log(draft, survey)
-    if kind == "rotation" and not {"angle_deg", "time_s"} <= columns and "speed_m_s" not in columns:
-        draft.set("mechanism.speed", GAP, "No log has the columns angle_deg and time_s.")
-    if kind == "sinusoidal" and "angle_deg" not in columns:
-        reason = "No log has a column angle_deg; the position follows from time_s and zero."
+    logged = _draft_optional_log(draft, survey)
+    if kind == "rotation" and not {"angle", "time"} <= logged and "speed" not in logged:
+        draft.set("mechanism.speed", GAP, "No log has columns of angle and time.")
+    if kind == "sinusoidal" and "angle" not in logged:
+        reason = "No log has a column of the angle; the position follows from time and zero."
         draft.set("encoder.zero", GAP, reason)
-    if kind != "static" and "load_N" not in columns:
-        draft.remarks["mechanism.load"] = "No log has a column load_N."
+    if kind != "static" and "load" not in logged:
+        draft.remarks["mechanism.load"] = "No log has a column of the load."
 
 
 def _draft_optional_log(draft: _Draft, survey: Survey) -> set[str]:
-    """The log of a run that can do without one; returns its columns."""
+    """The log of a run that can do without one; returns the quantities that it holds."""
     table = _find_table(survey, ("frame",))
     if table is None:
+        found = propose_log(survey.logs, survey.cameras[0].frames.pages)
+        if found is not None:
+            _draft_proposal(draft, survey, found)
+            return {*found.columns, *map(str, found.values)}
         _report_missing_table(draft, survey, "encoder log", "frame", needed=False)
         draft.leave_out.append("encoder")
         return set()
+
     _draft_table(draft, survey, table)
     try:
-        read_encoder_log(table.path, needs_angle=False)
+        log = read_encoder_log(table.path, needs_angle=False)
     except ErlifError as error:
         draft.warn("encoder log", str(error))
-    return set(table.header)
+        return set()
+    speeds = {"speed"} if {"sliding_speed", "rotation_speed"} & set(log) else set()
+    return {*map(str, log), *speeds}
 
 
 def _draft_table(draft: _Draft, survey: Survey, table: TextTable) -> None:
@@ -379,6 +386,24 @@ def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
         _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
         return
 
+    _draft_proposal(draft, survey, found)
+    if "load" not in found.columns:
+        draft.set("joint.load", GAP, "The encoder log has no column of the load.")
+
+    if "angle" not in found.values:
+        return
+    angle, time = found.values["angle"].values, found.values.get("time")
+    if not found.in_time:
+        _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
+        return
+    round_ = float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN
+    link, motion = ("crank", "go round") if round_ else ("rocker", "go to and fro")
+    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
+
+
+def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
+    """Columns of the log by their names, and how its frames lie in time."""
+    frames = survey.cameras[0].frames.pages
     rows, names = len(found.table.rows), [name for name in found.table.names if name]
     listed = "; ".join(found.table.remarks)
     draft.set("encoder.file", os.path.relpath(found.path, survey.directory), listed)
@@ -391,14 +416,7 @@ def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
             f"column {found.columns[quantity]!r} has no unit that is known: add it under units in "
             f'[encoder], units = {{ {quantity} = "..." }}',
         )
-    if "load" not in found.columns:
-        draft.set("joint.load", GAP, "The encoder log has no column of the load.")
-
-    if "angle" not in found.values:
-        return
-    angle, time = found.values["angle"].values, found.values.get("time")
     if not found.in_time:
-        _draft_cycle(draft, find_cycle(angle), None if time is None else time.values)
         return
     if found.pulse is not None:
         draft.set("encoder.pulse", found.pulse, "By its name: it must rise at each frame.")
@@ -408,9 +426,6 @@ def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
             f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
             'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
         )
-    round_ = float(np.ptp(np.unwrap(angle, period=360.0))) > WHOLE_TURN
-    link, motion = ("crank", "go round") if round_ else ("rocker", "go to and fro")
-    draft.set("encoder.mounted_on", link, f"The angles of the log {motion}.")
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:

@@ -376,3 +376,42 @@ def test_datasets_of_one_file_are_proposed(tmp_path):
     assert (camera["files"], camera["dark"]) == ("run.h5", "run.h5")
     assert (camera["dataset"], camera["dark_dataset"]) == ("/camera2/counts", "/camera2/dark")
     assert "part" not in camera
+
+
+# other tribometers
+
+
+def test_columns_of_a_logger_serve_a_disc(folder):
+    """Angle and time give the speed, so that the radius is the only gap of the motion."""
+    rows = [f"{k / 10};{30 * k};20" for k in range(4)]
+    text = "Time [s];Encoder [deg];Force [N]\n" + "\n".join(rows) + "\n"
+    (folder / "logger.csv").write_text(text, encoding="utf-8")
+    erlif.init(folder, kind="rotation")
+    settings = read(folder)
+    assert settings["mechanism"] == {"kind": "rotation", "radius": "?? mm"}
+    assert settings["encoder"]["file"] == "logger.csv"
+    assert settings["encoder"]["angle"] == "Encoder [deg]"
+    assert "mounted_on" not in settings["encoder"]
+    assert not {"joint", "oil"} & set(settings)
+
+
+def test_a_disc_without_a_log_needs_its_speed(folder):
+    text = " ".join(map(str, erlif.init(folder, kind="rotation")))
+    assert "none was found; each frame is a trigger" in text
+    assert read(folder)["mechanism"]["speed"] == "?? rpm"
+    assert "encoder" not in read(folder)
+
+
+def test_a_slider_without_an_angle_needs_its_zero(folder):
+    (folder / "encoder.csv").write_text("frame,time_s\n0,0\n1,0.1\n2,0.2\n3,0.3\n")
+    erlif.init(folder, kind="sinusoidal")
+    assert read(folder)["encoder"] == {"file": "encoder.csv", "zero": "?? deg"}
+    assert read(folder)["mechanism"]["stroke"] == "?? mm"
+    assert read(folder)["mechanism"]["frequency"] == "?? Hz"
+
+
+def test_a_static_film_needs_nothing_of_a_motion(folder):
+    erlif.init(folder, kind="static")
+    gaps = [line for line in (folder / "run.toml").read_text().splitlines() if '= "??' in line]
+    assert not any("speed" in line or "crank" in line for line in gaps)
+    assert not {"encoder", "mechanism", "joint", "oil"} & set(read(folder))
