@@ -294,11 +294,12 @@ def _read_frame(page: Page) -> AnyArray:
         return file.read(page.index)
 
 
-def with_advice(reason: str) -> str:
+_SKIP = "Record it again, or use --skip-bad-frames to leave out this frame pair."
+
+
+def with_advice(reason: str, advice: str = _SKIP) -> str:
     """Why a page is unreadable and what to do; a reason that ends a sentence contains both."""
-    if reason.endswith("."):
-        return reason
-    return f"{reason}. Record it again, or use --skip-bad-frames to leave out this frame pair."
+    return reason if reason.endswith(".") else f"{reason}. {advice}"
 
 
 def check_depth(counts: Counts, *, bit_depth: int, name: str) -> None:

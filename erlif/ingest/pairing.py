@@ -85,7 +85,9 @@ def pair_cameras(
     if not good:
         raise FrameError(
             f"Expected readable frames in {directory}; every pair has an unreadable file: "
-            f"{next(iter(faults.values()))}. Record the run again, or copy the files again."
+            + with_advice(
+                next(iter(faults.values())), "Record the run again, or copy the files again."
+            )
         )
     rows, columns = _check_kinds((one, two), good)
 

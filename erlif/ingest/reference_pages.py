@@ -7,7 +7,7 @@ from pathlib import Path
 
 from erlif.core.arrays import Counts
 from erlif.core.errors import FrameError
-from erlif.ingest.images import check_depth, find_pages, read_page
+from erlif.ingest.images import check_depth, find_pages, read_page, with_advice
 from erlif.ingest.selection import WHOLE, Selection
 
 
@@ -59,10 +59,8 @@ def read_reference_pages(
     found = find_pages(directory, pattern, what, selection)
     if found.faults:
         first = min(found.faults)
-        raise FrameError(
-            f"Expected readable {what} pages; {found.pages[first].name}: {found.faults[first]}. "
-            "Record them again, or take the file out."
-        )
+        reason = with_advice(found.faults[first], "Record them again, or take the file out.")
+        raise FrameError(f"Expected readable {what} pages; {found.pages[first].name}: {reason}")
 
     for page in found.pages:
         counts = read_page(page, directory, shape)

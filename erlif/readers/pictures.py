@@ -182,10 +182,23 @@ def open_pgm(path: Path) -> FrameFile:
     return RawFrames(path, layout, offsets, bits=most.bit_length())
 
 
+def _lossy_name(head: bytes) -> str:
+    """Name of a format that changes counts; empty for other files."""
+    if head[:3] == b"\xff\xd8\xff":
+        return "JPEG"
+    if head[:4] == b"GIF8":
+        return "GIF"
+    if head[:4] == b"RIFF" and head[8:12] == b"WEBP":
+        return "WebP"
+    return "JPEG 2000" if head[4:8] == b"jP  " else ""
+
+
 def _refuse(path: Path) -> FrameFile:
+    with path.open("rb") as file:
+        name = _lossy_name(file.read(12)) or path.suffix
     raise FrameError(
-        f"{path.suffix.lower() or 'this format'} is compressed with losses or has a palette: its "
-        "values are no counts. Save the raw counts as TIFF."
+        f"it is a {name} image, compressed with losses or with a palette: its values are no "
+        "counts. Save the raw counts as TIFF."
     )
 
 
@@ -200,11 +213,6 @@ PGM = Format("PGM", (".pgm", ".pnm"), lambda path, head: head[:2] in (b"P5", b"P
 LOSSY = Format(
     "JPEG, GIF, WebP",
     (".jpg", ".jpeg", ".jpe", ".gif", ".webp", ".jp2"),
-    lambda path, head: (
-        head[:3] == b"\xff\xd8\xff"
-        or head[:4] == b"GIF8"
-        or (head[:4] == b"RIFF" and head[8:12] == b"WEBP")
-        or head[4:8] == b"jP  "
-    ),
+    lambda path, head: bool(_lossy_name(head)),
     _refuse,
 )

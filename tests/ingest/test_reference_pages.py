@@ -99,3 +99,13 @@ def test_darks_with_any_bytes_changed_are_read_or_refused(tmp_path, save_pages, 
     path.write_bytes(content[: data.draw(anywhere | st.just(len(content)))])
     with contextlib.suppress(ErlifError):
         assert all(page.shape == (64, 80) and page.max() < 4096 for page in read(tmp_path))
+
+
+def test_a_reason_with_advice_of_its_own_gets_no_other(tmp_path):
+    (tmp_path / "dark.tif").write_bytes(b"\xff\xd8\xff\xe0 JPEG")
+    with pytest.raises(FrameError) as refused:
+        next(read(tmp_path))
+    assert str(refused.value).startswith(
+        "Expected readable camera2 dark pages; dark.tif: it is a JPEG"
+    )
+    assert str(refused.value).endswith("values are no counts. Save the raw counts as TIFF.")
