@@ -111,6 +111,7 @@ SINGLE_PAGES = (
 html_sidebars = {page: [] for page in SINGLE_PAGES}  # they have no section to navigate
 
 STAGES = (
+    "readers",
     "ingest",
     "correction",
     "registration",
