@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from erlif.core.arrays import AnyArray
+from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
+from erlif.ingest.logs.matlab import read_matlab
 from erlif.ingest.logs.table import (
     LARGEST_FILE,
     MOST_CELLS,
@@ -186,48 +189,65 @@ def _read_tdms(path: Path) -> _Found:
             'it with: pip install "erlif[logs]"'
         ) from error
 
-    with TdmsFile.open(path) as file:
-        channels = [channel for group in file.groups() for channel in group.channels()]
-        _check_size(sum(len(channel) for channel in channels), path)
-        short = [channel.name for channel in channels]
-        longest = max((len(channel) for channel in channels), default=0)
-        steps = set()
-        for channel in channels:
-            values = np.asarray(channel[:])
-            if values.dtype.kind == "M":  # time stamps, from the first one
-                values = (values - values[0]) / np.timedelta64(1, "s")
-            unique = short.count(channel.name) == 1
-            name = channel.name if unique else f"{channel.group_name}/{channel.name}"
-            yield from _vectors(name, values, _unit(channel.properties))
-            if len(channel) == longest and "wf_increment" in channel.properties:
-                properties = channel.properties
-                steps.add((properties["wf_increment"], properties.get("wf_start_offset", 0.0)))
+    # the package logs a truncated or damaged file as a warning and reads what is left
+    faults = _Faults()
+    modules = [name for name in logging.root.manager.loggerDict if name.startswith("nptdms")]
+    loggers = [logging.getLogger(name) for name in modules]
+    kept = [logger.handlers for logger in loggers]
+    try:
+        for logger in loggers:
+            logger.handlers, logger.propagate = [faults], False
+        with TdmsFile.open(path) as file:
+            found = list(_list_channels(file, path))
+    finally:
+        for logger, handlers in zip(loggers, kept, strict=True):
+            logger.handlers = handlers
+    if faults.messages:
+        raise ValueError(faults.messages[0])
+    yield from found
 
-        if len(steps) == 1 and "time" not in short:
-            increment, offset = steps.pop()
-            if increment > 0:
-                yield "time", "s", offset + increment * np.arange(longest)
+
+class _Faults(logging.Handler):
+    """What a package logs about a file."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.messages: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.messages.append(record.getMessage()[:200])
+
+
+def _list_channels(file: Any, path: Path) -> _Found:
+    channels = [channel for group in file.groups() for channel in group.channels()]
+    _check_size(sum(len(channel) for channel in channels), path)
+    short = [channel.name for channel in channels]
+    longest = max((len(channel) for channel in channels), default=0)
+    steps = set()
+    for channel in channels:
+        values = np.asarray(channel[:])
+        if values.dtype.kind == "M" and values.size:  # time stamps, from the first one
+            values = (values - values[0]) / np.timedelta64(1, "s")
+        unique = short.count(channel.name) == 1
+        name = channel.name if unique else f"{channel.group_name}/{channel.name}"
+        yield from _vectors(name, values, _unit(channel.properties))
+        if len(channel) == longest and "wf_increment" in channel.properties:
+            properties = channel.properties
+            steps.add((properties["wf_increment"], properties.get("wf_start_offset", 0.0)))
+
+    if len(steps) == 1 and "time" not in short:
+        increment, offset = (float(value) for value in steps.pop())
+        if increment > 0:
+            yield "time", "s", offset + increment * np.arange(longest)
 
 
 def _read_matlab(path: Path) -> _Found:
     """Vectors, matrices and the fields of structures of a MATLAB 5 file."""
-    from scipy.io import loadmat, whosmat
-
-    # sizes stand in the headers; whosmat() does not read the numbers
-    listed = whosmat(path)
-    _check_size(sum(int(np.prod(shape, dtype=np.int64)) for _, shape, _ in listed), path)
-    contents = loadmat(path, simplify_cells=True)
-    yield from _walk_fields("", contents)
-
-
-def _walk_fields(path: str, fields: Mapping[str, Any]) -> _Found:
-    for name, value in fields.items():
-        if name.startswith("__"):
-            continue
-        if isinstance(value, Mapping):
-            yield from _walk_fields(f"{path}{name}/", value)
-        elif isinstance(value, np.ndarray):
-            yield from _vectors(f"{path}{name}", value)
+    content = read_bounded(path, largest=LARGEST_FILE)
+    found = list(read_matlab(content, largest=8 * MOST_CELLS))
+    _check_size(sum(values.size for _, values in found), path)
+    for name, values in found:
+        yield from _vectors(name, values)
 
 
 def _read_hdf5(path: Path) -> _Found:

@@ -1,5 +1,6 @@
 """Binary logs, written by the packages of their makers or by scipy and h5py."""
 
+import subprocess
 import sys
 
 import h5py
@@ -120,3 +121,22 @@ def test_text_and_directories_are_not_binary(tmp_path):
     (tmp_path / "a.csv").write_text("frame,angle_deg\n")
     assert not is_binary_log(tmp_path / "a.csv")
     assert not is_binary_log(tmp_path)
+
+
+def test_a_truncated_tdms_file_is_refused_and_its_package_prints_nothing(tmp_path):
+    path = tmp_path / "log.tdms"
+    write_tdms(path, ("Enc", ANGLE, {}))
+    path.write_bytes(path.read_bytes()[:-9])
+    code = (
+        "from pathlib import Path\n"
+        "from erlif.core.errors import EncoderError\n"
+        "from erlif.ingest.logs.binary import read_binary_table\n"
+        "try:\n    read_binary_table(Path('log.tdms'))\n"
+        "except EncoderError as error:\n    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
+    assert "Expected log.tdms to be a TDMS file; it cannot be read" in done.stdout
+    assert "less data than expected" in done.stdout
