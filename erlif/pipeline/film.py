@@ -440,8 +440,8 @@ def describe_registration(camera_map: CameraMap, blur: BlurDifference) -> xr.Dat
 def _mean_column(column: xr.DataArray, frames: Sequence[int]) -> float:
     """Mean of a column over the frames of a trigger."""
     values = column.values[list(frames)].astype(float)
-    if column.attrs.get("mounted_on") == "crank":
-        # 359 and 1 degree are near 0, and readings may count on over several turns
+    if column.name == "encoder_angle" and column.attrs.get("mounted_on", "crank") == "crank":
+        # on a crank, a disc or a drive 359 and 1 degree are near 0; readings may count on
         values = values[0] + (values - values[0] + 180.0) % 360.0 - 180.0
     return float(values.mean())
 

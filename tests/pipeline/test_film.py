@@ -16,6 +16,7 @@ from erlif.core.notes import Level, Note
 from erlif.ingest import FramePairs, open_run
 from erlif.ingest.images import Page
 from erlif.pipeline.film import (
+    _mean_column,
     choose_region,
     describe_exponents,
     describe_film,
@@ -238,3 +239,12 @@ def test_registration_has_map_and_difference_of_sharpness(prepared):
     assert group.attrs["blur_difference"] == [0.03, -0.02]
     assert group.attrs["blur_difference_std"] == [0.001, 0.002]
     npt.assert_array_equal(group.displacement_x, prepared.chain.camera_map.displacement_x)
+
+
+@pytest.mark.parametrize("mounted", [{"mounted_on": "crank"}, {}])
+def test_the_mean_angle_of_a_turning_encoder_passes_over_zero(mounted):
+    """350, 359 and 6 degrees, the last one as 726 two turns later."""
+    angles = xr.DataArray(np.array([350.0, 359.0, 726.0]), dims="frame", name="encoder_angle")
+    assert _mean_column(angles.assign_attrs(mounted), [0, 1, 2]) == pytest.approx(358 + 1 / 3)
+    swing = angles.assign_attrs(mounted_on="rocker")
+    assert _mean_column(swing, [0, 1]) == 354.5
