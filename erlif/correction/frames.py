@@ -24,7 +24,7 @@ def correct_frames(
 
     A background, where the references hold one, is scaled by the pulse energy and subtracted
     between dark and flat. Bad pixels are filled from their neighbours, because interpolation would
-    ring about them; they stay flagged.
+    ring about them; they stay flagged, and have the variances of the light they are given.
 
     Parameters
     ----------
@@ -70,51 +70,49 @@ def correct_frames(
     variance = np.empty(counts.shape, np.float32)
     fixed = np.empty(counts.shape, np.float32)
     flags = np.empty(counts.shape, np.uint8)
+    energies = np.ones(counts.shape[1])
+    if "pulse_energy" in frames.coords:
+        energies = frames.pulse_energy.values
 
     for camera in range(counts.shape[0]):
         reference = references.isel(camera=camera)
         bad = reference.bad.values
         rows, columns = np.nonzero(bad)
+        per_flat = 1.0 / reference.flat.values.astype(float)
         for n in range(counts.shape[1]):
+            energy = float(energies[n])
+            light, bits = signal[camera, n], flags[camera, n]
             _correct(
                 counts[camera, n],
                 reference.dark.values,
-                reference.dark_var.values,
                 reference.flat.values,
-                reference.flat_var.values,
                 bad,
                 float(reference.gain),
-                float(reference.read_noise),
                 int(reference.full_scale),
                 least_signal,
-                signal[camera, n],
-                variance[camera, n],
-                fixed[camera, n],
-                flags[camera, n],
+                light,
+                bits,
             )
             if "background" in reference:
-                energy = float(frames.pulse_energy[n]) if "pulse_energy" in frames.coords else 1.0
                 subtract_background(
-                    signal[camera, n],
-                    fixed[camera, n],
-                    flags[camera, n],
+                    light,
+                    bits,
                     background=reference.background.values,
-                    background_var=reference.background_var.values,
-                    per_flat=1.0 / reference.flat.values.astype(float),
-                    dark_var=reference.dark_var.values,
-                    flat_var=reference.flat_var.values,
+                    per_flat=per_flat,
                     energy=energy,
-                    recorded=float(reference.background_recorded),
                     least=least_signal / float(reference.gain),
                 )
-            fill_from_neighbours(signal[camera, n], bad, rows, columns)
+            fill_from_neighbours(light, bad, rows, columns)
+            variance[camera, n], fixed[camera, n] = _measure_noise(
+                light, reference, per_flat=per_flat, energy=energy
+            )
 
     dims = ("camera", "frame", "y", "x")
-    light = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
+    units = {"units": "DN", "ancillary_variables": "signal_var signal_var_fixed flags"}
     return CorrectedFrames(
         xr.Dataset(
             {
-                "signal": (dims, signal, light),
+                "signal": (dims, signal, units),
                 "signal_var": (dims, variance, {"units": "DN2"}),
                 "signal_var_fixed": (dims, fixed, {"units": "DN2"}),
                 "flags": (dims, flags, FLAG_ATTRS),
@@ -126,35 +124,14 @@ def correct_frames(
 
 @numba.njit(nogil=True, cache=True)
 def _correct(  # type: ignore[no-untyped-def]
-    counts,
-    dark,
-    dark_var,
-    flat,
-    flat_var,
-    bad,
-    gain,
-    read_noise,
-    full_scale,
-    least_signal,
-    signal,
-    variance,
-    fixed,
-    flags,
+    counts, dark, flat, bad, gain, full_scale, least_signal, signal, flags
 ):
-    # read noise and threshold are given in electrons, the image is in counts
-    read_var = (read_noise / gain) ** 2 + QUANTISATION_VAR
+    # the threshold is given in electrons, the image is in counts
     least = least_signal / gain
     for i in range(counts.shape[0]):
         for j in range(counts.shape[1]):
             light = counts[i, j] - dark[i, j]
-            per_flat = 1.0 / flat[i, j]
-            value = light * per_flat
-            square = per_flat * per_flat
-
-            # shot noise of light below dark is zero, and the flat scales every part alike
-            signal[i, j] = value
-            variance[i, j] = (max(light, 0.0) / gain + read_var) * square
-            fixed[i, j] = (dark_var[i, j] + value * value * flat_var[i, j]) * square
+            signal[i, j] = light / flat[i, j]
 
             flag = 0
             if counts[i, j] >= full_scale:
@@ -166,44 +143,54 @@ def _correct(  # type: ignore[no-untyped-def]
             flags[i, j] = flag
 
 
+def _measure_noise(
+    signal: Image, reference: xr.Dataset, *, per_flat: Array, energy: float
+) -> tuple[Array, Array]:
+    """Variances of the light of one camera, new in every frame and the same in every frame.
+
+    The error of the dark remains with the factor 1 - energy where a background is subtracted that
+    was recorded above the same dark, that of the background with energy.
+    """
+    # read noise is given in electrons, the image is in counts
+    gain, square = float(reference.gain), per_flat**2
+    read_var = (float(reference.read_noise) / gain) ** 2 + QUANTISATION_VAR
+    light, of_dark = signal / per_flat, np.asarray(reference.dark_var.values, float)
+    if "background" in reference:
+        light = light + energy * reference.background.values
+        of_dark = (1 - energy * float(reference.background_recorded)) ** 2 * of_dark
+        of_dark = of_dark + energy**2 * reference.background_var.values
+
+    # shot noise of light below dark is zero, and the flat scales every part alike
+    variance = (np.maximum(light, 0.0) / gain + read_var) * square
+    of_flat = np.square(signal, dtype=float) * reference.flat_var.values
+    return variance, (of_dark + of_flat) * square
+
+
 def subtract_background(
     signal: Image,
-    fixed: Image,
     flags: FlagImage,
     *,
     background: Image,
-    background_var: Image,
     per_flat: Array,
-    dark_var: Image,
-    flat_var: Image,
     energy: float,
-    recorded: float,
     least: float,
 ) -> None:
     """Take the light of the dry joint from a corrected frame of one camera, in place.
 
-    Light is (counts - dark - energy (page - dark))/flat, where page is the mean of the dry joint:
-    the error of the dark remains with the factor 1 - energy, that of the page with energy. Where
-    no pages were recorded, the dark enters once and in full.
+    Light is (counts - dark - energy (page - dark))/flat, where page is the mean of the dry joint.
 
     Parameters
     ----------
     signal : array, (y, x)
         Light above the dark over the flat. [DN]
-    fixed : array, (y, x)
-        Its variance that repeats from frame to frame; it is made anew. [DN2]
     flags : array, (y, x)
         The bit of dim pixels is made anew.
-    background, background_var : array, (y, x)
-        Light of the dry joint and the variance of its mean page. [DN, DN2]
+    background : array, (y, x)
+        Light of the dry joint. [DN]
     per_flat : array, (y, x)
         One over the flat. [1]
-    dark_var, flat_var : array, (y, x)
-        Variances of dark and flat. [DN2, 1]
     energy : float
         Pulse energy relative to that of the dry joint. [1]
-    recorded : float
-        1 where pages were recorded above the same dark, else 0.
     least : float
         Light below which a pixel is dim. [DN]
 
@@ -211,16 +198,13 @@ def subtract_background(
     --------
     >>> signal, one = np.full((1, 1), 1000.0, np.float32), np.ones((1, 1), np.float32)
     >>> subtract_background(
-    ...     signal, 0 * one, np.zeros((1, 1), np.uint8), background=10 * one, background_var=one,
-    ...     per_flat=np.ones((1, 1)), dark_var=one, flat_var=0 * one, energy=1.1,
-    ...     recorded=1.0, least=20.0
+    ...     signal, np.zeros((1, 1), np.uint8), background=10 * one, per_flat=np.ones((1, 1)),
+    ...     energy=1.1, least=20.0
     ... )
     >>> float(signal[0, 0])
     989.0
     """
     signal -= (energy * background) * per_flat
-    of_dark = (1 - energy * recorded) ** 2 * dark_var + energy**2 * background_var
-    fixed[:] = (of_dark + np.square(signal, dtype=float) * flat_var) * per_flat**2
     dim = signal < least * per_flat
     flags[dim] |= np.uint8(_DIM)
     flags[~dim] &= np.uint8(0xFF ^ _DIM)

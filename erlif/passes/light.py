@@ -1,11 +1,13 @@
 """Counts of one frame pair to light, with the binned light that a drift needs.
 
 The reference is `erlif.correction.correct_frames`, and `erlif.registration.normalise.binned` for
-the binned light.
+the binned light. The variances of a pixel follow from its light, so that later passes compute them
+where they need them, see `erlif.passes.noise`.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,6 +20,7 @@ from erlif.core.flags import Flag
 from erlif.core.neighbourhood import BLOCK
 from erlif.core.products import References
 from erlif.correction.frames import fill_from_neighbours
+from erlif.passes.noise import CameraNoise, fill_noise
 from erlif.registration.interpolation import FAST
 
 _SATURATED, _DIM, _BAD_PIXEL = (
@@ -36,9 +39,9 @@ class PairLight:
     light : Image
         Dark subtracted, divided by the flat, bad pixels filled. [DN]
     variance : Image
-        New in every frame. [DN2]
+        New in every frame; of size 0 where it is not asked for. [DN2]
     variance_fixed : Image
-        Of dark and flat, the same in every frame. [DN2]
+        Of dark and flat, the same in every frame; of size 0 as well. [DN2]
     flags : FlagImage
         Bits of `erlif.core.flags.Flag`.
     half : Image
@@ -49,6 +52,8 @@ class PairLight:
         Mean light of squares of 8 px; those at the lower and right edge may be smaller. [DN]
     peaks : Array
         Highest count of each camera, (camera). [DN]
+    energy : Array
+        Energy of the pulse over the mean of the run, (1). [1]
     """
 
     light: Image
@@ -59,9 +64,12 @@ class PairLight:
     half_weight: Image
     blocks: Image
     peaks: Array
+    energy: Array
 
     @classmethod
-    def empty(cls, shape: tuple[int, int], *, with_noise: bool = True) -> PairLight:
+    def empty(
+        cls, shape: tuple[int, int], *, with_noise: bool = True, binned_in: Image | None = None
+    ) -> PairLight:
         """Arrays for frames of a shape (y, x), to be filled by `measure_light`.
 
         Parameters
@@ -69,7 +77,9 @@ class PairLight:
         shape : tuple of int
             Rows and columns.
         with_noise : bool
-            False where the variances are not read: all rows of both cameras then share one.
+            Whether the variances are filled.
+        binned_in : array, (y, x), optional
+            Contiguous memory for half and half_weight, which only the drift reads.
 
         Returns
         -------
@@ -78,25 +88,21 @@ class PairLight:
         height, width = shape
         half = (2, height // 2, width // 2)
         blocks = (2, -(-height // BLOCK), -(-width // BLOCK))
-        noise = (2, height, width) if with_noise else (1, 1, width)
-        variance, fixed = (np.empty(noise, np.float32) for _ in range(2))
-        if not with_noise:
-            variance, fixed = _twice(variance[0]), _twice(fixed[0])
+        noise = (2, *shape) if with_noise else (2, 0, 0)
+
+        size = math.prod(half)
+        binned = np.empty(2 * size, np.float32) if binned_in is None else binned_in.reshape(-1)
         return cls(
-            np.empty((2, height, width), np.float32),
-            variance,
-            fixed,
-            np.empty((2, height, width), np.uint8),
-            np.empty(half, np.float32),
-            np.empty(half, np.float32),
+            np.empty((2, *shape), np.float32),
+            np.empty(noise, np.float32),
+            np.empty(noise, np.float32),
+            np.empty((2, *shape), np.uint8),
+            binned[:size].reshape(half),
+            binned[size : 2 * size].reshape(half),
             np.empty(blocks, np.float32),
             np.zeros(2),
+            np.ones(1),
         )
-
-
-def _twice(image: Image) -> Image:
-    """The same memory for both cameras."""
-    return np.lib.stride_tricks.as_strided(image, (2, *image.shape), (0, *image.strides))
 
 
 @dataclass(frozen=True)
@@ -109,8 +115,6 @@ class BackgroundTables:
         At the mean pulse energy. [DN]
     variance : Image
         Of its mean page. [DN2]
-    dark_var : Image
-        Variance of the light by the dark. [DN2]
     least : Image
         Light that is not dim. [DN]
     recorded : float
@@ -119,7 +123,6 @@ class BackgroundTables:
 
     light: Image
     variance: Image
-    dark_var: Image
     least: Image
     recorded: float
 
@@ -169,6 +172,26 @@ class CameraTables:
     full_scale: int
     background: BackgroundTables | None = None
 
+    def noise(self) -> CameraNoise:
+        """What the variances of the light need.
+
+        Returns
+        -------
+        CameraNoise
+        """
+        dry = self.background
+        none = np.zeros((0, 0), np.float32)
+        return CameraNoise(
+            self.per_flat,
+            self.dark_var,
+            self.flat_var,
+            none if dry is None else dry.light,
+            none if dry is None else dry.variance,
+            np.array(
+                [self.per_gain, self.read_var, 0 if dry is None else dry.recorded], np.float32
+            ),
+        )
+
 
 def tabulate(references: References, *, least_signal: float) -> tuple[CameraTables, CameraTables]:
     """Prepare the correction of both cameras.
@@ -207,7 +230,6 @@ def _tabulate(reference: References, least_signal: float) -> CameraTables:
         background = BackgroundTables(
             (reference.background.values * per_flat).astype(np.float32),
             (reference.background_var.values * per_flat**2).astype(np.float32),
-            (reference.dark_var.values * per_flat**2).astype(np.float32),
             (least_signal / gain * per_flat).astype(np.float32),
             float(reference.background_recorded),
         )
@@ -260,70 +282,35 @@ def measure_light(
             counts[n],
             table.dark,
             table.per_flat,
-            table.dark_var,
-            table.flat_var,
             table.least,
             table.bad,
-            np.float32(table.per_gain),
-            np.float32(table.read_var),
             table.full_scale,
             light,
-            out.variance[n],
-            out.variance_fixed[n],
             out.flags[n],
         )
         if table.background is not None:
             dry = table.background
-            _subtract(
-                light,
-                out.variance_fixed[n],
-                out.flags[n],
-                dry.light,
-                dry.variance,
-                dry.dark_var,
-                dry.least,
-                table.flat_var,
-                np.float32(energy),
-                np.float32(dry.recorded),
-            )
+            _subtract(light, out.flags[n], dry.light, dry.least, np.float32(energy))
         fill_from_neighbours(light, table.bad, table.rows, table.columns)
         _bin(light, out.flags[n], out.half[n], out.half_weight[n], out.blocks[n])
+        if out.variance.size:
+            noise, height = tuple(table.noise()), light.shape[0]
+            variances = out.variance[n], out.variance_fixed[n]
+            fill_noise(light, noise, np.float32(energy), *variances, 0, height)
+    out.energy[0] = energy
     return out
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
 def _measure(  # type: ignore[no-untyped-def]
-    counts,
-    dark,
-    per_flat,
-    dark_var,
-    flat_var,
-    least,
-    bad,
-    per_gain,
-    read_var,
-    full_scale,
-    light,
-    variance,
-    fixed,
-    flags,
+    counts, dark, per_flat, least, bad, full_scale, light, flags
 ):
-    """Fill the last four arguments; return the highest count.
-
-    Images of the noise with fewer rows are used again from the first row on.
-    """
+    """Fill the last two arguments; return the highest count."""
     highest = 0
     height, width = counts.shape
     for i in range(height):
-        m, n = i % dark_var.shape[0], i % variance.shape[0]
         for j in range(width):
-            above = np.float32(counts[i, j]) - dark[i, j]
-            scale = per_flat[i, j]
-            value = above * scale
-            light[i, j] = value
-            per_flat_squared = scale * scale
-            variance[n, j] = (max(above, _ZERO) * per_gain + read_var) * per_flat_squared
-            fixed[n, j] = dark_var[m, j] * per_flat_squared + value * value * flat_var[i, j]
+            light[i, j] = (np.float32(counts[i, j]) - dark[i, j]) * per_flat[i, j]
 
         # bits by comparisons alone: without branches the loop runs in vector registers
         most = counts[i, 0]
@@ -338,22 +325,13 @@ def _measure(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=FAST)
-def _subtract(  # type: ignore[no-untyped-def]
-    light, fixed, flags, background, background_var, dark_var, least, flat_var, energy, recorded
-):
+def _subtract(light, flags, background, least, energy):  # type: ignore[no-untyped-def]
     """Take the light of the dry joint away; see `correction.frames.subtract_background`."""
-    of_dark, of_page = (_ONE - energy * recorded) ** 2, energy * energy
     keep = np.uint8(0xFF) ^ _DIM
     for i in range(light.shape[0]):
-        n = i % fixed.shape[0]
         for j in range(light.shape[1]):
             value = light[i, j] - energy * background[i, j]
             light[i, j] = value
-            fixed[n, j] = (
-                of_dark * dark_var[i, j]
-                + of_page * background_var[i, j]
-                + value * value * flat_var[i, j]
-            )
             flags[i, j] = (flags[i, j] & keep) | (_DIM if value < least[i, j] else _NONE)
 
 

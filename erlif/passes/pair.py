@@ -20,7 +20,8 @@ class PairRatio:
     variance : Image
         Variance of a pixel without that of the registration; it includes variance_fixed. [1]
     variance_fixed : Image
-        Part of the variance that repeats from frame to frame: dark and flat. [1]
+        Part of the variance that repeats from frame to frame: dark and flat; fewer rows where it
+        is not asked for. [1]
     variance_shared : Image
         Variance by the registration, common to neighbouring pixels. [1]
     flags : FlagImage

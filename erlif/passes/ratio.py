@@ -14,6 +14,7 @@ import numpy as np
 from erlif.core.arrays import Image
 from erlif.core.flags import Flag
 from erlif.passes.light import PairLight
+from erlif.passes.noise import CameraNoise, fill_noise
 from erlif.passes.pair import PairRatio
 from erlif.passes.warp import MapTables, PairWarp, Warp
 from erlif.ratio import BlurDifference, find_bubbles
@@ -52,7 +53,7 @@ _MANTISSA_BITS = np.int32(23)
 
 
 def empty_ratio(
-    shape: tuple[int, int], *, replaces: tuple[Image, Image] | None = None
+    shape: tuple[int, int], *, with_fixed: bool = True, log_ratio: Image | None = None
 ) -> PairRatio:
     """Arrays for frames of a shape (y, x), to be filled by `measure_ratio`.
 
@@ -60,19 +61,18 @@ def empty_ratio(
     ----------
     shape : tuple of int
         Rows and columns.
-    replaces : tuple of two array, optional
-        Two images of camera 1 in the `PairLight` that `measure_ratio` reads, its variances. A row
-        of them is not needed once the variance of the ratio is known; it then receives the ratio
-        and its shared variance.
+    with_fixed : bool
+        Whether `variance_fixed` is kept; otherwise all rows share one.
+    log_ratio : array, (y, x), optional
+        Memory for this image.
 
     Returns
     -------
     PairRatio
     """
-    variance, fixed = (np.empty(shape, np.float32) for _ in range(2))
-    if replaces is None:
-        replaces = np.empty(shape, np.float32), np.empty(shape, np.float32)
-    log_ratio, shared = replaces
+    log_ratio = np.empty(shape, np.float32) if log_ratio is None else log_ratio
+    variance, shared = (np.empty(shape, np.float32) for _ in range(2))
+    fixed = np.empty((shape[0] if with_fixed else 1, shape[1]), np.float32)
     light_one = np.zeros((0, 0), np.float32)
     return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
 
@@ -80,6 +80,7 @@ def empty_ratio(
 def measure_ratio(
     light: PairLight,
     tables: MapTables,
+    noise: tuple[CameraNoise, CameraNoise],
     drift: tuple[float, float],
     *,
     blur: BlurDifference,
@@ -93,6 +94,8 @@ def measure_ratio(
     ----------
     light : PairLight
     tables : MapTables
+    noise : tuple of two CameraNoise
+        Of camera 1, and of camera 2 turned as its image is.
     drift : tuple of float
         Translation (x, y) of camera 2; NaN where it is not known. [px]
     blur : BlurDifference
@@ -110,10 +113,11 @@ def measure_ratio(
         With the images of `out`.
     """
     along_x, along_y = (blur.x, blur.y) if blur.significant else (0.0, 0.0)
-    warp = Warp(light, tables, drift, warped)
+    warp = Warp(light, tables, noise[1], drift, warped)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0
     done = last = 0
+    noise_one, energy = tuple(noise[0]), np.float32(light.energy[0])
 
     # a row of the ratio needs the row of camera 2 below it, so that of each band one is left over
     for start in range(0, height, BAND):
@@ -127,9 +131,9 @@ def measure_ratio(
         sums = _ratio_rows(
             light.light[0],
             warped.light,
-            light.variance[0],
+            noise_one,
+            energy,
             warped.variance,
-            light.variance_fixed[0],
             warped.variance_fixed,
             light.flags[0],
             warped.flags,
@@ -189,9 +193,9 @@ def _take_log(values, bits, exponents):  # type: ignore[no-untyped-def]
 def _ratio_rows(  # type: ignore[no-untyped-def]
     one,
     two,
-    var_one,
+    noise_one,
+    energy,
     var_two,
-    fixed_one,
     fixed_two,
     flags_one,
     flags_two,
@@ -215,6 +219,8 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
     values = np.empty((2, width), np.float32)
     bits = values.view(np.int32)
     spare = np.empty((4, width), np.float32)  # logarithms of products of three rows, and one more
+    var_one = np.empty((1, width), np.float32)
+    fixed_one = np.empty((1, width), np.float32)
 
     # the ratio of each row, and for the ghost the product of both cameras in the row below
     for below in range(max(start - 1, 0) if ghost else start + 1, stop + 1):
@@ -241,17 +247,19 @@ def _ratio_rows(  # type: ignore[no-untyped-def]
             continue
 
         # the mean of log(1 + e) is -var(e)/2 for a small relative error e
+        fill_noise(one, noise_one, energy, var_one, fixed_one, row, row + 1)
+        only, n = _at(0), _at(row % fixed.shape[0])
         for t in range(width):
             x = _at(t)
             a, b = one[y, x], two[y, x]
             light = (a > _ZERO) & (b > _ZERO)
             per_a, per_b = _ONE / (a * a), _ONE / (b * b)
-            of_a = (var_one[y, x] + fixed_one[y, x]) * per_a
+            of_a = (var_one[only, x] + fixed_one[only, x]) * per_a
             of_b = (var_two[kept, x] + fixed_two[kept, x]) * per_b
             spare[3, x] = of_b
             variance[y, x] = of_a + of_b if light else _NAN
-            repeats = fixed_one[y, x] * per_a + fixed_two[kept, x] * per_b
-            fixed[y, x] = repeats if light else _NAN
+            repeats = fixed_one[only, x] * per_a + fixed_two[kept, x] * per_b
+            fixed[n, x] = repeats if light else _NAN
             values[0, x] = values[0, x] + _HALF * (of_b - of_a) if light else _NAN
         for t in range(width):
             x = _at(t)

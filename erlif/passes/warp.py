@@ -5,16 +5,21 @@ The reference is `erlif.registration.align_frames`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, FlagImage, Image
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
 from erlif.core.flags import Flag
 from erlif.passes.light import PairLight
+from erlif.passes.noise import CameraNoise, NoiseRows
 from erlif.registration import CameraMap, orient, spline_coefficients
 from erlif.registration.alignment import spread_flags
-from erlif.registration.interpolation import NOTHING_BAD, sample_rows
+from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
+
+_SPARE = 16
+"""Rows of noise beyond those of one band, because the next may need a few more."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,9 @@ class MapTables:
         Of the map: outside the overlap, poor registration.
     orientation : str
         How camera 2 is turned.
+    rows : Array
+        Lowest and highest row of camera 2 without drift, for each row, (2, y); infinite where no
+        displacement is known. [px]
     """
 
     displacement_x: Image
@@ -40,6 +48,34 @@ class MapTables:
     variance: Image
     flags: FlagImage
     orientation: str
+    rows: Array
+
+    def rows_of(self, start: int, stop: int, drift_y: float, height: int) -> tuple[int, int]:
+        """Rows of camera 2 from which some rows are interpolated.
+
+        Parameters
+        ----------
+        start : int
+            First row of camera 1.
+        stop : int
+            The row after the last one.
+        drift_y : float
+            [px]
+        height : int
+            Rows of camera 2.
+
+        Returns
+        -------
+        tuple of int
+            The first one, and the one after the last.
+        """
+        low, high = float(self.rows[0, start:stop].min()), float(self.rows[1, start:stop].max())
+        if not low + drift_y <= high + drift_y:  # no displacement or no drift is known
+            return 0, 0
+
+        # a point lies between two rows, and single precision may round it to the next one
+        low, high = (min(max(row + drift_y, -4.0), height + 4.0) for row in (low, high))
+        return max(min(math.floor(low) - 1, height), 0), max(min(math.floor(high) + 3, height), 0)
 
 
 def tabulate_map(camera_map: CameraMap) -> MapTables:
@@ -55,12 +91,17 @@ def tabulate_map(camera_map: CameraMap) -> MapTables:
     """
     flags = np.where(camera_map.overlap, 0, Flag.OUTSIDE_OVERLAP)
     flags |= np.where(camera_map.poor, Flag.POOR_REGISTRATION, 0)
+    along_y = np.ascontiguousarray(camera_map.displacement_y, np.float32)
+    known = np.abs(along_y) < FARTHEST
+    lowest = np.min(along_y, axis=1, where=known, initial=np.inf)
+    highest = np.max(along_y, axis=1, where=known, initial=-np.inf)
     return MapTables(
         np.ascontiguousarray(camera_map.displacement_x, np.float32),
-        np.ascontiguousarray(camera_map.displacement_y, np.float32),
+        along_y,
         np.square(camera_map.displacement_std, dtype=float).astype(np.float32),
         flags.astype(np.uint8),
         camera_map.settings.orientation,
+        np.arange(along_y.shape[0]) + np.stack([lowest, highest]).astype(float),
     )
 
 
@@ -82,6 +123,8 @@ class PairWarp:
         Of the spline through camera 2, with a margin of 2.
     spread : FlagImage
         Flags of camera 2, on all points that depend on the flagged pixel.
+    noise : NoiseRows
+        Variances of the rows of camera 2 that are interpolated.
     """
 
     light: Image
@@ -90,6 +133,7 @@ class PairWarp:
     flags: FlagImage
     coefficients: Image
     spread: FlagImage
+    noise: NoiseRows = field(default_factory=NoiseRows)
 
     @classmethod
     def empty(
@@ -129,6 +173,8 @@ class Warp:
     ----------
     light : PairLight
     tables : MapTables
+    noise : CameraNoise
+        Of camera 2, turned as its image is.
     drift : tuple of float
         Translation (x, y) on top of the map; NaN leaves no pixel. [px]
     out : PairWarp
@@ -136,29 +182,41 @@ class Warp:
     """
 
     def __init__(
-        self, light: PairLight, tables: MapTables, drift: tuple[float, float], out: PairWarp
+        self,
+        light: PairLight,
+        tables: MapTables,
+        noise: CameraNoise,
+        drift: tuple[float, float],
+        out: PairWarp,
     ) -> None:
         def turned(image: AnyArray) -> AnyArray:
             return np.ascontiguousarray(orient(image, tables.orientation))
 
         self.tables, self.out = tables, out
         self.drift = np.float32(drift[0]), np.float32(drift[1])
-        self.variance, self.fixed = turned(light.variance[1]), turned(light.variance_fixed[1])
-        spline_coefficients(turned(light.light[1]), out=out.coefficients)
+        self._light, self._noise, self._energy = turned(light.light[1]), noise, light.energy
+        self._kept = -1
+        spline_coefficients(self._light, out=out.coefficients)
         spread_flags(turned(light.flags[1]), out.spread)
         self.total, self.count = 0.0, 0
 
     def fill(self, start: int, stop: int, *, first: int = 0) -> None:
         """Fill the rows from `start` to `stop`; row `first` of the noise is stored as row 0."""
         out, tables = self.out, self.tables
+        height = self._light.shape[0]
+        needed = tables.rows_of(start, stop, float(self.drift[1]), height)
+        if needed[1] - needed[0] > self._kept:
+            self._kept = needed[1] - needed[0] + _SPARE
+            out.noise.begin(self._light, self._noise, self._energy, rows=self._kept)
+        out.noise.hold(*needed)
         total, count = sample_rows(
             out.coefficients,
             tables.displacement_x,
             tables.displacement_y,
             *self.drift,
             NOTHING_BAD,
-            self.variance,
-            self.fixed,
+            out.noise.variance,
+            out.noise.fixed,
             out.spread,
             out.light,
             out.variance,

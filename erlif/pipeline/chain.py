@@ -25,6 +25,7 @@ from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, Ref
 from erlif.ingest import FramePairs, read_pair
 from erlif.passes import DriftSearch, PairLight, PairRatio
 from erlif.passes.light import CameraTables, measure_light, tabulate
+from erlif.passes.noise import CameraNoise
 from erlif.passes.ratio import BAND, empty_ratio, measure_ratio
 from erlif.passes.warp import MapTables, PairWarp, Warp, tabulate_map
 from erlif.ratio import BlurDifference, compute_ratio
@@ -124,23 +125,32 @@ class _Buffers:
     ratio: PairRatio
 
     @classmethod
-    def empty(cls, shape: tuple[int, int], orientation: str) -> _Buffers:
-        warped = PairWarp.empty(shape, orientation, rows=BAND + 1)
-        light = PairLight.empty(shape)
-        ratio = empty_ratio(shape, replaces=(light.variance_fixed[0], light.variance[0]))
-        return cls(light, warped, ratio)
+    def empty(cls, shape: tuple[int, int], orientation: str, *, with_fixed: bool) -> _Buffers:
+        # the drift is known before the ratio, which then takes the place of the binned light
+        log_ratio = np.empty(shape, np.float32)
+        light = PairLight.empty(shape, with_noise=False, binned_in=log_ratio)
+        ratio = empty_ratio(shape, with_fixed=with_fixed, log_ratio=log_ratio)
+        return cls(light, PairWarp.empty(shape, orientation, rows=BAND + 1), ratio)
+
+    @property
+    def unused(self) -> tuple[Image, Image, Image]:
+        """Images whose content is not needed any more after the ratio."""
+        light_two = self.light.light[1]
+        coefficients = self.warped.coefficients.reshape(-1)[: light_two.size]
+        return light_two, self.warped.light, coefficients.reshape(light_two.shape)
 
 
 class _Kept(threading.local):
     """The buffers of each thread: new ones for each pair would cost as much as the passes."""
 
-    key: tuple[tuple[int, int], str] | None = None
-    buffers: _Buffers
+    key: tuple[tuple[int, int], str, bool] | None = None
+    buffers: _Buffers | None = None
 
-    def take(self, shape: tuple[int, int], orientation: str) -> _Buffers:
-        if self.key != (shape, orientation):
-            self.buffers = _Buffers.empty(shape, orientation)
-            self.key = shape, orientation
+    def take(self, shape: tuple[int, int], orientation: str, *, with_fixed: bool) -> _Buffers:
+        if self.buffers is None or self.key != (shape, orientation, with_fixed):
+            self.buffers = None  # before the new ones are made
+            self.buffers = _Buffers.empty(shape, orientation, with_fixed=with_fixed)
+            self.key = shape, orientation, with_fixed
         return self.buffers
 
 
@@ -194,6 +204,12 @@ class FrameChain(PickledByFields):
         return tabulate_map(self.camera_map)
 
     @cached_property
+    def noise(self) -> tuple[CameraNoise, CameraNoise]:
+        """What the variances of both cameras need, that of camera 2 turned as its image is."""
+        one, two = self.correct.tables
+        return one.noise(), two.noise().turned(self.tables.orientation)
+
+    @cached_property
     def search(self) -> DriftSearch:
         """The search for the drift of each frame against the map."""
         return DriftSearch.of(self.camera_map)
@@ -244,29 +260,31 @@ class FrameChain(PickledByFields):
 
         Coordinates are those of `erlif.passes.PairRatio.to_images`.
         """
-        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation)
+        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
         return self._measure(frame, buffers).to_images()
 
-    def measure(self, frame: int) -> PairRatio:
+    def measure(self, frame: int, *, with_fixed: bool = True) -> PairRatio:
         """The ratio of one frame pair as plain arrays, its files hashed as they are read.
 
-        The next call in the same thread fills the same arrays: copy what is kept.
+        The next call in the same thread fills the same arrays: copy what is kept. Only where
+        frames are summed or smoothed is the part of the variance needed that repeats.
         """
-        return self._measure(frame, _kept.take(self.pairs.shape, self.tables.orientation))
+        shape, orientation = self.pairs.shape, self.tables.orientation
+        return self._measure(frame, _kept.take(shape, orientation, with_fixed=with_fixed))
 
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
+        del counts
         ratio = self._level(frame, self._divide(light, self._find_drift(light), buffers))
-        spare = light.light[1], light.variance[1], light.variance_fixed[1]
-        return replace(ratio, digests=digests, spare=spare)
+        return replace(ratio, digests=digests, spare=buffers.unused)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.
 
         The light (camera, y, x) [DN] is on the pixels of camera 1, NaN outside camera 2.
         """
-        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation)
+        buffers = _Buffers.empty(self.pairs.shape, self.tables.orientation, with_fixed=True)
         light = self.correct.light(frame, out=buffers.light)
         ratio = self._level(frame, self._divide(light, drift, buffers))
         return ratio, np.stack([light.light[0], buffers.warped.light])
@@ -281,6 +299,7 @@ class FrameChain(PickledByFields):
         return measure_ratio(
             light,
             self.tables,
+            self.noise,
             drift,
             blur=self.blur,
             no_film_below=self.no_film_below,
@@ -298,7 +317,7 @@ class FrameChain(PickledByFields):
         light = self.correct.light(frame)
         warped = PairWarp.empty(self.pairs.shape, self.tables.orientation)
         drift = self._find_drift(light)
-        warp = Warp(light, self.tables, drift, warped)
+        warp = Warp(light, self.tables, self.noise[1], drift, warped)
         for band in bands:
             warp.fill(band.start, band.stop)
 

@@ -101,6 +101,7 @@ def compile_film_kernels() -> None:
     """Measure and compress a small film, then take a ratio, which compiles the kernels for it."""
     from erlif.files.compression import encode_netcdf
     from erlif.passes import FilmTables, PairLight, PairRatio, measure_film
+    from erlif.passes.noise import CameraNoise
     from erlif.passes.ratio import empty_ratio, measure_ratio
     from erlif.passes.warp import PairWarp, tabulate_map
     from erlif.pipeline.film import MAPS
@@ -127,11 +128,12 @@ def compile_film_kernels() -> None:
     camera_map = CameraMap(flat, flat, flat, flat == 0, flat > 0, 1.0, MapKind.SURFACE)
     light = PairLight.empty(shape)
     light.light[:], light.flags[:] = 1000, 0
-    for noise in (light.variance, light.variance_fixed):
-        noise[:] = 1
+    none, numbers = np.zeros((0, 0), np.float32), np.ones(3, np.float32)
+    noise = CameraNoise(image(1), image(1)[:1], image(1e-6), none, none, numbers)
     measure_ratio(
         light,
         tabulate_map(camera_map),
+        (noise, noise),
         (0.0, 0.0),
         blur=BlurDifference(0.1, 0.1),
         no_film_below=0.25,

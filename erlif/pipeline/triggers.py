@@ -80,7 +80,7 @@ class TriggerTask(PickledByFields):
         kept: list[FrameResult] = []
         attenuation = self.calibration.attenuation_camera1
         if len(frames) == 1:  # the film of the trigger is that of its only frame
-            ratio = self.chain.measure(frames[0])
+            ratio = self.chain.measure(frames[0], with_fixed=self.smoothing is not None)
             pulse = sample_pulse(ratio.light_one, ratio.log_ratio, ratio.flags)
             light = self._sample(frames[0], ratio)
             film = measure_film(ratio, self.tables, self.region)

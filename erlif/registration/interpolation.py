@@ -262,7 +262,8 @@ def sample_rows(  # type: ignore[no-untyped-def]
         As of `sample_spline`; the drift in single precision.
     variance, fixed : array, (y2, x2), float32
         Two variances of camera 2, or arrays of size 0. They are interpolated bilinearly and
-        multiplied by the factor of `interpolation_variance_factor`.
+        multiplied by the factor of `interpolation_variance_factor`. With fewer rows than camera 2,
+        they have those that are needed; row j is row j modulo their number.
     flags : array, (y2, x2), uint8
         Flags of all pixels from which a point between this pixel and the next is interpolated, or
         an array of size 0.
@@ -411,15 +412,16 @@ def sample_rows(  # type: ignore[no-untyped-def]
                     hit |= (bad[j1, i0] & left) | bad[j1, i1]
                     out[y, x] = _NAN if hit else out[y, x]
             if noisy:
+                k0, k1 = _at(j % variance.shape[0]), _at((j + 1) % variance.shape[0])
                 for t in range(low, full):
                     x, i0, i1 = _at(t), _at(shift + t), _at(shift + t + 1)
                     u = line[_U, x]
                     v = line[_V, x]
-                    upper = variance[j0, i0] + u * (variance[j0, i1] - variance[j0, i0])
-                    lower = variance[j1, i0] + u * (variance[j1, i1] - variance[j1, i0])
+                    upper = variance[k0, i0] + u * (variance[k0, i1] - variance[k0, i0])
+                    lower = variance[k1, i0] + u * (variance[k1, i1] - variance[k1, i0])
                     out_variance[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
-                    upper = fixed[j0, i0] + u * (fixed[j0, i1] - fixed[j0, i0])
-                    lower = fixed[j1, i0] + u * (fixed[j1, i1] - fixed[j1, i0])
+                    upper = fixed[k0, i0] + u * (fixed[k0, i1] - fixed[k0, i0])
+                    lower = fixed[k1, i0] + u * (fixed[k1, i1] - fixed[k1, i0])
                     out_fixed[kept, x] = (upper + v * (lower - upper)) * line[_FACTOR, x]
                 for t in range(low, flagged):
                     out_flags[kept, _at(t)] = flags[j0, _at(shift + t)]

@@ -1,4 +1,7 @@
-"""Light of one frame pair and a map between its cameras, with every kind of doubtful pixel."""
+"""Light of one frame pair and a map between its cameras, with every kind of doubtful pixel.
+
+The variances of the light are here in double precision, by the equations of docs/uncertainty.md.
+"""
 
 import numpy as np
 import xarray as xr
@@ -6,6 +9,7 @@ import xarray as xr
 from erlif.core.flags import FLAG_ATTRS
 from erlif.core.products import CorrectedFrames
 from erlif.passes.light import PairLight
+from erlif.passes.noise import CameraNoise
 from erlif.registration import CameraMap, MapKind, RegistrationSettings
 
 EPS = float(np.finfo(np.float32).eps)
@@ -13,16 +17,41 @@ EPS = float(np.finfo(np.float32).eps)
 
 
 def scene(shape, seed=2, dark=0.0):
-    """Light with noise, variances, and random bits on a part of the pixels."""
+    """Light with noise, and random bits on a part of the pixels."""
     rng = np.random.default_rng(seed)
     size = (2, *shape)
-    light = PairLight.empty(shape)
+    light = PairLight.empty(shape, with_noise=False)
     light.light[:] = rng.uniform(200, 3000, size)
     light.light[rng.uniform(size=size) < dark] = -5.0  # below the dark
-    light.variance[:] = rng.uniform(100, 900, size)
-    light.variance_fixed[:] = rng.uniform(1, 9, size)
     light.flags[:] = np.where(rng.uniform(size=size) < 0.01, rng.choice([1, 2, 4], size), 0)
     return light
+
+
+def camera_noise(shape, *, seed=6):
+    """What the variances of both cameras need besides the light; camera 2 has one dark_var."""
+    rng = np.random.default_rng(seed)
+    noise = []
+    for camera in range(2):
+        per_flat, flat_var = rng.uniform(0.8, 1.25, shape), rng.uniform(1e-6, 2e-6, shape)
+        dark_var = rng.uniform(0.5, 1, (1, 1) if camera else shape) * np.ones((1, shape[1]))
+        images = (image.astype(np.float32) for image in (per_flat, dark_var, flat_var))
+        # reading 100 DN2, so that variances of neighbours differ by less than a factor of ten
+        none, numbers = np.zeros((0, 0), np.float32), np.array([0.23, 100, 0], np.float32)
+        noise.append(CameraNoise(*images, none, none, numbers))
+    return tuple(noise)
+
+
+def variances(light, noise):
+    """Shot noise, reading and rounding of each camera; then dark and flat."""
+    new, fixed = [], []
+    for image, one in zip(light.light.astype(float), noise, strict=True):
+        per_gain, read_var, _ = one.numbers.astype(float)
+        scale, dark_var, flat_var = (
+            table.astype(float) for table in (one.per_flat, one.dark_var, one.flat_var)
+        )
+        new.append((np.maximum(image / scale, 0) * per_gain + read_var) * scale**2)
+        fixed.append(dark_var * scale**2 + image**2 * flat_var)
+    return np.array(new, np.float32), np.array(fixed, np.float32)
 
 
 def camera_map(shape, *, rough=False, orientation="normal"):
@@ -45,10 +74,10 @@ def camera_map(shape, *, rough=False, orientation="normal"):
     )
 
 
-def as_corrected(light):
+def as_corrected(light, noise):
     dims = ("camera", "frame", "y", "x")
     names = ("signal", "signal_var", "signal_var_fixed")
-    images = (light.light, light.variance, light.variance_fixed)
+    images = (light.light, *variances(light, noise))
     variables = {name: (dims, image[:, None]) for name, image in zip(names, images, strict=True)}
     flags = (dims, light.flags[:, None], FLAG_ATTRS)
     return CorrectedFrames(xr.Dataset({**variables, "flags": flags}))
