@@ -247,13 +247,21 @@ def _fill(variance, displaced, i, rows, maps):  # type: ignore[no-untyped-def]
         below, also = slopes[_at(4 * t)], slopes[_at(4 * t + 1)]
         rate[x] = below + part[second, x] * (slopes[_at(4 * t + 2)] - below)
         own[x] = also + part[second, x] * (slopes[_at(4 * t + 3)] - also)
+
+    # the maps may be in the memory of the ratio, which loops in vector registers do not expect
     for t in range(flags.shape[1]):
         x = _at(t)
-        std[y, x] = rate[x] * np.sqrt(variance[y, x]) if flags[y, x] == 0 else _NAN
+        film[x] = rate[x] * np.sqrt(variance[y, x]) if flags[y, x] == 0 else _NAN
     for t in range(flags.shape[1]):
         x = _at(t)
         shared = np.sqrt(own[x] * own[x] + rate[x] * rate[x] * displaced[y, x])
-        std_shared[y, x] = shared if flags[y, x] == 0 else _NAN
+        own[x] = shared if flags[y, x] == 0 else _NAN
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        std[y, x] = film[x]
+    for t in range(flags.shape[1]):
+        x = _at(t)
+        std_shared[y, x] = own[x]
 
 
 @numba.njit(nogil=True, cache=True, error_model="numpy")
@@ -277,5 +285,5 @@ def _measure(  # type: ignore[no-untyped-def]
         if i >= 0:
             decide(log_ratio, i, limits, surroundings, around, near, flags)
             _look_up(log_ratio, i, tables, scale, rows)
-            _fill(variance, displaced, i, rows, maps)
             add_to_blocks(images, i, offset, around, flags, blocks)
+            _fill(variance, displaced, i, rows, maps)

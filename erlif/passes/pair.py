@@ -37,7 +37,8 @@ class PairRatio:
     digests : tuple[str, str]
         SHA-256 of the files, hexadecimal; empty where it is not known.
     spare : tuple[Image, ...]
-        Images of the same shape whose content is not needed any more; `measure_film` fills them.
+        Three images of the same shape whose content is not needed any more; `measure_film` fills
+        them. They may be log_ratio, variance and variance_shared.
     """
 
     log_ratio: Image

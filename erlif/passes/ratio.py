@@ -53,7 +53,10 @@ _MANTISSA_BITS = np.int32(23)
 
 
 def empty_ratio(
-    shape: tuple[int, int], *, with_fixed: bool = True, log_ratio: Image | None = None
+    shape: tuple[int, int],
+    *,
+    with_fixed: bool = True,
+    replaces: tuple[Image, Image] | None = None,
 ) -> PairRatio:
     """Arrays for frames of a shape (y, x), to be filled by `measure_ratio`.
 
@@ -63,15 +66,18 @@ def empty_ratio(
         Rows and columns.
     with_fixed : bool
         Whether `variance_fixed` is kept; otherwise all rows share one.
-    log_ratio : array, (y, x), optional
-        Memory for this image.
+    replaces : tuple of two array, optional
+        Memory for the ratio, and for its variance. The latter may be the light of camera 2 in the
+        `PairLight` that `measure_ratio` reads: a row is replaced when it is not needed any more.
 
     Returns
     -------
     PairRatio
     """
-    log_ratio = np.empty(shape, np.float32) if log_ratio is None else log_ratio
-    variance, shared = (np.empty(shape, np.float32) for _ in range(2))
+    if replaces is None:
+        replaces = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    log_ratio, variance = replaces
+    shared = np.empty(shape, np.float32)
     fixed = np.empty((shape[0] if with_fixed else 1, shape[1]), np.float32)
     light_one = np.zeros((0, 0), np.float32)
     return PairRatio(log_ratio, variance, fixed, shared, np.empty(shape, np.uint8), light_one)
@@ -113,7 +119,7 @@ def measure_ratio(
         With the images of `out`.
     """
     along_x, along_y = (blur.x, blur.y) if blur.significant else (0.0, 0.0)
-    warp = Warp(light, tables, noise[1], drift, warped)
+    warp = Warp(light, tables, noise[1], drift, warped, band=BAND)
     height = out.log_ratio.shape[0]
     total = of_two = 0.0
     done = last = 0

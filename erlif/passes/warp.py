@@ -5,7 +5,6 @@ The reference is `erlif.registration.align_frames`.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,10 +16,6 @@ from erlif.passes.noise import CameraNoise, NoiseRows
 from erlif.registration import CameraMap, orient, spline_coefficients
 from erlif.registration.alignment import spread_flags
 from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
-
-_SPARE = 16
-"""Rows of noise beyond those of one band, because the next may need a few more."""
-
 
 @dataclass(frozen=True)
 class MapTables:
@@ -39,8 +34,8 @@ class MapTables:
     orientation : str
         How camera 2 is turned.
     rows : Array
-        Lowest and highest row of camera 2 without drift, for each row, (2, y); infinite where no
-        displacement is known. [px]
+        Lowest row of camera 2 without drift that this row or one below it needs, and the highest
+        that this row or one above it needs, (2, y); infinite where there is none. [px]
     """
 
     displacement_x: Image
@@ -50,15 +45,14 @@ class MapTables:
     orientation: str
     rows: Array
 
-    def rows_of(self, start: int, stop: int, drift_y: float, height: int) -> tuple[int, int]:
-        """Rows of camera 2 from which some rows are interpolated.
+    def rows_for(self, drift_y: float, height: int) -> tuple[AnyArray, AnyArray]:
+        """Rows of camera 2 whose noise must be there for each row of camera 1, in their order.
+
+        Neither number falls from row to row. Camera 2 is read as far as camera 1 at least, so that
+        rows above may be used for something else.
 
         Parameters
         ----------
-        start : int
-            First row of camera 1.
-        stop : int
-            The row after the last one.
         drift_y : float
             [px]
         height : int
@@ -66,16 +60,18 @@ class MapTables:
 
         Returns
         -------
-        tuple of int
+        tuple of two array, (y)
             The first one, and the one after the last.
         """
-        low, high = float(self.rows[0, start:stop].min()), float(self.rows[1, start:stop].max())
-        if not low + drift_y <= high + drift_y:  # no displacement or no drift is known
-            return 0, 0
+        count = self.rows.shape[1]
+        if not np.isfinite(drift_y):
+            return np.zeros(count, int), np.zeros(count, int)
 
         # a point lies between two rows, and single precision may round it to the next one
-        low, high = (min(max(row + drift_y, -4.0), height + 4.0) for row in (low, high))
-        return max(min(math.floor(low) - 1, height), 0), max(min(math.floor(high) + 3, height), 0)
+        around = np.floor(self.rows + drift_y) + np.array([[-1.0], [3.0]])
+        below = np.arange(1.0, count + 1)
+        low, high = np.clip([around[0], np.maximum(around[1], below)], 0, height).astype(int)
+        return np.minimum(low, high), high
 
 
 def tabulate_map(camera_map: CameraMap) -> MapTables:
@@ -95,13 +91,19 @@ def tabulate_map(camera_map: CameraMap) -> MapTables:
     known = np.abs(along_y) < FARTHEST
     lowest = np.min(along_y, axis=1, where=known, initial=np.inf)
     highest = np.max(along_y, axis=1, where=known, initial=-np.inf)
+    row = np.arange(along_y.shape[0], dtype=float)
     return MapTables(
         np.ascontiguousarray(camera_map.displacement_x, np.float32),
         along_y,
         np.square(camera_map.displacement_std, dtype=float).astype(np.float32),
         flags.astype(np.uint8),
         camera_map.settings.orientation,
-        np.arange(along_y.shape[0]) + np.stack([lowest, highest]).astype(float),
+        np.stack(
+            [
+                np.minimum.accumulate((row + lowest)[::-1])[::-1],
+                np.maximum.accumulate(row + highest),
+            ]
+        ),
     )
 
 
@@ -179,6 +181,8 @@ class Warp:
         Translation (x, y) on top of the map; NaN leaves no pixel. [px]
     out : PairWarp
         Receives the rows.
+    band : int, optional
+        Most rows that are filled in one call; default: all.
     """
 
     def __init__(
@@ -188,27 +192,29 @@ class Warp:
         noise: CameraNoise,
         drift: tuple[float, float],
         out: PairWarp,
+        *,
+        band: int | None = None,
     ) -> None:
         def turned(image: AnyArray) -> AnyArray:
             return np.ascontiguousarray(orient(image, tables.orientation))
 
         self.tables, self.out = tables, out
         self.drift = np.float32(drift[0]), np.float32(drift[1])
-        self._light, self._noise, self._energy = turned(light.light[1]), noise, light.energy
-        self._kept = -1
-        spline_coefficients(self._light, out=out.coefficients)
+        image = turned(light.light[1])
+        spline_coefficients(image, out=out.coefficients)
         spread_flags(turned(light.flags[1]), out.spread)
         self.total, self.count = 0.0, 0
+
+        # the noise of as many rows as one band needs at most
+        self._low, self._high = tables.rows_for(float(self.drift[1]), image.shape[0])
+        ahead = min(band or self._low.size, self._low.size) - 1
+        kept = int((self._high[ahead:] - self._low[: self._low.size - ahead]).max())
+        out.noise.begin(image, noise, light.energy, rows=max(kept, 1))
 
     def fill(self, start: int, stop: int, *, first: int = 0) -> None:
         """Fill the rows from `start` to `stop`; row `first` of the noise is stored as row 0."""
         out, tables = self.out, self.tables
-        height = self._light.shape[0]
-        needed = tables.rows_of(start, stop, float(self.drift[1]), height)
-        if needed[1] - needed[0] > self._kept:
-            self._kept = needed[1] - needed[0] + _SPARE
-            out.noise.begin(self._light, self._noise, self._energy, rows=self._kept)
-        out.noise.hold(*needed)
+        out.noise.hold(int(self._low[start]), int(self._high[stop - 1]))
         total, count = sample_rows(
             out.coefficients,
             tables.displacement_x,

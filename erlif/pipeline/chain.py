@@ -129,15 +129,9 @@ class _Buffers:
         # the drift is known before the ratio, which then takes the place of the binned light
         log_ratio = np.empty(shape, np.float32)
         light = PairLight.empty(shape, with_noise=False, binned_in=log_ratio)
-        ratio = empty_ratio(shape, with_fixed=with_fixed, log_ratio=log_ratio)
+        replaces = log_ratio, light.light[1]
+        ratio = empty_ratio(shape, with_fixed=with_fixed, replaces=replaces)
         return cls(light, PairWarp.empty(shape, orientation, rows=BAND + 1), ratio)
-
-    @property
-    def unused(self) -> tuple[Image, Image, Image]:
-        """Images whose content is not needed any more after the ratio."""
-        light_two = self.light.light[1]
-        coefficients = self.warped.coefficients.reshape(-1)[: light_two.size]
-        return light_two, self.warped.light, coefficients.reshape(light_two.shape)
 
 
 class _Kept(threading.local):
@@ -267,17 +261,21 @@ class FrameChain(PickledByFields):
         """The ratio of one frame pair as plain arrays, its files hashed as they are read.
 
         The next call in the same thread fills the same arrays: copy what is kept. Only where
-        frames are summed or smoothed is the part of the variance needed that repeats.
+        frames are summed or smoothed is the part of the variance needed that repeats; otherwise
+        the maps of the film may replace the ratio.
         """
         shape, orientation = self.pairs.shape, self.tables.orientation
-        return self._measure(frame, _kept.take(shape, orientation, with_fixed=with_fixed))
+        ratio = self._measure(frame, _kept.take(shape, orientation, with_fixed=with_fixed))
+        if with_fixed:
+            return ratio
+        return replace(ratio, spare=(ratio.log_ratio, ratio.variance, ratio.variance_shared))
 
     def _measure(self, frame: int, buffers: _Buffers) -> PairRatio:
         counts, digests = read_pair(self.pairs, frame, digests=True)
         light = self.correct.measure(frame, counts, out=buffers.light)
         del counts
         ratio = self._level(frame, self._divide(light, self._find_drift(light), buffers))
-        return replace(ratio, digests=digests, spare=buffers.unused)
+        return replace(ratio, digests=digests)
 
     def restore(self, frame: int, drift: tuple[float, float]) -> tuple[PairRatio, Array]:
         """The ratio of one frame pair whose drift (x, y) [px] is known, and its light.
@@ -317,7 +315,8 @@ class FrameChain(PickledByFields):
         light = self.correct.light(frame)
         warped = PairWarp.empty(self.pairs.shape, self.tables.orientation)
         drift = self._find_drift(light)
-        warp = Warp(light, self.tables, self.noise[1], drift, warped)
+        longest = max(band.stop - band.start for band in bands)
+        warp = Warp(light, self.tables, self.noise[1], drift, warped, band=longest)
         for band in bands:
             warp.fill(band.start, band.stop)
 

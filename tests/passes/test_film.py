@@ -93,6 +93,18 @@ def test_all_flags_of_the_pass_occur_in_the_test():
     assert set(np.unique(flags).tolist()) == {int(flag) for flag in expected}
 
 
+def test_maps_may_replace_the_ratio(calibration):
+    tables = FilmTables.of(calibration)
+    expected, pair = measure_film(pair_of(), tables, WHOLE), pair_of()
+    images = pair.log_ratio, pair.variance, pair.variance_shared
+    found = measure_film(replace(pair, spare=images), tables, WHOLE)
+    for name in ("thickness", "thickness_std", "thickness_std_shared", "flags"):
+        npt.assert_array_equal(getattr(found, name), getattr(expected, name))
+    for name, values in vars(expected.sums).items():
+        npt.assert_array_equal(getattr(found.sums, name), values)
+    assert found.thickness is images[0]
+
+
 @pytest.mark.parametrize("region", [REGION, WHOLE, Region(slice(60, 92), slice(0, 33))])
 def test_sums_are_those_of_the_plain_blocks(calibration, region):
     pair = pair_of()

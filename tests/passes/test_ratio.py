@@ -117,12 +117,14 @@ def test_logarithm_is_good_to_single_precision():
     assert values[-1] == 0
 
 
-@pytest.mark.parametrize("drift", [(0.37, -1.2), (np.nan, np.nan)])
-def test_images_are_the_same_in_less_memory(drift):
+@pytest.mark.parametrize("drift", [(0.37, -1.2), (0.2, 40.0), (0.0, -90.0), (np.nan, np.nan)])
+@pytest.mark.parametrize("rough", [False, True])
+def test_images_are_the_same_in_less_memory(drift, rough):
     """Two bands and a part; the part of the variance that repeats may share one row."""
-    found, light = camera_map((150, 40)), scene((150, 40))
+    found, light = camera_map((150, 40), rough=rough), scene((150, 40))
     separate, _ = both(light, found, drift)
     place = np.empty((150, 40), np.float32)
+    shown = light.light[1].copy()
     lean = measure_ratio(
         light,
         tabulate_map(found),
@@ -131,9 +133,10 @@ def test_images_are_the_same_in_less_memory(drift):
         blur=BLUR,
         no_film_below=0.25,
         warped=PairWarp.empty((150, 40), found.settings.orientation, rows=BAND + 1),
-        out=empty_ratio((150, 40), with_fixed=False, log_ratio=place),
+        out=empty_ratio((150, 40), with_fixed=False, replaces=(place, light.light[1])),
     )
     assert np.shares_memory(lean.log_ratio, place)
+    assert not np.array_equal(light.light[1], shown)
     for name in ("log_ratio", "variance", "variance_shared", "flags"):
         npt.assert_array_equal(getattr(lean, name), getattr(separate, name))
     npt.assert_array_equal(lean.variance_fixed[0], separate.variance_fixed[-1])
