@@ -17,6 +17,7 @@ from erlif.registration import CameraMap, orient, spline_coefficients
 from erlif.registration.alignment import spread_flags
 from erlif.registration.interpolation import FARTHEST, NOTHING_BAD, sample_rows
 
+
 @dataclass(frozen=True)
 class MapTables:
     """What the alignment repeats in every frame; images are (y, x).
