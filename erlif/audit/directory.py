@@ -160,6 +160,8 @@ def audit(directory: str | Path, *, allow_outside: bool = False) -> Audit:
             with stage(f"check of {name}", _logger):
                 for note in step():
                     found.notes.append(note)
+                    if note.level is Level.ERROR:
+                        return found
     except ErlifError as error:
         found.notes.append(Note(Level.ERROR, subject, str(error)))
     return found
@@ -238,7 +240,7 @@ class _Parts:
         self.found.pairs = tabulate_pairs(pairs, _run_of(self.recording), odd=odd)
         for row in self.found.pairs:
             yield Note(Level.NOTE, "pairs", str(row))
-        yield from _raise_errors(note_copies(survey))
+        yield from note_copies(survey)
 
     def references(self) -> Iterator[Note]:
         """Dark level, noise and gain, and the light above the dark level."""
@@ -289,11 +291,3 @@ class _Parts:
         low, high = profile.thickness.min(), profile.thickness.max()
         text = f"{profile.thickness.size} points from {low:.2f} to {high:.2f} um"
         yield Note(Level.NOTE, "profile", text)
-
-
-def _raise_errors(notes: Iterator[Note]) -> Iterator[Note]:
-    """The notes; an error among them ends the audit, as an exception does."""
-    for note in notes:
-        if note.level is Level.ERROR:
-            raise ErlifError(note.text)
-        yield note
