@@ -218,16 +218,21 @@ def _check_filters(data: Any) -> None:
 
 
 def _times(data: Any) -> Array | None:
-    """Time of each frame from the scale of the first dimension."""
-    for scale in data.dims[0].values():
-        unit = scale.attrs.get("units", b"")
-        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
-        factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
-        if factor is not None and scale.shape == data.shape[:1] and scale.dtype.kind in "iuf":
-            values: Array = np.asarray(scale[()], dtype=np.float64)
-            values -= values[0]
-            return factor * values
-    return None
+    """Time of each frame from the only array of times beside the frames."""
+    # the scales that HDF5 attaches to a dimension are not used: the library may search without end
+    # for those of a damaged file
+    import h5py
+
+    found: list[Array] = []
+    for item in data.parent.values():
+        if isinstance(item, h5py.Dataset) and item.shape == data.shape[:1]:
+            unit = item.attrs.get("units", b"")
+            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+            factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
+            if factor is not None and item.dtype.kind in "iuf":
+                values: Array = np.asarray(item[()], dtype=np.float64)
+                found.append(factor * (values - values[0]))
+    return found[0] if len(found) == 1 else None
 
 
 def _first_line(error: Exception) -> str:

@@ -90,6 +90,24 @@ def test_times_of_netcdf_are_those_of_its_coordinate(tmp_path, unit, factor):
     file.close()
 
 
+def test_times_of_hdf5_stand_beside_the_frames(path):
+    with h5py.File(path, "w") as file:
+        file["camera1/counts"], file["camera1/exposure"] = COUNTS, np.arange(4.0)
+        file["camera1/stamp"] = np.array([100, 110, 130, 170])
+        file["camera1/stamp"].attrs["units"] = "ms"
+        file["other"] = np.arange(4.0)
+        file["other"].attrs["units"] = "s"
+    opened = open_frames(path)
+    np.testing.assert_allclose(opened.times, [0, 0.01, 0.03, 0.07])
+    opened.close()
+    with h5py.File(path, "a") as file:
+        file["camera1/delay"] = np.arange(4.0)
+        file["camera1/delay"].attrs["units"] = "s"
+    opened = open_frames(path)
+    assert opened.times is None  # two arrays of times: which one is meant is not clear
+    opened.close()
+
+
 # what is refused
 
 
