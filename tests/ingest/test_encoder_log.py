@@ -11,7 +11,7 @@ from erlif.core.errors import EncoderError
 from erlif.ingest import Page, read_encoder_log
 from erlif.ingest.encoder_log import check_rows, read_log
 from erlif.ingest.logs.columns import ColumnChoice
-from erlif.ingest.logs.resample import ContinuousLog
+from erlif.ingest.logs.resample import ContinuousLog, find_pulses
 
 HEADER = "frame,angle_deg,load_N\n"
 
@@ -253,6 +253,14 @@ def test_a_log_in_time_is_recognised_by_its_number_of_rows(write_log):
     assert log.samples.angle.values.tolist() == [355, 358, 361, 364, 367, 370]
     assert "6 rows from 0 to 0.5 s, 10 per second" in str(notes[0])
     assert "its angle is counted on" in str(notes[0])
+
+
+def test_a_count_of_the_frames_in_a_log_in_time_is_its_pulse(write_log):
+    path = write_log("frame,time_s,angle_deg\n" + "".join(f"{k // 3},{k},{k}\n" for k in range(9)))
+    with pytest.raises(EncoderError, match='counts the frames, write pulse = "frame"'):
+        read_log(path, ColumnChoice(), frames=2)
+    log = read_log(path, ColumnChoice({"pulse": "frame"}), frames=2).log
+    assert find_pulses(log, log.samples["pulse"].values, 2).tolist() == [2.5, 5.5]
 
 
 def test_a_log_in_time_needs_time_and_angle(write_log):

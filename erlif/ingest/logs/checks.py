@@ -107,7 +107,8 @@ def check_frame_numbers(number: Sequence[int], name: str, table: LogTable) -> No
         if one in seen:
             raise EncoderError(
                 f"Expected each frame once in {table.file}; {where}, repeats frame {one} of "
-                f"row {seen[one]}. Delete one of the two rows."
+                f"row {seen[one]}. Delete one of the two rows; or, if this is a log in time that "
+                f'counts the frames, write pulse = "{name}" in [encoder] of run.toml.'
             )
         seen[one] = row
 
