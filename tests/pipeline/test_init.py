@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
+from conftest import SMALL
 from readers.writers import random_frames, write_im7, write_mraw
 
 import erlif
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.notes import Level
+from erlif.rig import RigSettings, simulate
 
 
 def photograph(directory: Path, *names: str, highest: int = 4000, shape=(64, 80)) -> None:
@@ -101,6 +103,31 @@ def test_a_run_without_settings_becomes_the_same_film_once_the_gaps_are_filled(l
     with erlif.open_film(film) as expected:
         for name in ("thickness", "thickness_std", "flags", "film_min", "film_mean", "crank_angle"):
             xr.testing.assert_equal(found[name], expected[name])
+
+
+@pytest.mark.slow
+def test_a_run_with_a_log_in_time_goes_from_init_to_the_report(small_rig, film, tmp_path, command):
+    """The frames of the same seed; a log at 10 kHz in the form of another logger."""
+    simulate(tmp_path, seed=11, rig=RigSettings(**{**vars(SMALL), "log": "continuous"}))
+    run = tmp_path / "run"
+    shutil.copy(small_rig.fixture / "calibration.nc", tmp_path / "fixture" / "calibration.nc")
+    (run / "run.toml").unlink()
+
+    command("init", run)
+    table = read(run)["encoder"]
+    assert table["angle"] == "Encoder [deg]"
+    assert table["pulse"] == "Trigger [V]"
+    fill_gaps(run / "run.toml", KNOWN)
+    assert "error" not in command("check", run).stdout
+    command("process", run)
+    command("report", run / "film.nc")
+    assert "zero fitted to the dead points" in (run / "report.html").read_text(encoding="utf-8")
+
+    # the zero is fitted here and given there; the marks are symmetric about the dead points
+    with erlif.open_film(run / "film.nc") as found, erlif.open_film(film) as expected:
+        np.testing.assert_array_equal(found.stroke, expected.stroke)
+        np.testing.assert_allclose(found.rocker_speed, expected.rocker_speed, atol=0.05)
+        np.testing.assert_allclose(found.film_min, expected.film_min, rtol=0.02)
 
 
 def test_a_fixture_without_settings_is_ready_once_its_gaps_are_filled(lab, command):
