@@ -40,8 +40,9 @@ _FEWEST_VISITS = 6
 _THINNEST = 1.0
 """Film below which the model is not linear in a background of a few per cent. [um]"""
 
-_THICKEST = 0.9
-"""Share of the covered range; the noise of thicker films reaches beyond the calibration."""
+_THICKEST = 0.8
+"""Share of the covered range; the noise of a cell with a thicker film may reach beyond it, and a
+choice that depends on the noise would bias the estimate."""
 
 _ROUNDS = 12
 """Steps of Gauss and Newton, at most; three are usual."""
@@ -302,7 +303,6 @@ class _Fit:
             chosen = self._choose(smooth, inside)
             if chosen is None:
                 return None
-        chosen = chosen & inside
         return _Point(self._compare(light, film, smooth, chosen), smooth, chosen)
 
     def _subtract(self, share: Array, energies: Array) -> tuple[Array, Array]:
