@@ -102,7 +102,7 @@ class Hdf5Frames(FrameFile):
             raise FrameError("its counts lie in other files. Name these files.")
         if data.dtype.kind not in "iuf":
             raise FrameError(f"its dataset {data.name} holds {data.dtype}. Save the raw counts.")
-        scale, offset = data.attrs.get("scale_factor", 1), data.attrs.get("add_offset", 0)
+        scale, offset = _attribute(data, "scale_factor", 1), _attribute(data, "add_offset", 0)
         if np.any(np.asarray(scale) != 1) or np.any(np.asarray(offset) != 0):
             raise FrameError(
                 f"its dataset {data.name} is scaled (scale_factor, add_offset) and no longer holds "
@@ -217,17 +217,30 @@ def _check_filters(data: Any) -> None:
             )
 
 
+def _attribute(item: Any, name: str, default: Any) -> Any:
+    """An attribute of fixed length; the default where there is none."""
+    import h5py
+
+    # values of variable length lie in a heap, which the library of HDF5 2.0.0 may search without
+    # end in a damaged file; the scales that are attached to dimensions lie there as well
+    if not h5py.h5a.exists(item.id, name.encode()):
+        return default
+    kind = h5py.h5a.open(item.id, name.encode()).get_type()
+    variable = isinstance(kind, h5py.h5t.TypeVlenID)
+    if variable or (isinstance(kind, h5py.h5t.TypeStringID) and kind.is_variable_str()):
+        return default
+    return item.attrs[name]
+
+
 def _times(data: Any) -> Array | None:
     """Time of each frame from the only array of times beside the frames."""
-    # the scales that HDF5 attaches to a dimension are not used: the library may search without end
-    # for those of a damaged file
     import h5py
 
     found: list[Array] = []
     for item in data.parent.values():
         if isinstance(item, h5py.Dataset) and item.shape == data.shape[:1]:
-            unit = item.attrs.get("units", b"")
-            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+            unit = _attribute(item, "units", b"")
+            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else ""
             factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
             if factor is not None and item.dtype.kind in "iuf":
                 values: Array = np.asarray(item[()], dtype=np.float64)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import h5py
 import numpy as np
 import tifffile
@@ -76,6 +77,15 @@ def write_hdf5(path: Path, **options: Any) -> Path:
     return path
 
 
+def write_netcdf(path: Path) -> Path:
+    """Frames with their times by h5netcdf."""
+    with h5netcdf.File(path, "w") as file:
+        file.dimensions = {"time": 3, "y": 5, "x": 7}
+        file.create_variable("counts", ("time", "y", "x"), data=FRAMES)
+        file.create_variable("time", ("time",), data=TIMES).attrs["units"] = "s"
+    return path
+
+
 SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "mraw cihx": (lambda d: write_mraw(d / "a.mraw", FRAMES, stored=12), "a.cihx"),
     "mraw cih": (lambda d: write_mraw(d / "a.mraw", FRAMES, header="cih"), "a.cih"),
@@ -115,9 +125,8 @@ SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "fits": (lambda d: write_fits(d / "a.fits", FRAMES), "a.fits"),
     "avi": (lambda d: write_avi(d / "a.avi", (FRAMES >> 4).astype(np.uint8)), "a.avi"),
     "hdf5": (lambda d: write_hdf5(d / "a.h5"), "a.h5"),
-    # netCDF-4 is left out: the HDF5 library itself goes round for ever in some damaged lists of
-    # attributes, which h5netcdf writes in another form than h5py
     "hdf5 gzip": (lambda d: write_hdf5(d / "a.h5", chunks=(1, 5, 7), compression="gzip"), "a.h5"),
+    "netcdf": (lambda d: write_netcdf(d / "a.nc"), "a.nc"),
 }
 """For each format its writer, and the file that is damaged."""
 
