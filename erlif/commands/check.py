@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from erlif.commands.options import ALLOW_OUTSIDE, PATH
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.status import BAD_INPUT, DEFECT
 from erlif.core.notes import Level
 
@@ -16,8 +16,17 @@ from erlif.core.notes import Level
 @click.argument("directory", type=PATH)
 @click.option("--strict", is_flag=True, help="End with status 1 where there are warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
+@click.option("--html", "page", type=PATH, help="Write a page with pictures as well.")
 @ALLOW_OUTSIDE
-def check(directory: Path, strict: bool, as_json: bool, allow_outside: bool) -> None:
+@OVERWRITE
+def check(
+    directory: Path,
+    strict: bool,
+    as_json: bool,
+    page: Path | None,
+    allow_outside: bool,
+    overwrite: bool,
+) -> None:
     """Audit a run or fixture directory before anything is computed.
 
     Lists what was found and ends with exit status 2 at the first error. Gaps in run.toml or
@@ -26,15 +35,25 @@ def check(directory: Path, strict: bool, as_json: bool, allow_outside: bool) -> 
     \b
     Example:
       erlif check data_samples/straight_bushing
+      erlif check data_samples/straight_bushing --html check.html
     """
     from erlif.audit import audit
+    from erlif.files import refuse_existing
 
+    if page is not None:
+        expect_suffix(page, ".html")
+        refuse_existing(page, overwrite=overwrite)
     found = audit(directory, allow_outside=allow_outside)
     if as_json:
         click.echo(json.dumps(found.to_record(), indent=1))
     else:
         for note in found.notes:
             click.echo(f"{note.level:8s}{note}")
+    if page is not None:
+        from erlif.report import write_check_page
+
+        written = write_check_page(found, page, overwrite=overwrite)
+        click.echo(f"written: {written}", err=True)  # the findings stay a table of their own
 
     if found.count(Level.ERROR):
         raise click.exceptions.Exit(BAD_INPUT)

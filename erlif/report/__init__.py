@@ -7,6 +7,7 @@ from erlif.report.maps import MapCoding, decode_map, embed_map
 from erlif.report.summary import describe_calibration, summarise, summarise_in_a_line
 
 if TYPE_CHECKING:
+    from erlif.report.check_page import write_check_page
     from erlif.report.page import write_report
 
 __all__ = [
@@ -17,12 +18,17 @@ __all__ = [
     "render_budget",
     "summarise",
     "summarise_in_a_line",
+    "write_check_page",
     "write_report",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the page, and matplotlib with it, when it is first used."""
+    """Load a page, and matplotlib with it, when it is first used."""
+    if name == "write_check_page":
+        from erlif.report.check_page import write_check_page
+
+        return write_check_page
     if name == "write_report":
         from erlif.report.page import write_report
 

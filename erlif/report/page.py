@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from html import escape
-from importlib import resources
 from pathlib import Path
 
 import xarray as xr
@@ -22,6 +20,7 @@ from erlif.files import (
 )
 from erlif.plots.files import FigureSource, find_source
 from erlif.report.figures import figures_section
+from erlif.report.layout import compose_page, read_resource
 from erlif.report.maps import MapCoding, choose_coding, embed_map
 from erlif.report.provenance import notes_list, provenance_section
 from erlif.report.tables import (
@@ -105,46 +104,21 @@ def _make_page(source: FigureSource) -> str:
         ("triggers", "Triggers", trigger_table(film, shares[:, 0])),
         ("provenance", "Settings and inputs", provenance_section(film)),
     ]
-    contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title, _ in sections)
-    body = "\n".join(
-        f'<section id="{key}" aria-labelledby="{key}-title"><h2 id="{key}-title">{title}</h2>\n'
-        f"{content}\n</section>"
-        for key, title, content in sections
-    )
-
     # nothing of the time or the place of the report enters: the same film gives the same page
-    name = escape(settings_of(film).name)
-    version = escape(str(film.attrs.get("erlif_version", __version__)))
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="generator" content="erlif">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{name}: oil-film thickness</title>
-<style>
-{_resource("page.css")}</style>
-</head>
-<body>
-<header>
-<h1>{name}</h1>
-<p class="quiet">Oil-film thickness from two-camera fluorescence, erlif {version}</p>
-<nav aria-label="Contents"><ul>{contents}</ul></nav>
-</header>
-<main>
-{body}
-</main>
-<script type="application/json" id="film-data">{viewer_data(film, coding)}</script>
+    version = str(film.attrs.get("erlif_version", __version__))
+    data = viewer_data(film, coding)
+    scripts = f"""<script type="application/json" id="film-data">{data}</script>
 {_embedded_maps(film, coding)}
 <script>
-{_resource("viewer.js")}</script>
-</body>
-</html>
+{read_resource("viewer.js")}</script>
 """
-
-
-def _resource(name: str) -> str:
-    return resources.files("erlif.report").joinpath(name).read_text(encoding="utf-8")
+    return compose_page(
+        sections,
+        name=settings_of(film).name,
+        subject="oil-film thickness",
+        subtitle=f"Oil-film thickness from two-camera fluorescence, erlif {version}",
+        after=scripts,
+    )
 
 
 def _embedded_maps(film: xr.Dataset, coding: MapCoding) -> str:

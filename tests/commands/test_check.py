@@ -72,3 +72,19 @@ def test_json_of_an_error_ends_with_status_2(tmp_path):
     record = json.loads(result.stdout)
     assert record["errors"] == 1
     assert "erlif init" in record["notes"][-1]["text"]
+
+
+def test_html_writes_a_page_and_leaves_the_findings_as_they_are(lab, command):
+    page = lab.directory / "check.html"
+    plain = command("check", lab.run).stdout
+    result = command("check", lab.run, "--html", page)
+    assert result.stdout == plain
+    assert result.stderr == f"written: {page}\n"
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_an_existing_page_is_refused_before_the_work(lab, refused):
+    (lab.directory / "check.html").write_text("mine")
+    message = refused("check", lab.run, "--html", lab.directory / "check.html")
+    assert "exists already" in message
+    assert "Expected a name in .html" in refused("check", lab.run, "--html", "check.txt")
