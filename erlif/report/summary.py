@@ -40,8 +40,9 @@ def summarise(film: xr.Dataset) -> str:
     """
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
     lines = [
-        f"{name}: {film.sizes['trigger']} triggers from {int(film.frames_used.sum())} frame pairs "
-        f"of {film.sizes['x']} x {film.sizes['y']} pixels",
+        f"{name}: {_count(film.sizes['trigger'], 'trigger')} from "
+        f"{_count(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
+        f"{film.sizes['y']} pixels",
         _film_line(film, "film_min", "minimum film thickness"),
         _film_line(film, "film_mean", "mean film thickness"),
         *_flag_lines(film),
@@ -89,6 +90,10 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     )
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 def _line(title: str, text: str, width: int = _TITLE) -> str:
     return f"  {title:{width}s}{text}"
 
@@ -103,7 +108,7 @@ def _film_line(film: xr.Dataset, variable: str, title: str) -> str:
         f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k})"
         for k in (int(np.nanargmin(values)), int(np.nanargmax(values)))
     ]
-    return _line(title, f"{ends[0]} to {ends[1]}")
+    return _line(title, " to ".join(dict.fromkeys(ends)))  # one end of a single trigger
 
 
 def _flag_lines(film: xr.Dataset) -> list[str]:

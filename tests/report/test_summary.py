@@ -125,3 +125,9 @@ def test_a_line_of_a_film_without_valid_triggers_has_no_numbers(film):
     empty = film.assign(film_min=film.film_min * np.nan, speed_exponent=np.nan)
     line = summarise_in_a_line(empty)
     assert line.startswith("minimum film thickness no film, n = not fitted, 6 triggers")
+
+
+def test_a_single_trigger_has_one_value(film):
+    text = summarise(film.isel(trigger=[0]))
+    assert ": 1 trigger from 1 frame pair of" in text
+    assert " to " not in line_of(text, "minimum film thickness")
