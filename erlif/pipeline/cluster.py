@@ -149,6 +149,7 @@ class Cluster:
         waiting = iter(items)
         jobs: deque[tuple[int, Any]] = deque()
         looked, ahead = 0.0, 0
+        everywhere = False
 
         def submit_more() -> None:
             for item in waiting:
@@ -170,6 +171,12 @@ class Cluster:
                     submit_more()
                 if not jobs:
                     return
+                if not everywhere:
+                    # the worker that has loaded the work computes meanwhile; the others would fetch
+                    # it with their first item. A worker may be lost at any moment.
+                    with suppress(Exception):
+                        self._client.replicate([sent])
+                    everywhere = True
                 item, job = jobs.popleft()
                 self._wait_until_done(job)
                 collect(item, job.result())
@@ -177,7 +184,7 @@ class Cluster:
             self._client.cancel([job for _, job in jobs], force=True)
 
     def _send(self, work: Callable[[int], Any], name: str) -> Any:
-        """Bring the work to all workers; a worker that comes later fetches it from another one.
+        """Load the work on one worker; the others fetch it from there.
 
         The scheduler keeps the pickled work, so that it survives the loss of every worker.
         """
@@ -193,9 +200,6 @@ class Cluster:
         if sent.status == "error":
             raise sent.exception()
 
-        # each worker would fetch it with its first item; a worker may be lost at any moment
-        with suppress(Exception):
-            self._client.replicate([sent])
         return sent
 
     def _wait_until_done(self, job: Any) -> None:
