@@ -12,6 +12,7 @@ from erlif.core.arrays import AnyArray, Array, Image
 from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages
 from erlif.core.progress import silent
+from erlif.core.statistics import robust_std
 from erlif.ingest import Fixture, FramePairs, Run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
@@ -19,6 +20,7 @@ from erlif.pipeline.pulse_order import check_pulses
 from erlif.pipeline.results import FrameResult
 from erlif.pipeline.sample import FrameSample
 from erlif.ratio import sample_pulse
+from erlif.registration import orient
 
 WHOLE = 60
 """Frame pairs up to which all of them are searched for exchanged pulses."""
@@ -34,6 +36,13 @@ _LITTLE_OVERLAP = 0.7
 
 _WEAK = 0.3
 """Correlation of the textures below which a registration is doubtful."""
+
+_SHARED = 0.1
+"""Correlation of the structure of both flats from which it is that of the object; sensors have
+none in common, and 10 000 pixels give 0.01 by chance."""
+
+_DUST = 5.0
+"""Robust standard deviations beyond which the structure of a flat is dust."""
 
 _PIXELS = 100_000
 """Pixels of a ratio that are kept for the comparison with the calibration."""
@@ -220,6 +229,82 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
             "registration",
             f"no common texture of the cameras in pairs {shown}. Leave these pairs out",
         )
+
+
+def note_textures(survey: CameraSurvey) -> Iterator[Note]:
+    """Whether the flats show a texture of the joint, which both cameras see.
+
+    Parameters
+    ----------
+    survey : CameraSurvey
+
+    Yields
+    ------
+    Note
+    """
+    references, found = survey.chain.correct.references, survey.chain.camera_map
+    if not bool(references.has_flat.values.all()):
+        return
+    correlation = correlate_flats(
+        references.flat.values,
+        references.bad.values,
+        found.displacement_x,
+        found.displacement_y,
+        orientation=found.settings.orientation,
+    )
+    if correlation > _SHARED:
+        yield Note(
+            Level.WARNING,
+            "registration",
+            f"the flats of both cameras show one texture, correlation {correlation:.2f}: they were "
+            "recorded on the joint or with the laser, and take its texture for that of the "
+            "sensors. Record flats of an evenly lit target without structure",
+        )
+
+
+def correlate_flats(
+    flats: AnyArray,
+    bad: AnyArray,
+    displacement_x: Image,
+    displacement_y: Image,
+    *,
+    orientation: str,
+) -> float:
+    """Correlation of the structure of two flats at the same points of the object.
+
+    Parameters
+    ----------
+    flats : array, (camera, y, x)
+        Response of the pixels. [1]
+    bad : array of bool, (camera, y, x)
+        Pixels that are left out.
+    displacement_x, displacement_y : array, (y, x)
+        Pixel of camera 2 less pixel of camera 1. [px]
+    orientation : str
+        How camera 2 is turned, one of `erlif.registration.settings.ORIENTATIONS`.
+
+    Returns
+    -------
+    float
+    """
+    one, two = (_structure(flat, mask) for flat, mask in zip(flats, bad, strict=True))
+    y, x = np.indices(one.shape, np.float32)
+    outside = ~np.isfinite(displacement_x + displacement_y)
+    moved = cv2.remap(
+        np.ascontiguousarray(orient(two, orientation)),
+        np.where(outside, -1, x + displacement_x).astype(np.float32),
+        np.where(outside, -1, y + displacement_y).astype(np.float32),
+        cv2.INTER_LINEAR,
+    )
+    size = float(np.sqrt((one**2).sum() * (moved**2).sum()))
+    return float((one * moved).sum()) / size if size > 0 else 0.0
+
+
+def _structure(flat: Image, bad: AnyArray) -> Image:
+    """Flat over the mean of its surroundings less 1; 0 for bad pixels and dust."""
+    values = np.asarray(flat / cv2.blur(flat, (9, 9)) - 1, np.float32)
+    sound = ~bad & (np.abs(values) < _DUST * robust_std(values))
+    return np.where(sound, values, np.float32(0))
 
 
 def note_pulses(survey: CameraSurvey, pairs: FramePairs) -> Iterator[Note]:

@@ -14,6 +14,7 @@ from erlif.audit.cameras import (
     choose_consecutive,
     note_pulses,
     note_registration,
+    note_textures,
     survey_cameras,
 )
 from erlif.audit.counts import (
@@ -256,6 +257,7 @@ class _Parts:
         """Map, overlap and drift."""
         self.found.cameras = survey_cameras(self.recording)
         yield from note_registration(self.found.cameras)
+        yield from note_textures(self.found.cameras)
 
     def pulses(self) -> Iterator[Note]:
         """Whether both cameras show the same pulses."""

@@ -6,7 +6,13 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 
-from erlif.audit.cameras import choose_consecutive, note_pulses, note_registration
+from erlif.audit.cameras import (
+    choose_consecutive,
+    correlate_flats,
+    note_pulses,
+    note_registration,
+    note_textures,
+)
 
 
 def test_registration_is_described_by_three_pairs(surveyed):
@@ -58,3 +64,24 @@ def test_the_picture_shows_light_and_a_difference_without_film(surveyed):
     assert abs(np.nanmean(picture.difference)) < 0.01  # the film is taken out
     ratio = np.nanmedian(picture.light[1] / picture.light[0])
     npt.assert_allclose(ratio, np.exp(np.median(surveyed.log_ratios)), rtol=0.05)
+
+
+def test_flats_of_the_rig_have_no_texture_in_common(surveyed):
+    assert list(note_textures(surveyed)) == []
+
+
+@pytest.mark.parametrize("orientation", ["normal", "mirrored_x"])
+def test_a_texture_of_the_object_is_found_where_the_map_places_it(orientation):
+    """Camera 2 sees it 5 px to the right and 3 px up; both sensors add structure of their own."""
+    rng = np.random.default_rng(5)
+    wall = 1 + 0.03 * rng.normal(size=(110, 140)).astype(np.float32)
+    one, two = wall[6:102, 6:134], wall[9:105, 1:129]
+    if orientation == "mirrored_x":
+        two = two[:, ::-1]
+    flats = np.stack([one, two]) * (1 + 0.01 * rng.normal(size=(2, 96, 128)))
+    flats, good = flats.astype(np.float32), np.zeros(flats.shape, bool)
+    x, y = np.full((96, 128), 5, np.float32), np.full((96, 128), -3, np.float32)
+    options = {"orientation": orientation}
+    # the sensors have a tenth of the variance: 0.0009 / (0.0009 + 0.0001)
+    assert correlate_flats(flats, good, x, y, **options) == pytest.approx(0.9, abs=0.07)
+    assert abs(correlate_flats(flats, good, x + 4, y, **options)) < 0.05

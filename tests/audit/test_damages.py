@@ -121,6 +121,14 @@ def flat_with_the_beam(lab):
         rewrite(path, lambda page: np.maximum(64 + (page - 64.0) * beam, 0).astype("u2"))
 
 
+def flats_of_the_joint(lab):
+    for camera in (1, 2):
+        pages = [tifffile.imread(path) for path in lab.frames(camera)]
+        with tifffile.TiffWriter(lab.run / f"camera{camera}_flat.tif") as file:
+            for page in pages:
+                file.write(page, contiguous=False, metadata=None)
+
+
 def flat_of_another_sensor(lab):
     rewrite(lab.run / "camera1_flat.tif", lambda page: page[::-1, ::-1])
 
@@ -171,6 +179,7 @@ DAMAGES = [
     (dark_cut_within_a_page, 2, "camera2_dark.tif"),
     (flat_of_a_tilted_lamp, 1, "the light of their flats differs by"),
     (flat_with_the_beam, 1, "it shows the beam of the laser, a film or a shadow"),
+    (flats_of_the_joint, 1, "the flats of both cameras show one texture"),
     (flat_of_another_sensor, 1, "the flat is of another camera"),
     (dark_with_light, 1, "light fell on the sensor"),
     (a_missed_pulse, 1, "frame pairs 3 have less than 10% of the light"),
