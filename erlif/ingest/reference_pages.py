@@ -59,8 +59,11 @@ def read_reference_pages(
     found = find_pages(directory, pattern, what, selection)
     if found.faults:
         first = min(found.faults)
-        reason = with_advice(found.faults[first], "Record them again, or take the file out.")
-        raise FrameError(f"Expected readable {what} pages; {found.pages[first].name}: {reason}")
+        name, reason = found.pages[first].name, found.faults[first]
+        raise FrameError(
+            f"Expected readable {what} pages; {name}: "
+            f"{with_advice(reason, 'Record them again, or take the file out.')}"
+        )
 
     for page in found.pages:
         counts = read_page(page, directory, shape)

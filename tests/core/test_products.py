@@ -25,7 +25,7 @@ def test_all_missing_variables_are_named_with_those_present():
     message = str(error.value)
     assert "signal_var, displacement_std is missing" in message
     assert "holds signal, flags, x" in message or "holds x, signal, flags" in message
-    assert "stage of the pipeline left out" in message
+    assert message.endswith("Call the stage before it first.")
 
 
 @pytest.mark.parametrize(
