@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from scenes.messages import STEPS
 
 import erlif
 
@@ -14,29 +15,6 @@ ERRORS = (
     *("ErlifError", "ConfigError", "FrameError", "EncoderError", "RegistrationError"),
     *("CalibrationError", "OutputError", "ClusterError", "ModelError"),
 )
-
-STEPS = frozenset(
-    (
-        *(
-            "add",
-            "calibrate",
-            "call",
-            "change",
-            "check",
-            "choose",
-            "close",
-            "compare",
-            "convert",
-            "copy",
-        ),
-        *("correct", "cover", "delete", "divide", "exchange", "export", "give", "install", "keep"),
-        *("leave", "log", "make", "measure", "mount", "move", "name", "number", "pass", "pick"),
-        *("photograph", "put", "raise", "record", "register", "remove", "rename", "repeat"),
-        *("replace", "save", "set", "show", "start", "take", "try", "use", "wait", "widen"),
-        *("write", "divide", "clean", "reduce", "lower", "run", "point", "read"),
-    )
-)
-"""Words with which a sentence begins that names the next step."""
 
 COMPLETED = {
     "erlif/readers/": "bare reasons, which erlif.ingest.images.with_advice completes",
@@ -54,6 +32,7 @@ ELSEWHERE = {
     "_SAME": "the same versions on both machines",
     "_MAKE_ONE": "the command that makes a film",
     "make_one": "the command that makes a film",
+    "reason": "a reason with its advice",
     "with_advice": "completes a bare reason of a reader",
     "_refusal": "the option for links that leave the directory",
     "_fault_message": "the options for unreadable frames",

@@ -25,6 +25,9 @@ MINIMUM_POINTS = 8
 LARGEST_FILE = 2**25
 """Size of a profile that is read: 32 MB hold more than 500,000 points. [byte]"""
 
+THICKEST = 1000.0
+"""Largest film of a calibration; published ranges of the method end at 400 um. [um]"""
+
 LARGEST_VALUE = 1e5
 """Largest value of a profile: 100 m along it, or a film of 10 cm. [mm, um]"""
 
@@ -101,6 +104,7 @@ def read_profile(path: Path) -> Profile:
     """
     table = _read_table(path)
     stated = table.header[-1] == "uncertainty_um"
+    _check_table(table, path.name, stated=stated)
     notes: list[Note] = []
     values, axes = _find_axes(table, path.name, notes)
     values = _sort_and_merge(values, axes, path.name, notes, stated=stated)
@@ -111,14 +115,24 @@ def read_profile(path: Path) -> Profile:
             "the profile more closely."
         )
     uncertainty = values[:, -1] if stated else None
-    if uncertainty is not None and np.any(uncertainty <= 0):
-        raise CalibrationError(
-            f"Expected positive values of uncertainty_um in {path.name}; "
-            f"row {int(np.argmax(uncertainty <= 0)) + 2} has none. "
-            "Leave the column out if the uncertainty is not known."
-        )
     position = values[:, :2] if axes == 2 else values[:, 0]
     return Profile(position, values[:, axes], uncertainty, tuple(notes))
+
+
+def _check_table(table: _Table, name: str, *, stated: bool) -> None:
+    """Refuse uncertainties that are none, and thicknesses in another unit, row by row as read."""
+    if stated and np.any(table.values[:, -1] <= 0):
+        raise CalibrationError(
+            f"Expected positive values of uncertainty_um in {name}; "
+            f"row {int(np.argmax(table.values[:, -1] <= 0)) + 2} has none. "
+            "Leave the column out if the uncertainty is not known."
+        )
+    thickness = table.values[:, table.header.index("thickness_um")]
+    if thickness.size and np.median(thickness) > THICKEST:
+        raise CalibrationError(
+            f"Expected films of at most {THICKEST:g} um in {name}; half of them are thicker than "
+            f"{np.median(thickness):g} um, as numbers in nm would be. Give thickness_um in um."
+        )
 
 
 def _find_axes(table: _Table, name: str, notes: list[Note]) -> tuple[Array, int]:

@@ -12,15 +12,13 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration.departure import Departure
+from erlif.calibration.profile import THICKEST
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import CalibrationError
 from erlif.core.format import is_later
 
 LARGEST = 2**30
 """Largest size of the arrays of one group; a map of 25 megapixels has 425 MB. [byte]"""
-
-THICKEST = 1000.0
-"""Largest end of a calibrated range; published ranges of the method end at 400 um. [um]"""
 
 VISIBLE = (200.0, 2000.0)
 """Wavelengths that cameras and filters cover. [nm]"""

@@ -9,7 +9,14 @@ from erlif.ingest.frames import (
     read_pair,
     skipped_notes,
 )
-from erlif.ingest.hashes import hash_files_beside_frames, hash_inputs, sign_inputs
+from erlif.ingest.hashes import (
+    InputChangedError,
+    hash_files_beside_frames,
+    hash_inputs,
+    refuse_changed,
+    sign_inputs,
+    stamp_inputs,
+)
 from erlif.ingest.images import Page, depth_warning, natural_key
 from erlif.ingest.recording import Fixture, FoundStart, Run, open_fixture, open_run
 from erlif.ingest.reference_pages import read_reference_pages
@@ -20,6 +27,7 @@ __all__ = [
     "Fixture",
     "FoundStart",
     "FramePairs",
+    "InputChangedError",
     "Page",
     "PairCounts",
     "Run",
@@ -37,7 +45,9 @@ __all__ = [
     "read_pair",
     "read_reference_pages",
     "read_run_table",
+    "refuse_changed",
     "select_counts",
     "sign_inputs",
     "skipped_notes",
+    "stamp_inputs",
 ]

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from erlif.core.errors import FrameError
 from erlif.ingest.images import match_files, natural_key
 from erlif.ingest.recording import Fixture, Run
 
@@ -107,6 +108,67 @@ def sign_inputs(recording: Run | Fixture, known: Digests) -> str:
     return sign.hexdigest()
 
 
+class InputChangedError(FrameError):
+    """A file of a recording that was replaced or changed while the recording was in use."""
+
+
+def stamp_inputs(recording: Run | Fixture) -> dict[Path, str]:
+    """Size, time of change and place on the disk of every input.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+
+    Returns
+    -------
+    dict of Path to str
+        To be compared by `refuse_changed`.
+
+    Examples
+    --------
+    >>> from erlif.ingest import open_run
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> stamp_inputs(run) == stamp_inputs(run)
+    True
+    """
+    beside = [path for paths in _files_beside_frames(recording).values() for path in paths]
+    frames = [path for paths in _files_of_frames(recording) for path in paths]
+    return {path: _stamp(path, place=True) for path in (*beside, *frames)}
+
+
+def refuse_changed(recording: Run | Fixture, before: Mapping[Path, str]) -> None:
+    """Refuse a recording of which a file has changed while it was read.
+
+    A frame is read several times, for the camera map and for its film; a result must belong to one
+    content of it, the one whose hash it holds.
+
+    Parameters
+    ----------
+    recording : Run or Fixture
+    before : mapping of Path to str
+        From `stamp_inputs`, made before anything was read.
+
+    Raises
+    ------
+    InputChangedError
+        For the first file that differs.
+
+    Examples
+    --------
+    >>> from erlif.ingest import open_run
+    >>> run = open_run(Path("data_samples/straight_bushing"))
+    >>> refuse_changed(run, stamp_inputs(run))
+    """
+    for path, stamp in before.items():
+        if _stamp(path, place=True) != stamp:
+            name = os.path.relpath(path, recording.directory)
+            raise InputChangedError(
+                f"Expected the files of {recording.directory} to stay as they are while they are "
+                f"read; {name} was changed or replaced. Wait until the recording is complete, and "
+                "start again."
+            )
+
+
 def _files_beside_frames(recording: Run | Fixture) -> dict[str, list[Path]]:
     """Inputs that are no frames, by their names or patterns in the settings."""
     if isinstance(recording, Run):
@@ -155,10 +217,14 @@ def _name(path: Path, recording: Run | Fixture) -> str:
     return os.fsencode(os.path.relpath(path, recording.directory)).hex()
 
 
-def _stamp(path: Path) -> str:
-    """Size and time of change; the same for all files that are not there."""
+def _stamp(path: Path, *, place: bool = False) -> str:
+    """Size and time of change; the same for all files that are not there.
+
+    The place on the disk differs between two files that took the same name one after the other.
+    """
     try:
         found = path.stat()
     except OSError:
         return "unreadable"
-    return f"{found.st_size} {found.st_mtime_ns}"
+    stamp = f"{found.st_size} {found.st_mtime_ns}"
+    return f"{stamp} {found.st_ino}" if place else stamp

@@ -207,7 +207,11 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
         return f"{name}/{pages[len(other)].name}"
     known = set(other)
     lone = (page for page, number in zip(pages, own, strict=True) if number not in known)
-    return f"{name}/{next(lone).name}"
+
+    # the same numbers in another order: one name of the camera differs in more than its number
+    odd = (page for page, first, second in zip(pages, own, other, strict=False) if first != second)
+    found = next(lone, None) or next(odd, pages[-1])
+    return f"{name}/{found.name}"
 
 
 def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:

@@ -26,7 +26,9 @@ from erlif.ingest import (
     format_notes,
     hash_inputs,
     open_fixture,
+    refuse_changed,
     skipped_notes,
+    stamp_inputs,
 )
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
@@ -83,7 +85,7 @@ def calibrate(
     fixture = open_fixture(
         Path(fixture_dir), skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
     )
-    settings = fixture.settings
+    settings, stamps = fixture.settings, stamp_inputs(fixture)
     profile = read_profile(fixture.directory / settings.fixture.profile)
     prepared = prepare_chain(fixture, progress, tables_only=True)
 
@@ -109,9 +111,11 @@ def calibrate(
         calibration.reduced_chi_square,
         len(frames),
     )
+    hashes = hash_inputs(fixture, known_digests(frames, fixture.pairs))
+    refuse_changed(fixture, stamps)
     return replace(
         calibration,
-        input_hashes=hash_inputs(fixture, known_digests(frames, fixture.pairs)),
+        input_hashes=hashes,
         date=_date_of(fixture.pairs),
         profile_file=os.path.relpath(
             fixture.directory / settings.fixture.profile, fixture.directory

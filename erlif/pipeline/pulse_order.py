@@ -39,7 +39,7 @@ def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]
     """
     ordered = sorted(frames, key=lambda one: one.frame)
     numbers = [one.frame for one in ordered]
-    notes = []
+    notes = _check_stuck(ordered, pairs)
     for fault in find_pulse_faults([one.pulse for one in ordered]):
         named = [numbers[k] for k in fault.frames]
         if fault.kind == "repeated":
@@ -62,6 +62,36 @@ def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]
             )
         else:
             raise PulseError(_describe_order(fault, numbers, pairs))
+    return notes
+
+
+def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+    """Refuse a camera all of whose files are the same, and note files that are copies."""
+    notes = []
+    digests = [[one.digests[camera] for one in ordered] for camera in range(2)]
+    for camera, found in enumerate(digests):
+        known = [digest for digest in found if digest]
+        copies = len(known) - len(set(known))
+
+        # pairs that are repeated in both cameras have a note of their own
+        both = [pair for pair in zip(*digests, strict=True) if all(pair)]
+        copies -= len(both) - len(set(both))
+        if copies < 1:
+            continue
+        if len(set(known)) == 1 and len(known) == len(ordered):
+            raise PulseError(
+                f"Expected a new exposure in every frame; all {len(known)} files of "
+                f"camera{camera + 1} are the same ({pairs.pages[camera][0].name}, "
+                f"{pairs.pages[camera][1].name}, ...). Record the run again, or export it again."
+            )
+        notes.append(
+            Note(
+                Level.WARNING,
+                f"camera{camera + 1}",
+                f"{copies} of {len(known)} files are copies of others: the camera was stuck, or "
+                "its export; their maps combine two pulses",
+            )
+        )
     return notes
 
 

@@ -29,7 +29,16 @@ from erlif.files import (
     remove_remains,
     write_film,
 )
-from erlif.ingest import Run, hash_files_beside_frames, hash_inputs, open_run, sign_inputs
+from erlif.ingest import (
+    InputChangedError,
+    Run,
+    hash_files_beside_frames,
+    hash_inputs,
+    open_run,
+    refuse_changed,
+    sign_inputs,
+    stamp_inputs,
+)
 from erlif.ingest.hashes import Digests
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.chain import FrameChain
@@ -172,7 +181,7 @@ def process_run(
         find_start=fit_start,
         allow_outside=allow_outside,
     )
-    settings = run.settings
+    settings, stamps = run.settings, stamp_inputs(run)
 
     # kinematics: which frames belong to which trigger, and how fast the joint moved there
     cycle = locate_run(run)
@@ -255,6 +264,8 @@ def process_run(
         light, notes_on_light = describe_light(found, results, run, calibration)
         notes += notes_on_light
         hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
+        with discarded_after(InputChangedError, unfinished):
+            refuse_changed(run, stamps)
         film = describe_film(run, triggers, results, measuring, hashes=hashes, notes=notes)
         film = film.assign(light)
         film = widen_errors(film, found, results, options, calibration)

@@ -412,6 +412,9 @@ def write_figures(
         reasons = {name: reason_missing(name, source) for name in DRAWN}
         names = [name for name, reason in reasons.items() if reason is None]
 
+        # a film that lacks a part is refused before the first figure is written
+        _ = source.calibration, source.group("registration"), source.group("frames")
+
         # an existing file is found before the first figure is written, not after the ninth
         for name in names:
             for kind in formats:

@@ -19,6 +19,7 @@ from pydantic import (
     PlainSerializer,
     WithJsonSchema,
     WrapValidator,
+    field_validator,
     model_validator,
 )
 
@@ -110,6 +111,12 @@ Start = Annotated[
     Form('time, or "fit"', "0.25 s", "s"),
 ]
 
+PITCHES = (50e-9, 5e-3)
+"""Pixels in the object plane: from those of a microscope to an image of metres. [m]"""
+
+BANDS = (200.0, 2000.0)
+"""Wavelengths that cameras and filters cover. [nm]"""
+
 Interval = Annotated[tuple[float, float], Form("interval [low, high] in mm", [4, 15])]
 
 NO_CONTROL_CHARACTERS = r"^[^\x00-\x1f\x7f]*$"
@@ -159,6 +166,16 @@ class CameraSettings(Settings):
         description="Centre wavelength of the filter of this camera. Camera 1 has the shorter one, "
         "whose light dye 2 reabsorbs."
     )
+
+    @field_validator("band")
+    @classmethod
+    def _is_light(cls, band: float) -> float:
+        """A band in um in place of nm is no light that a camera records."""
+        low, high = BANDS
+        if not low <= band <= high:
+            raise ValueError(f"expected {low:g} to {high:g} nm; got {band:g} nm")
+        return band
+
     bit_depth: int = Field(
         12,
         ge=8,
@@ -274,6 +291,19 @@ class OpticsSettings(Settings):
         "divide a length by the number of pixels it covers.",
         examples=["60 um"],
     )
+
+    @field_validator("pixel_pitch")
+    @classmethod
+    def _is_of_a_camera(cls, pitch: float) -> float:
+        """A pitch in mm in place of um makes an image of metres."""
+        low, high = PITCHES
+        if not low <= pitch <= high:
+            raise ValueError(
+                f"expected a pixel of {low * 1e9:g} nm to {high * 1e3:g} mm in the object plane; "
+                f"got {pitch * 1e6:g} um"
+            )
+        return pitch
+
     x_axis: Literal["sliding", "axial"] = Field(
         "sliding",
         description="Direction of the joint along image x: the sliding (circumferential) or the "

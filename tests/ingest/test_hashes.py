@@ -9,11 +9,14 @@ import pytest
 import tifffile
 
 from erlif.ingest import (
+    InputChangedError,
     hash_files_beside_frames,
     hash_inputs,
     open_fixture,
     open_run,
+    refuse_changed,
     sign_inputs,
+    stamp_inputs,
 )
 
 KEYS = [f"camera{n}{rest}" for n in (1, 2) for rest in ("/*.tif", "_dark.tif", "_flat.tif")]
@@ -186,3 +189,23 @@ def test_a_file_beside_the_frames_is_an_input(run):
     assert hashes["camera1/*.tif"] == expected([header, *run.frames(1)])
     assert hashes["camera2/*.tif"] == expected(run.frames(2))
     assert sign_inputs(opened, {}) != sign_inputs(replace(opened, pairs=pairs), {})
+
+
+@pytest.mark.parametrize("how", ["written", "replaced", "removed"])
+def test_a_file_that_changes_while_it_is_in_use_is_refused(run, how):
+    opened = open_run(run.directory)
+    stamps = stamp_inputs(opened)
+    refuse_changed(opened, stamps)
+    path = opened.pairs.pages[1][0].path
+    content, time = path.read_bytes(), path.stat().st_mtime_ns
+    if how == "removed":
+        path.unlink()
+    elif how == "written":
+        path.write_bytes(content[:-1] + b"\1")
+    else:  # a copy that keeps size and time
+        other = path.with_suffix(".new")
+        other.write_bytes(content)
+        os.utime(other, ns=(time, time))
+        other.replace(path)
+    with pytest.raises(InputChangedError, match=f"{path.name} was changed or replaced"):
+        refuse_changed(opened, stamps)

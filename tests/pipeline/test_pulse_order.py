@@ -94,3 +94,16 @@ def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
         erlif.process(lab.run, workers=1, progress=lambda what, *rest: seen.append((what, *rest)))
     assert ("film", 5, 6) in seen
     assert ("film", 6, 6) not in seen
+
+
+def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
+    first, *others = lab.frames(1)
+    for path in others:
+        path.write_bytes(first.read_bytes())
+    message = refused("process", lab.run)
+    assert "all 6 files of camera1 are the same" in message
+
+
+def test_a_frame_of_one_camera_that_is_a_copy_has_a_note(lab, command):
+    lab.frames(1)[3].write_bytes(lab.frames(1)[2].read_bytes())
+    assert "camera1: 1 of 6 files are copies of others" in command("process", lab.run).stdout

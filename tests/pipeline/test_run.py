@@ -1,5 +1,6 @@
 """A run to its film: what is returned, what identifies the work, what -v shows."""
 
+import importlib
 import logging
 import re
 from dataclasses import replace
@@ -13,7 +14,7 @@ from erlif.commands.log import show_log
 from erlif.commands.main import main
 from erlif.core.errors import OutputError
 from erlif.files import describe_hashes
-from erlif.ingest import hash_files_beside_frames, hash_inputs, open_run
+from erlif.ingest import InputChangedError, hash_files_beside_frames, hash_inputs, open_run
 from erlif.pipeline.run import identify_start, identify_work
 
 STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "writing")
@@ -125,17 +126,19 @@ def test_other_files_are_other_work(run, calibration):
     assert other != identify_work(run, calibration, HASHES)
 
 
-def test_a_film_has_the_hashes_of_the_frames_as_they_were_read(lab):
-    hashes = describe_hashes(hash_inputs(open_run(lab.run)))
-
+def test_a_frame_replaced_after_its_film_was_computed_is_refused(lab):
     def spoil(what, done, total):
         """Replace a frame once the film is computed."""
         if (what, done) == ("film", total):
             lab.frames(1)[3].write_bytes(lab.frames(1)[2].read_bytes())
 
-    film = erlif.process(lab.run, progress=spoil)
-    assert film.attrs["input_hashes"] == hashes
-    assert describe_hashes(hash_inputs(open_run(lab.run))) != hashes
+    with pytest.raises(InputChangedError, match=r"frame_0003\.tif was changed or replaced"):
+        erlif.process(lab.run, progress=spoil)
+
+
+def test_a_film_has_the_hashes_of_its_inputs(lab):
+    film = erlif.process(lab.run)
+    assert film.attrs["input_hashes"] == describe_hashes(hash_inputs(open_run(lab.run)))
 
 
 def test_a_changed_frame_is_other_unfinished_work(lab, calibration):
@@ -148,3 +151,21 @@ def test_a_changed_frame_is_other_unfinished_work(lab, calibration):
     path = lab.frames(2)[1]
     path.write_bytes(path.read_bytes())  # the same bytes, written later: not known to be the same
     assert key() != before
+
+
+@pytest.mark.parametrize("name", ["camera2/frame_0001.tif", "camera1_flat.tif", "encoder.csv"])
+def test_an_input_replaced_while_it_is_processed_is_refused(lab, monkeypatch, name):
+    """The frame is replaced between the camera map and its film."""
+    module = importlib.import_module("erlif.pipeline.run")
+    run_triggers = module.run_triggers
+
+    def replace_and_run(*arguments, **options):
+        path = lab.run / name
+        path.write_bytes(path.read_bytes())
+        return run_triggers(*arguments, **options)
+
+    monkeypatch.setattr(module, "run_triggers", replace_and_run)
+    result = CliRunner().invoke(main, ["process", str(lab.run)])
+    assert result.exit_code == 2
+    assert f"{name} was changed or replaced" in result.stderr
+    assert not list(lab.run.glob("film.nc*"))

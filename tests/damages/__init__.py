@@ -1,0 +1,1 @@
+"""A catalogue of named damages, and the bench on which they are tried."""

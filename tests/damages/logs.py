@@ -1,0 +1,198 @@
+"""Damaged encoder logs and profiles."""
+
+import os
+
+from damages.bench import Damage
+
+
+def _log(name, change, *words):
+    """The log after a change of its rows."""
+
+    def damage(bench):
+        path = bench.run / "encoder.csv"
+        content = change(path.read_text().splitlines())
+        bench.write(path, content if isinstance(content, bytes) else "\n".join(content) + "\n")
+
+    return Damage(f"log: {name}", damage, "process run", words)
+
+
+def _special(name, path, make, command, *words):
+    """Another kind of file in the place of one."""
+
+    def damage(bench):
+        (bench.directory / path).unlink()
+        make(bench.directory / path)
+
+    return Damage(f"{path}: {name}", damage, command, words)
+
+
+def _sparse(path):
+    with path.open("wb") as file:
+        file.truncate(300_000_000)
+
+
+def _cell(row, column, value):
+    def change(rows):
+        cells = rows[row - 1].split(",")
+        cells[rows[0].split(",").index(column)] = value
+        return [*rows[: row - 1], ",".join(cells), *rows[row:]]
+
+    return change
+
+
+def _column(column, change):
+    def damage(rows):
+        place = rows[0].split(",").index(column)
+        out = [rows[0]]
+        for k, row in enumerate(rows[1:]):
+            cells = row.split(",")
+            cells[place] = change(k, cells[place])
+            out.append(",".join(cells))
+        return out
+
+    return damage
+
+
+def _profile(name, change, *words):
+    def damage(bench):
+        path = bench.fixture / "profile.csv"
+        content = change(path.read_text().splitlines())
+        bench.write(path, content if isinstance(content, bytes) else "\n".join(content) + "\n")
+
+    return Damage(f"profile: {name}", damage, "calibrate fixture --overwrite", words)
+
+
+def _scale(factor):
+    def damage(rows):
+        cells = [row.split(",") for row in rows[1:]]
+        return [rows[0], *(f"{x},{float(t) * factor},{u}" for x, t, u in cells)]
+
+    return damage
+
+
+LOGS = [
+    _log("empty", lambda rows: b"", "header"),
+    _log("header alone", lambda rows: rows[:1], "one row per trigger"),
+    _log("one row", lambda rows: rows[:2], "rows"),
+    _log("a row missing in the middle", lambda rows: [*rows[:3], *rows[4:]], "missing"),
+    _log("a row missing at the end", lambda rows: rows[:-1], "5 rows", "6 frames"),
+    _log("a row too many", lambda rows: [*rows, "6" + rows[-1][1:]], "time to rise", "row 8"),
+    _log("a row twice", lambda rows: [*rows[:3], *rows[2:]], "repeats frame"),
+    _log("rows in reverse", lambda rows: [rows[0], *rows[:0:-1]], "frame"),
+    _log("a cell missing", lambda rows: [*rows[:3], "2,0.2,16", *rows[4:]], "row 4"),
+    _log("NaN angle", _cell(4, "angle_deg", "nan"), "row 4, column angle_deg"),
+    _log("angle as text", _cell(4, "angle_deg", "up"), "row 4, column angle_deg", "'up'"),
+    _log("infinite angle", _cell(4, "angle_deg", "inf"), "row 4, column angle_deg"),
+    _log("huge angle", _cell(4, "angle_deg", "1e300"), "angle"),
+    _log("angle out of reach", _cell(4, "angle_deg", "40"), "deg"),
+    _log("constant angle", _column("angle_deg", lambda k, v: "8.0"), "angle"),
+    _log("time backwards", _column("time_s", lambda k, v: f"{1 - 0.1 * k:.3f}"), "time to rise"),
+    _log("time stands still", _column("time_s", lambda k, v: "1.0"), "time to rise"),
+    _log("NaN time", _cell(3, "time_s", "nan"), "row 3, column time_s"),
+    _log("load as text", _cell(3, "load_N", "full"), "row 3, column load_N"),
+    _log("negative load", _cell(3, "load_N", "-5"), "positive load"),
+    _log("huge load", _cell(3, "load_N", "1e999"), "row 3, column load_N"),
+    _log("below absolute zero", _cell(3, "temperature_C", "-300"), "-273.15"),
+    _log("as hot as the sun", _cell(3, "temperature_C", "5500"), "1000 degC"),
+    _log("frame number with a fraction", _cell(3, "frame", "1.5"), "whole number"),
+    _log("no angle", lambda rows: [row.replace("angle_deg", "note") for row in rows], "angle"),
+    _log("column twice", lambda rows: [rows[0].replace("time_s", "load_N"), *rows[1:]], "2 times"),
+    _log(
+        "name of a result",
+        lambda rows: [rows[0].replace("laser_mJ", "thickness"), *rows[1:]],
+        "Rename",
+    ),
+    _log("no header", lambda rows: rows[1:], "header"),
+    _log("JSON", lambda rows: b'{"angle_deg": [1, 2, 3]}', "encoder.csv"),
+    _log("web page", lambda rows: b"<html>\n<body>\n</body>\n</html>\n", "encoder.csv"),
+    _log("bytes of zero", lambda rows: bytes(4000), "bytes of zero"),
+    _log("binary", lambda rows: bytes(range(1, 256)) * 20, "encoder.csv"),
+    _log(
+        "UTF-16 cut within a character",
+        lambda rows: "\n".join(rows).encode("utf-16")[:-1],
+        "encoder.csv",
+    ),
+    _log("decimal commas", lambda rows: [row.replace(".", ",") for row in rows], "decimal"),
+    _log("one line of 2 MB", lambda rows: b"frame," * 350_000, "encoder.csv"),
+    _log("quote without an end", lambda rows: [rows[0], '"' + rows[1], *rows[2:]], "encoder.csv"),
+    _special("pipe", "run/encoder.csv", os.mkfifo, "process run", "pipe", "Correct file"),
+    _special(
+        "link to an endless device",
+        "run/encoder.csv",
+        lambda path: path.symlink_to("/dev/zero"),
+        "process run --allow-outside",
+        "it is a device",
+    ),
+    _special(
+        "link out of the run",
+        "run/encoder.csv",
+        lambda path: path.symlink_to("/etc/hostname"),
+        "process run",
+        "--allow-outside",
+    ),
+    _special("300 MB of nothing", "run/encoder.csv", _sparse, "process run", "MB"),
+    _special("folder", "run/encoder.csv", os.mkdir, "process run", "encoder.csv"),
+    _special("pipe", "run/run.toml", os.mkfifo, "process run", "it is a pipe"),
+    _special("folder", "run/run.toml", os.mkdir, "process run", "it is a directory"),
+    _special("300 MB of nothing", "run/run.toml", _sparse, "process run", "at most 1 MB"),
+    _special("pipe", "fixture/fixture.toml", os.mkfifo, "calibrate fixture --overwrite", "a pipe"),
+]
+"""Logs, and files of another kind in the place of text."""
+
+PROFILES = [
+    _profile("empty", lambda rows: b"", "x_mm,thickness_um"),
+    _profile("header alone", lambda rows: rows[:1], "at least 8 points"),
+    _profile("too short", lambda rows: rows[:7], "at least 8 points"),
+    _profile("other header", lambda rows: ["x,thickness", *rows[1:]], "x_mm,thickness_um"),
+    _profile("no header", lambda rows: rows[1:], "x_mm,thickness_um"),
+    _profile("NaN", lambda rows: [*rows[:4], "0.3,nan,0.1", *rows[5:]], "row 5"),
+    _profile("text", lambda rows: [*rows[:4], "0.3,thin,0.1", *rows[5:]], "row 5", "'thin'"),
+    _profile("infinite", lambda rows: [*rows[:4], "0.3,1e999,0.1", *rows[5:]], "row 5"),
+    _profile("huge", lambda rows: [*rows[:4], "0.3,1e30,0.1", *rows[5:]], "up to 100000"),
+    _profile("a cell missing", lambda rows: [*rows[:4], "0.3", *rows[5:]], "row 5"),
+    _profile("semicolons", lambda rows: [row.replace(",", ";") for row in rows], "x_mm;thick"),
+    _profile("decimal commas", lambda rows: [rows[0], *('0,1,"0,2",0,1',) * 9], "row 2"),
+    _profile(
+        "no uncertainty in a row",
+        lambda rows: [*rows[:4], "0.3,0.2,0", *rows[5:]],
+        "Leave the column out",
+    ),
+    _profile("all at one place", lambda rows: [rows[0], *("1,2,0.1",) * 20], "x_mm to change"),
+    _profile("of one thickness", lambda rows: [rows[0], *_flat(rows)], "thick at all points"),
+    _profile(
+        "elsewhere",
+        lambda rows: [rows[0], *(f"{500 + n},{n},0.1" for n in range(50))],
+        "points of the profile in the image",
+    ),
+    _profile("Latin-1", lambda rows: "x_mm,thickness_µm\n1,2".encode("latin-1"), "UTF-8"),
+    _profile("binary", lambda rows: bytes(range(256)), "profile.csv"),
+    _profile("cell of 200,000 digits", lambda rows: [*rows, "1" * 200_000 + ",1,1"], "field"),
+    _profile("thickness in mm for um", _scale(1e-3), "film"),
+    _profile("thickness in nm for um", _scale(1e3), "numbers in nm"),
+    _profile("upside down", _scale(-1.0), "thickness"),
+    _special(
+        "pipe",
+        "fixture/profile.csv",
+        os.mkfifo,
+        "calibrate fixture --overwrite",
+        "it is a pipe",
+    ),
+    _special(
+        "link to an endless device",
+        "fixture/profile.csv",
+        lambda path: path.symlink_to("/dev/zero"),
+        "calibrate fixture --overwrite --allow-outside",
+        "it is a device",
+    ),
+    _special(
+        "300 MB of nothing",
+        "fixture/profile.csv",
+        _sparse,
+        "calibrate fixture --overwrite",
+        "MB",
+    ),
+]
+
+
+def _flat(rows):
+    return [f"{row.split(',')[0]},5.0,0.1" for row in rows[1:]]

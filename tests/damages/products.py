@@ -1,0 +1,317 @@
+"""Damaged calibrations and films, outputs that are in the way, wrong usage."""
+
+import json
+import os
+
+import h5py
+import numpy as np
+
+from damages.bench import Damage
+
+INTO = "process run"
+
+
+def _calibration(name, change, *words):
+    def damage(bench):
+        with h5py.File(bench.own(bench.calibration), "r+") as file:
+            change(file)
+
+    return Damage(f"calibration: {name}", damage, "process run", words)
+
+
+def _film(name, change, *words, command="figures"):
+    def damage(bench):
+        with h5py.File(bench.own(bench.film), "r+") as file:
+            change(file)
+
+    return Damage(f"film: {name}", damage, f"{command} films/film.nc", words)
+
+
+def _bytes(name, path, content, command, *words):
+    def damage(bench):
+        target = bench.directory / path
+        bench.write(target, content(target.read_bytes()) if callable(content) else content)
+
+    return Damage(f"{path}: {name}", damage, command, words)
+
+
+def _state(name, change, command, *words, status=2):
+    return Damage(name, change, command, words, status)
+
+
+def _set(name, value):
+    def change(file):
+        file[name][...] = value
+
+    return change
+
+
+def _attribute(name, value, variable="/"):
+    def change(file):
+        file[variable].attrs[name] = value
+
+    return change
+
+
+def _without(name):
+    def change(file):
+        del file[name]
+
+    return change
+
+
+def _first(name, value):
+    def change(file):
+        file[name][0] = value
+
+    return change
+
+
+CALIBRATIONS = [
+    _calibration("K is NaN", _set("ratio_at_zero", np.nan), "ratio_at_zero", "erlif calibrate"),
+    _calibration("K is negative", _set("ratio_at_zero", -0.3), "ratio_at_zero"),
+    _calibration("K is infinite", _set("ratio_at_zero", np.inf), "ratio_at_zero"),
+    _calibration("p is zero", _set("attenuation_camera1", 0.0), "attenuation_camera1"),
+    _calibration("p in 1/mm", _attribute("units", "mm-1", "attenuation_camera1"), "mm-1"),
+    _calibration("p below q", _set("attenuation_camera1", 0.01), "exchanged"),
+    _calibration("no error", _set("covariance", 0.0), "variance of 0"),
+    _calibration("NaN error", _set("covariance", np.nan), "not finite"),
+    _calibration("negative variance", _set("covariance", -np.eye(3)), "variance of -1"),
+    _calibration("range to 1e9 um", _set("thickness_range", [0.1, 1e9]), "thickness_range"),
+    _calibration("range in reverse", _set("thickness_range", [12.0, 0.1]), "thickness_range"),
+    _calibration("later format", _attribute("format_version", 99), "later version of erlif"),
+    _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
+    _calibration("no covariance", _without("covariance"), "erlif calibrate"),
+    _calibration("no range", _without("thickness_range"), "erlif calibrate"),
+    _calibration("curve with NaN", _first("curve_ratio", np.nan), "not finite"),
+    _bytes("cut", "fixture/calibration.nc", lambda d: d[:4000], INTO, "erlif calibrate"),
+    _bytes("empty", "fixture/calibration.nc", b"", INTO, "erlif calibrate"),
+    _bytes("text", "fixture/calibration.nc", b"K = 0.3", INTO, "erlif calibrate"),
+    _bytes(
+        "a film",
+        "fixture/calibration.nc",
+        lambda data: data,
+        "process run --calibration films/film.nc",
+        "erlif calibrate",
+    ),
+]
+
+FILMS = [
+    _film("no thickness", _without("thickness"), "it has no variable thickness"),
+    _film("no errors", _without("thickness_std"), "it has no variable thickness_std"),
+    _film("no flags", _without("flags"), "flags", command="report"),
+    _film("no statistics", _without("film_min"), "film_min"),
+    _film("no group frames", _without("frames"), "frames"),
+    _film("no group registration", _without("registration"), "registration", command="report"),
+    _film("infinite film", _first("film_min", np.inf), "film_min has the value inf"),
+    _film("impossible film", _first("film_mean", 1e300), "film_mean has the value"),
+    _film("positions fall", lambda f: _set("x", f["x"][()][::-1])(f), "positions x do not rise"),
+    _film("positions NaN", _set("y", np.nan), "y has no value"),
+    _film("triggers repeat", _set("trigger", 0), "not numbered from 0"),
+    _film("later format", _attribute("format_version", 99), "later version of erlif"),
+    _film("format of text", _attribute("format_version", "new"), "film.nc is damaged"),
+    _film("settings cut", _attribute("settings", "[run"), "settings in it cannot be read"),
+    _film("calibration cut", _attribute("calibration", "{"), "no record in JSON"),
+    _film("calibration of NaN", _attribute("calibration", json.dumps({"a": 1})), "calibration"),
+    _film("title is a number", _attribute("title", 5), "not text", command="report"),
+    _film("film in nm", _attribute("units", "nm", "thickness"), "is in 'nm', not in um"),
+    _film(
+        "values elsewhere",
+        lambda f: (_without("load")(f), f.__setitem__("load", h5py.ExternalLink("a.nc", "/a"))),
+        "load is a link",
+    ),
+    _film(
+        "claims 8 GB",
+        lambda f: (_without("load")(f), f.create_dataset("load", (10**9,), "f8", chunks=(9,))),
+        "claims 8.0 GB",
+    ),
+    _bytes("empty", "films/film.nc", b"", "figures films/film.nc", "erlif process"),
+    _bytes("text", "films/film.nc", b"film", "report films/film.nc", "erlif process"),
+    _bytes("cut", "films/film.nc", lambda d: d[: len(d) // 2], "figures films/film.nc", "process"),
+    _bytes("head alone", "films/film.nc", lambda d: d[:100], "report films/film.nc", "process"),
+    _state(
+        "film: pipe",
+        lambda b: (b.film.unlink(), os.mkfifo(b.film)),
+        "figures films/film.nc",
+        "not a regular file",
+    ),
+    _state(
+        "film: zarr without a description",
+        lambda b: (b.run / "film.zarr").mkdir(),
+        "figures run/film.zarr",
+        "zarr.json",
+    ),
+    _state(
+        "film: zarr of nonsense",
+        lambda b: ((b.run / "film.zarr").mkdir(), b.write(b.run / "film.zarr/zarr.json", "[]")),
+        "report run/film.zarr",
+        "describes no array",
+    ),
+]
+
+
+def _foreign_partial(bench):
+    (bench.run / "film.nc.partial").mkdir()
+    (bench.run / "film.nc.partial" / "thesis.txt").write_text("years of work")
+
+
+def _nothing(bench):
+    """Leave the bench as it is: the command line is what is wrong."""
+
+
+OUTPUTS = [
+    _state(
+        "output: film exists",
+        lambda b: os.link(b.film, b.run / "film.nc"),
+        "process run",
+        "--overwrite",
+    ),
+    _state(
+        "output: somebody's page in the place of the film",
+        lambda b: b.write(b.run / "film.nc", "my page"),
+        "process run --overwrite",
+        "does not replace",
+    ),
+    _state(
+        "output: folder in the place of the film",
+        lambda b: (b.run / "film.nc").mkdir(),
+        "process run --overwrite",
+        "does not replace",
+    ),
+    _state("output: foreign work under its name", _foreign_partial, "process run", "partial"),
+    _state(
+        "output: a file in the place of the partial film",
+        lambda b: b.write(b.run / "film.nc.partial", "mine"),
+        "process run",
+        "partial",
+    ),
+    _state(
+        "output: a file in the place of the folder of figures",
+        lambda b: b.write(b.directory / "films/figures", "mine"),
+        "figures films/film.nc",
+        "is a file",
+    ),
+    _state(
+        "output: report over a film",
+        _nothing,
+        "report films/film.nc -o films/film.nc",
+        ".html",
+    ),
+    _state(
+        "output: somebody's page in the place of the report",
+        lambda b: b.write(b.directory / "films/report.html", "<p>mine</p>"),
+        "report films/film.nc --overwrite",
+        "does not replace",
+    ),
+    _state(
+        "output: below a file",
+        _nothing,
+        "process run -o run/run.toml/film.nc",
+        "run.toml",
+    ),
+    _state("output: calibration exists", _nothing, "calibrate fixture", "--overwrite"),
+    _state(
+        "output: somebody's file in the place of the calibration",
+        lambda b: b.write(b.calibration, "mine"),
+        "calibrate fixture --overwrite",
+        "does not replace",
+    ),
+]
+
+USAGE = [
+    _state("usage: no such directory", _nothing, "process nowhere", "nowhere", "directory"),
+    _state("usage: a file as directory", _nothing, "process run/encoder.csv", "directory"),
+    _state("usage: fixture processed", _nothing, "process fixture", "fixture.toml"),
+    _state("usage: run calibrated", _nothing, "calibrate run", "run.toml"),
+    _state("usage: run.toml itself", _nothing, "process run/run.toml", "Name the directory"),
+    _state("usage: other suffix", _nothing, "process run -o film.txt", ".nc or .zarr"),
+    _state("usage: figures of a run", _nothing, "figures run", "is a directory"),
+    _state("usage: figures of settings", _nothing, "figures run/run.toml", "erlif process"),
+    _state(
+        "usage: figures of a calibration",
+        _nothing,
+        "figures fixture/calibration.nc",
+        "no variable trigger",
+    ),
+    _state("usage: report of nothing", _nothing, "report nothing.nc", "does not exist"),
+    _state("usage: report of a frame", _nothing, "report run/camera1/frame_0001.tif", "process"),
+    _state(
+        "usage: calibration is not there",
+        _nothing,
+        "process run --calibration cal.nc",
+        "does not exist",
+    ),
+    _state(
+        "usage: calibration is a profile",
+        _nothing,
+        "process run --calibration fixture/profile.csv",
+        "erlif calibrate",
+    ),
+    _state("usage: no workers", _nothing, "process run --workers 0", "--workers"),
+    _state("usage: workers as text", _nothing, "process run --workers many", "--workers"),
+    _state("usage: unknown option", _nothing, "process run --quick", "--quick"),
+    _state("usage: unknown command", _nothing, "proces run", "proces"),
+    _state("usage: nothing to process", _nothing, "process", "RUN_DIR"),
+    _state("usage: scheduler of nonsense", _nothing, "process run --scheduler nine", "local:N"),
+    _state(
+        "usage: scheduler file is not there",
+        _nothing,
+        "process run --scheduler dask.json",
+        "scheduler file",
+    ),
+    _state(
+        "usage: scheduler file of nonsense",
+        lambda b: b.write(b.directory / "dask.json", "[" * 100_000),
+        "process run --scheduler dask.json",
+        "dask scheduler --scheduler-file",
+    ),
+    _state(
+        "usage: scheduler file is a pipe",
+        lambda b: os.mkfifo(b.directory / "dask.json"),
+        "process run --scheduler dask.json",
+        "it is a pipe",
+    ),
+    _state("budget: trigger 9999", _nothing, "budget run --trigger 9999", "--trigger"),
+    _state("budget: negative trigger", _nothing, "budget run --trigger -1", "--trigger"),
+    _state("init: no such directory", _nothing, "init nowhere", "Name the folder"),
+    _state("init: run.toml exists", _nothing, "init run", "--overwrite"),
+    _state(
+        "calibrate: against a film",
+        _nothing,
+        "calibrate fixture --overwrite --against run",
+        "is a directory",
+    ),
+]
+
+
+def _table(name, content, *words):
+    return _state(
+        f"table of runs: {name}",
+        lambda b: b.write(b.directory / "runs.csv", content),
+        "batch runs.csv",
+        *words,
+    )
+
+
+TABLES = [
+    _table("empty", "", "run_dir"),
+    _table("header alone", "run_dir\n", "Write one row"),
+    _table("other header", "folder\nrun\n", "folder"),
+    _table("header misspelt", "run_dir,outptu\nrun,a.nc\n", "did you mean 'output'?"),
+    _table("column twice", "run_dir,run_dir\nrun,run\n", "2 times"),
+    _table("too many cells", "run_dir\nrun,run\n", "row 2"),
+    _table("no run in a row", "run_dir,output\n,a.nc\n", "row 2"),
+    _table("byte of zero", "run_dir\nru\0n\n", "null byte"),
+    _table("binary", bytes(range(128, 256)), "UTF-8"),
+    _table("same output twice", "run_dir,output\nrun,a.nc\nfixture,a.nc\n", "both have"),
+    _table("same run twice", "run_dir\nrun\nrun\n", "run"),
+    _table("output of another format", "run_dir,output\nrun,a.csv\n", ".nc or .zarr"),
+    _table("run that is not there", "run_dir\nnowhere\n", "1 of 1 runs failed"),
+    _state("table of runs: nothing", _nothing, "batch nothing.csv", "nothing.csv"),
+    _state(
+        "table of runs: pipe",
+        lambda b: os.mkfifo(b.directory / "runs.csv"),
+        "batch runs.csv",
+        "it is a pipe",
+    ),
+]
