@@ -19,7 +19,10 @@ _FEWEST = 8
 """Rows from which on steps are compared."""
 
 _GAP = 1.7
-"""Step over the larger of its neighbours from which a trigger is missing; 2 for one trigger."""
+"""Step over that of its neighbours from which a trigger is missing; 2 for one trigger."""
+
+_EVEN = 0.1
+"""Relative difference of the two steps on either side that are compared with one in between."""
 
 _SPEED = 0.05
 """Relative deviation of the speed by the log from that of run.toml that is reported."""
@@ -100,8 +103,12 @@ def _note_angles(angle: Array) -> Iterator[Note]:
         f"{np.median(step):.3g} deg (median), {step.max():.3g} deg at most; {turns} reversal(s)",
     )
 
-    beside = np.maximum(np.append(step[1:], 0), np.insert(step[:-1], 0, 0))
-    gaps = np.flatnonzero((step > _GAP * beside) & (step > np.median(step)))
+    # a trigger is missed among even steps; where an encoder turns unevenly from trigger to trigger,
+    # the steps change by themselves
+    beside = np.stack([np.roll(step, shift) for shift in (-2, -1, 1, 2)])[:, 2:-2]
+    usual = np.median(beside, axis=0)
+    even = (np.abs(beside - usual) <= _EVEN * usual).all(axis=0)
+    gaps = 2 + np.flatnonzero(even & (step[2:-2] > _GAP * usual))
     if gaps.size:
         shown = ", ".join(f"{k} and {k + 1} ({step[k]:.3g} deg)" for k in gaps[:5])
         yield Note(

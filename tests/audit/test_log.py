@@ -59,6 +59,15 @@ def test_triggers_of_a_swinging_link_in_time_have_no_gap():
     assert warnings(motion(log, xr.Dataset(), linkage=False)) == []
 
 
+def test_triggers_of_the_rocker_are_uneven_on_the_crank():
+    """Even steps of a swing to and fro: at its ends the crank turns by far more."""
+    swing = np.concatenate([np.linspace(-0.95, 0.95, 12), np.linspace(0.95, -0.95, 12)])
+    rising = np.arange(24) < 12
+    crank = np.degrees(np.where(rising, np.arcsin(swing), np.pi - np.arcsin(swing)))
+    log = xr.Dataset({"angle": ("frame", crank % 360), "time": ("frame", crank / (6 * RPM))})
+    assert warnings(motion(log, xr.Dataset(), linkage=False)) == []
+
+
 def test_an_encoder_that_stands_still_is_reported():
     log, located = disc()
     log.angle.values[10:14] = log.angle.values[10]
