@@ -413,7 +413,10 @@ def write_figures(
         names = [name for name, reason in reasons.items() if reason is None]
 
         # a film that lacks a part is refused before the first figure is written
-        _ = source.calibration, source.group("registration"), source.group("frames")
+        if "registration" in names:
+            _ = source.group("registration"), source.group("frames")
+        if "calibration" in names:
+            _ = source.calibration
 
         # an existing file is found before the first figure is written, not after the ninth
         for name in names:
