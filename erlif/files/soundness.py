@@ -194,6 +194,7 @@ def check_film(film: xr.Dataset) -> None:
         version = film.attrs.get("erlif_version", "unknown")
         raise ValueError(f"it was written by a later version of erlif, {version}")
     _check_variables(film, FILM)
+    _read_small(film)
     for group in _TOGETHER:
         there = [name in film for name in group]
         if any(there) and not all(there):
@@ -230,6 +231,7 @@ def check_frames(frames: xr.Dataset) -> None:
         With the bare reason.
     """
     _check_variables(frames, FRAMES)
+    _read_small(frames)
 
 
 def check_registration(registration: xr.Dataset) -> None:
@@ -276,6 +278,13 @@ def _check_variables(
             if values_read.shape != tuple(dataset.sizes[dim] for dim in form.dims):
                 raise ValueError(f"{name} has the shape {values_read.shape}")
             _check_values(name, form, values_read)
+
+
+def _read_small(dataset: xr.Dataset) -> None:
+    """Read what is no map once: a text in an unknown encoding fails here."""
+    for variable in dataset.variables.values():
+        if variable.ndim < len(_MAP):
+            _ = variable.values
 
 
 def _check_values(name: str, form: _Form, values: AnyArray) -> None:

@@ -136,3 +136,17 @@ def test_a_group_of_a_film_is_checked_as_well(whole, tmp_path, group, name):
         del file[group][name]
     with pytest.raises(OutputError, match=f"it has no variable {name}"):
         open_film(path, group=group)
+
+
+def test_names_of_frames_in_an_unknown_encoding_are_refused(whole, tmp_path):
+    path = tmp_path / "film.nc"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        names = file["frames/file_camera1"]
+        kept, dims = np.char.encode(np.array(["a.tif"] * names.shape[0]), "utf-8"), names.dims[0][0]
+        del file["frames/file_camera1"]
+        file["frames/file_camera1"] = kept
+        file["frames/file_camera1"].dims[0].attach_scale(dims)
+        file["frames/file_camera1"].attrs["_Encoding"] = "klingon"
+    with pytest.raises(OutputError, match="unknown encoding: klingon"):
+        open_film(path, group="frames").load()
