@@ -40,42 +40,14 @@ from erlif.ingest import (
     stamp_inputs,
 )
 from erlif.ingest.hashes import Digests
-from erlif.kinematics import encoder_notes
-from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.clock import fit_start
 from erlif.pipeline.engines import Engine, open_engine
-from erlif.pipeline.film import (
-    MAPS,
-    choose_region,
-    describe_cycle,
-    describe_film,
-    describe_frames,
-    describe_grid,
-    describe_registration,
-    describe_triggers,
-    group_frames,
-)
+from erlif.pipeline.film import MAPS, describe_cycle, describe_grid, group_frames
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
-from erlif.pipeline.light import (
-    LightFindings,
-    choose_frames,
-    correct_light,
-    describe_light,
-    find_light,
-    kept_lights,
-    measure_lights,
-    run_patch,
-    widen_errors,
-)
-from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import PulseError, check_pulses
-from erlif.pipeline.pulses import read_energies
-from erlif.pipeline.register import stored_map
-from erlif.pipeline.results import describe_frame_notes, frames_in, known_digests, mean_drift
-from erlif.pipeline.swap import refuse_swapped_cameras
-from erlif.pipeline.triggers import TriggerTask, run_triggers
-from erlif.registration import MapNodes, move_map
+from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
+from erlif.pipeline.pulse_order import PulseError
+from erlif.pipeline.results import frames_in, known_digests
 from erlif.settings import to_toml
 
 _logger = logging.getLogger(__name__)
@@ -181,16 +153,15 @@ def process_run(
         find_start=fit_start,
         allow_outside=allow_outside,
     )
-    settings, stamps = run.settings, stamp_inputs(run)
+    stamps = stamp_inputs(run)
 
     # kinematics: which frames belong to which trigger, and how fast the joint moved there
     cycle = locate_run(run)
     frames_of = group_frames(cycle, run.pairs)
-    triggers = describe_triggers(run, cycle)
     _log_run(run, cycle)
 
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
-    check_bands(calibration, (settings.camera1.band, settings.camera2.band))
+    check_bands(calibration, (run.settings.camera1.band, run.settings.camera2.band))
     _log_calibration(calibration)
     digests = hash_files_beside_frames(run)
     if resume and output.exists():
@@ -203,77 +174,31 @@ def process_run(
             )
         refuse_existing(output, overwrite=overwrite, holds="thickness")
 
-    grid = describe_grid(settings, run.pairs.shape, len(frames_of))
+    grid = describe_grid(run.settings, run.pairs.shape, len(frames_of))
     key = identify_start(run, calibration, digests)
-    with PartialFilm(output, key, grid, MAPS) as unfinished:
-        # cameras: references, map, sharpness and noise of the whole run
-        # of the map of the fixture a few points are kept, unless it is used for the run
-        stored = stored_map(calibration.camera_map, settings.registration)
-        own_map = calibration.camera_map
-        nodes = None if own_map is None else MapNodes.of(own_map)
-        calibration, own_map = replace(calibration, camera_map=None), None
-        options, patch = settings.light, run_patch(run)
-        correct = "correct" in (options.background, options.bleaching)
-        prepared = prepare_chain(run, progress, stored=stored, tables_only=not correct)
-        chain, notes_on_cameras = prepared.chain, prepared.notes
-        refuse_swapped_cameras(chain, calibration, prepared.sample, stored=nodes)
-
-        # a background that is to be subtracted is found before the films are measured
-        energies, found, measuring = read_energies(run.log), LightFindings(), calibration
-        if correct:
-            with stage("light", _logger):
-                lights = measure_lights(chain, patch)
-                found = find_light(lights, calibration, cycle.trigger.values, energies)
-            chain, measuring = correct_light(chain, calibration, found, options)
-
-        # the frames need neither the sample nor the map that was stored
-        del prepared, stored
-        chain = chain.tabulated()
+    with (
+        PartialFilm(output, key, grid, MAPS) as unfinished,
+        discarded_after((PulseError, InputChangedError), unfinished),
+    ):
+        # the map of the fixture is large, and it is used only where the settings ask for it
+        known = KnownMap.of(calibration, run.settings)
+        calibration = replace(calibration, camera_map=None)
+        ready = prepare_run(run, cycle, calibration, known, progress)
+        del known
         release_memory()
 
         # frames: counts -> light -> ratio -> thickness, trigger by trigger
-        with stage("film", _logger), discarded_after(PulseError, unfinished):
-            task = trigger_task(run, chain, measuring)
-            results = run_triggers(
-                task,
-                frames_of,
-                unfinished,
-                engine=engine,
-                progress=progress,
-                places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
-                inspect=lambda first: check_pulses(frames_in(first), run.pairs),
+        with stage("film", _logger):
+            results = measure_run(
+                run, ready, frames_of, unfinished, engine=engine, progress=progress
             )
-            frames = frames_in(results)
-            notes_on_pulses = check_pulses(frames, run.pairs)
-
         release_memory()
 
         # the whole: statistics, theory, exponent, and the record of how it was made
-        drift = mean_drift(frames)
-        notes = [
-            *run.log_notes,
-            *encoder_notes(cycle),
-            *notes_on_cameras,
-            *notes_on_pulses,
-            *describe_frame_notes(frames, run.pairs),
-        ]
-        remaining = find_light(
-            kept_lights(frames, run.pairs), calibration, cycle.trigger.values, energies
-        )
-        found = found.complete(remaining, options)
-        light, notes_on_light = describe_light(found, results, run, calibration)
-        notes += notes_on_light
-        hashes = hash_inputs(run, digests | known_digests(frames, run.pairs))
-        with discarded_after(InputChangedError, unfinished):
-            refuse_changed(run, stamps)
-        film = describe_film(run, triggers, results, measuring, hashes=hashes, notes=notes)
-        film = film.assign(light)
-        film = widen_errors(film, found, results, options, calibration)
+        hashes = hash_inputs(run, digests | known_digests(frames_in(results), run.pairs))
+        refuse_changed(run, stamps)
+        film, groups = complete_film(run, cycle, ready, results, calibration, hashes)
         film.attrs["identity"] = identify_work(run, calibration, hashes)
-        groups = {
-            "frames": describe_frames(run, cycle, results, drift),
-            "registration": describe_registration(move_map(chain.camera_map, drift), chain.blur),
-        }
         with stage("writing", _logger):
             write_film(unfinished, film, groups)
         _log_film(film, output)
@@ -281,27 +206,13 @@ def process_run(
 
 
 @contextmanager
-def discarded_after(kind: type[Exception], unfinished: PartialFilm) -> Iterator[None]:
+def discarded_after(kinds: tuple[type[Exception], ...], unfinished: PartialFilm) -> Iterator[None]:
     """Remove unfinished work of which nothing can be used after an exception."""
     try:
         yield
-    except kind:
+    except kinds:
         unfinished.discard()
         raise
-
-
-def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:
-    """How the frames of one trigger of a run become its maps."""
-    settings = run.settings
-    return TriggerTask(
-        chain,
-        replace(calibration, camera_map=None),  # the chain has the map of the run
-        choose_region(settings, run.pairs.shape),
-        sliding_along_x=settings.optics.x_axis == "sliding",
-        smoothing=settings.thickness.smoothing,
-        sampled=choose_frames(run.pairs),
-        patch=run_patch(run),
-    )
 
 
 def identify_work(run: Run, calibration: Calibration, hashes: Mapping[str, str]) -> str:

@@ -157,14 +157,14 @@ def test_a_changed_frame_is_other_unfinished_work(lab, calibration):
 def test_an_input_replaced_while_it_is_processed_is_refused(lab, monkeypatch, name):
     """The frame is replaced between the camera map and its film."""
     module = importlib.import_module("erlif.pipeline.run")
-    run_triggers = module.run_triggers
+    measure_run = module.measure_run
 
     def replace_and_run(*arguments, **options):
         path = lab.run / name
         path.write_bytes(path.read_bytes())
-        return run_triggers(*arguments, **options)
+        return measure_run(*arguments, **options)
 
-    monkeypatch.setattr(module, "run_triggers", replace_and_run)
+    monkeypatch.setattr(module, "measure_run", replace_and_run)
     result = CliRunner().invoke(main, ["process", str(lab.run)])
     assert result.exit_code == 2
     assert f"{name} was changed or replaced" in result.stderr

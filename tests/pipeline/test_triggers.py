@@ -15,7 +15,7 @@ from erlif.core.progress import silent
 from erlif.files import PartialFilm
 from erlif.pipeline.engines import Threads
 from erlif.pipeline.film import MAPS, choose_region
-from erlif.pipeline.run import trigger_task
+from erlif.pipeline.parts import trigger_task
 from erlif.pipeline.triggers import run_triggers
 
 FRAMES = [[0, 3], [1, 4], [2, 5]]

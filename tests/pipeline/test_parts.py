@@ -1,0 +1,54 @@
+"""The parts of the way from a run to a film."""
+
+from dataclasses import replace
+
+import numpy.testing as npt
+import pytest
+
+import erlif
+from erlif.calibration import open_calibration
+from erlif.core.progress import silent
+from erlif.files import PartialFilm
+from erlif.ingest import open_run
+from erlif.pipeline.engines import Threads
+from erlif.pipeline.film import MAPS, describe_grid, group_frames
+from erlif.pipeline.joint import locate_run
+from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
+
+
+@pytest.fixture(scope="module")
+def calibration(small_rig):
+    return open_calibration(small_rig.fixture / "calibration.nc")
+
+
+def test_the_map_of_the_fixture_is_kept_only_where_it_is_used(small_rig, calibration):
+    settings = open_run(small_rig.run).settings
+    known = KnownMap.of(calibration, settings)
+    assert known.stored is None
+    assert known.nodes is not None
+
+    reused = settings.model_copy(
+        update={"registration": settings.registration.model_copy(update={"reuse": True})}
+    )
+    assert KnownMap.of(calibration, reused).stored is not None
+    assert KnownMap.of(replace(calibration, camera_map=None), settings) == KnownMap(None, None)
+
+
+def test_the_parts_give_the_film_of_the_command(small_rig, calibration, film, tmp_path):
+    run = open_run(small_rig.run)
+    cycle = locate_run(run)
+    frames_of = group_frames(cycle, run.pairs)
+    known = KnownMap.of(calibration, run.settings)
+    bare = replace(calibration, camera_map=None)
+
+    ready = prepare_run(run, cycle, bare, known, silent)
+    grid = describe_grid(run.settings, run.pairs.shape, len(frames_of))
+    with PartialFilm(tmp_path / "film.nc", "key", grid, MAPS) as unfinished:
+        results = measure_run(run, ready, frames_of, unfinished, engine=Threads(1), progress=silent)
+    found, groups = complete_film(run, cycle, ready, results, bare, {})
+
+    with erlif.open_film(film) as expected:
+        for name in ("film_min", "film_mean_std", "valid_pixels", "film_theory"):
+            npt.assert_array_equal(found[name], expected[name])
+    with erlif.open_film(film, group="frames") as expected:
+        npt.assert_array_equal(groups["frames"].drift_x, expected.drift_x)
