@@ -54,7 +54,7 @@ def wait_for_kernels() -> None:
     Until then the first one compiles what it needs next by itself.
     """
     if _Second.process is not None:
-        for compile_next in (_compile_plain_ratio, _compile_sum):
+        for compile_next in (_compile_plain_ratio, _compile_sum, _compile_cells, _compile_encoding):
             if _Second.process.poll() is None:
                 compile_next()
         try:
@@ -97,14 +97,29 @@ def _compile_sum() -> None:
     RatioSum((_SIDE, _SIDE)).add(_compile_plain_ratio())
 
 
-def compile_film_kernels() -> None:
-    """Measure and compress a small film, then take a ratio, which compiles the kernels for it."""
+def _compile_cells() -> None:
+    """Sample the cells of an image, by which light that is not film is found."""
+    from erlif.ratio import sample_cells
+
+    image = np.ones((4 * _SIDE, 4 * _SIDE), np.float32)  # smaller ones have too few cells
+    sample_cells(image, image, image, np.zeros(image.shape, np.uint8))
+
+
+def _compile_encoding() -> None:
+    """Compress small maps, as those of a trigger are compressed."""
     from erlif.files.compression import encode_netcdf
+    from erlif.pipeline.film import MAPS
+
+    shape = _SIDE, _SIDE
+    encode_netcdf({one.name: np.ones(shape, one.dtype) for one in MAPS}, MAPS)
+
+
+def compile_film_kernels() -> None:
+    """Measure a small film, then take a ratio, which compiles the kernels for both."""
     from erlif.passes import FilmTables, PairLight, PairRatio, measure_film
     from erlif.passes.noise import CameraNoise
     from erlif.passes.ratio import empty_ratio, measure_ratio
     from erlif.passes.warp import PairWarp, tabulate_map
-    from erlif.pipeline.film import MAPS
     from erlif.ratio import BlurDifference
     from erlif.registration import CameraMap, MapKind
     from erlif.trend import Region
@@ -120,8 +135,7 @@ def compile_film_kernels() -> None:
 
     flags = np.zeros((_SIDE, _SIDE), np.uint8)
     pair = PairRatio(image(0.5), image(1e-4), image(0), image(1e-6), flags, image(1000))
-    maps = measure_film(pair, tables, Region(slice(0, _SIDE), slice(0, _SIDE)))
-    encode_netcdf({one.name: getattr(maps, one.name) for one in MAPS}, MAPS)
+    measure_film(pair, tables, Region(slice(0, _SIDE), slice(0, _SIDE)))
 
     # the kernels of the warp are those of the registration, and are in the cache by now
     shape, flat = (_SIDE, _SIDE), image(0)
