@@ -210,7 +210,14 @@ def log_band_ratio_slope(
     )
     t = _float64(thickness)
     p, q = attenuation_camera1, attenuation_camera2
-    return q * mean_transmission_log_slope(q * t) - p * mean_transmission_log_slope(p * t)
+    thin = q * mean_transmission_log_slope(q * t) - p * mean_transmission_log_slope(p * t)
+
+    # both terms approach -1/t: the difference of thick films is taken without it, as it is lost in
+    # the rounding of 1/t from an optical depth of about 35 on
+    with np.errstate(over="ignore"):
+        far = q / np.expm1(np.maximum(q * t, 1.0)) - p / np.expm1(np.maximum(p * t, 1.0))
+    thick = np.heaviside(np.minimum(p, q) * t - 1.0, 0.0)
+    return thin * (1.0 - thick) + far * thick
 
 
 @broadcasting

@@ -23,7 +23,6 @@ from erlif.pipeline.film import (
     describe_film,
     describe_frames,
     describe_registration,
-    describe_triggers,
 )
 from erlif.pipeline.light import (
     LightFindings,
@@ -201,6 +200,7 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
 def complete_film(
     run: Run,
     cycle: xr.Dataset,
+    triggers: xr.Dataset,
     ready: PreparedRun,
     results: Sequence[TriggerResult],
     calibration: Calibration,
@@ -213,6 +213,9 @@ def complete_film(
     run : Run
     cycle : xarray.Dataset
         As `locate_run` returns it.
+    triggers : xarray.Dataset
+        As `describe_triggers` returns it, before any frame is measured: it refuses a run that lacks
+        a load or a temperature.
     ready : PreparedRun
     results : sequence of TriggerResult
         Of all triggers.
@@ -251,7 +254,7 @@ def complete_film(
 
     film = describe_film(
         run,
-        describe_triggers(run, cycle),
+        triggers,
         results,
         ready.measuring,
         hashes=hashes,

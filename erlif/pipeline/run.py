@@ -42,7 +42,13 @@ from erlif.ingest import (
 from erlif.ingest.hashes import Digests
 from erlif.pipeline.clock import fit_start
 from erlif.pipeline.engines import Engine, open_engine
-from erlif.pipeline.film import MAPS, describe_cycle, describe_grid, group_frames
+from erlif.pipeline.film import (
+    MAPS,
+    describe_cycle,
+    describe_grid,
+    describe_triggers,
+    group_frames,
+)
 from erlif.pipeline.fixture import find_calibration
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
@@ -158,6 +164,7 @@ def process_run(
     # kinematics: which frames belong to which trigger, and how fast the joint moved there
     cycle = locate_run(run)
     frames_of = group_frames(cycle, run.pairs)
+    triggers = describe_triggers(run, cycle)
     _log_run(run, cycle)
 
     calibration = find_calibration(run, calibration, allow_outside=allow_outside, progress=progress)
@@ -197,7 +204,7 @@ def process_run(
         # the whole: statistics, theory, exponent, and the record of how it was made
         hashes = hash_inputs(run, digests | known_digests(frames_in(results), run.pairs))
         refuse_changed(run, stamps)
-        film, groups = complete_film(run, cycle, ready, results, calibration, hashes)
+        film, groups = complete_film(run, cycle, triggers, ready, results, calibration, hashes)
         film.attrs["identity"] = identify_work(run, calibration, hashes)
         with stage("writing", _logger):
             write_film(unfinished, film, groups)

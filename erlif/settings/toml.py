@@ -24,8 +24,8 @@ def to_toml(settings: Settings) -> str:
     Examples
     --------
     >>> from erlif.settings import OpticsSettings
-    >>> print(to_toml(OpticsSettings(pixel_pitch="60 mm")), end="")
-    pixel_pitch = "60 mm"
+    >>> print(to_toml(OpticsSettings(pixel_pitch="60 um")), end="")
+    pixel_pitch = "60 um"
     x_axis = "sliding"
     """
     lines: list[str] = []

@@ -73,8 +73,10 @@ def test_a_directory_that_does_not_exist_is_refused(lab, refused, name):
 
 
 def test_the_wrong_command_for_a_directory_is_recognised(lab, refused):
-    assert "other command" in refused("process", lab.fixture)
-    assert "other command" in refused("calibrate", lab.run)
+    message = refused("process", lab.fixture)
+    assert "It holds fixture.toml: use the command for that" in message
+    message = refused("calibrate", lab.run)
+    assert "It holds run.toml: use the command for that" in message
 
 
 def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):

@@ -66,4 +66,4 @@ def test_every_format_has_its_place_on_the_page():
 
 def test_the_parts_of_the_page_are_those_of_the_settings():
     for one in re.findall(r'`"((?:left|right|top|bottom|odd|even|channel \d))"`', PAGE):
-        assert CameraSettings(files="a", band="1 nm", offset="0 DN", part=one).part == one
+        assert CameraSettings(files="a", band="580 nm", offset="0 DN", part=one).part == one

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -50,6 +50,7 @@ def test_thin_and_thick_limits():
 
 
 @given(st.floats(0.01, 40), st.floats(0.02, 1.0), st.floats(0.01, 0.5), st.floats(0.2, 3.0))
+@example(thickness=39.625, q=0.97265625, difference=0.01, ratio_at_zero=1.0)
 def test_ratio_rises_and_slope_is_its_derivative(thickness, q, difference, ratio_at_zero):
     model = {
         "ratio_at_zero": ratio_at_zero,
@@ -63,6 +64,17 @@ def test_ratio_rises_and_slope_is_its_derivative(thickness, q, difference, ratio
     step = 1e-4 * thickness
     rise = log_band_ratio(thickness + step, **model) - log_band_ratio(thickness - step, **model)
     npt.assert_allclose(slope, rise / (2 * step), rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize("thickness", [30.0, 100.0, 500.0])
+def test_slope_of_a_thick_film_keeps_its_digits(thickness):
+    """q exp(-q t) - p exp(-p t), the first term of the series, in 50 digits by decimal."""
+    from decimal import Decimal
+
+    p, q, t = Decimal("0.99"), Decimal("0.97"), Decimal(thickness)
+    expected = q / ((q * t).exp() - 1) - p / ((p * t).exp() - 1)
+    slope = log_band_ratio_slope(thickness, attenuation_camera1=0.99, attenuation_camera2=0.97)
+    npt.assert_allclose(slope, float(expected), rtol=1e-12)
 
 
 def test_gradient_is_the_derivative_by_each_parameter():

@@ -11,7 +11,7 @@ from erlif.core.progress import silent
 from erlif.files import PartialFilm
 from erlif.ingest import open_run
 from erlif.pipeline.engines import Threads
-from erlif.pipeline.film import MAPS, describe_grid, group_frames
+from erlif.pipeline.film import MAPS, describe_grid, describe_triggers, group_frames
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.parts import KnownMap, complete_film, measure_run, prepare_run
 
@@ -45,7 +45,9 @@ def test_the_parts_give_the_film_of_the_command(small_rig, calibration, film, tm
     grid = describe_grid(run.settings, run.pairs.shape, len(frames_of))
     with PartialFilm(tmp_path / "film.nc", "key", grid, MAPS) as unfinished:
         results = measure_run(run, ready, frames_of, unfinished, engine=Threads(1), progress=silent)
-    found, groups = complete_film(run, cycle, ready, results, bare, {})
+    found, groups = complete_film(
+        run, cycle, describe_triggers(run, cycle), ready, results, bare, {}
+    )
 
     with erlif.open_film(film) as expected:
         for name in ("film_min", "film_mean_std", "valid_pixels", "film_theory"):

@@ -60,7 +60,7 @@ def test_many_blocks_are_merged_without_a_change_of_the_minimum():
     film = 3.0 + (s - 0.2)[None, :] ** 2 + 0.3 * (s + 1)[:, None]
     whole = Region(slice(0, 520), slice(0, 520))
     found = fit_gap_minimum(
-        exact_ratios(film), known_calibration(), x=s, y=s, region=whole, sliding_along_x=True
+        exact_ratios(film), known_calibration(), region=whole, sliding_along_x=True
     )
     npt.assert_allclose(found.value, 3.0, atol=1e-3)
 
