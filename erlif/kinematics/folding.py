@@ -112,7 +112,9 @@ def fold_frames(crank: Array, log: EncoderLog, encoder: Encoder, mechanism: Mech
     return Fold(np.arange(since.size), _count_turns(crank, float(crank[0])), remark)
 
 
-def fold_by_phase(crank: Array, bins: int, dead_points: tuple[float, float]) -> Fold:
+def fold_by_phase(
+    crank: Array, bins: int, dead_points: tuple[float, float], *, falling: bool = False
+) -> Fold:
     """Group frames by their part of the cycle, strokes apart.
 
     Parameters
@@ -124,6 +126,8 @@ def fold_by_phase(crank: Array, bins: int, dead_points: tuple[float, float]) -> 
     dead_points : (float, float)
         Angles between which one stroke lies and then the other; a disc that has none may take any
         two opposite ones. [rad]
+    falling : bool
+        Whether the angle falls from frame to frame.
 
     Returns
     -------
@@ -150,7 +154,8 @@ def fold_by_phase(crank: Array, bins: int, dead_points: tuple[float, float]) -> 
     remark = f"{bins} bins of the cycle, {frames.min()} to {frames.max()} frames in each"
     if empty:
         remark += f"; {empty} without frames are left out"
-    return Fold(trigger.astype(np.int64), _count_turns(crank, at_smallest), remark)
+    sign = -1 if falling else 1
+    return Fold(trigger.astype(np.int64), _count_turns(sign * crank, sign * at_smallest), remark)
 
 
 def _steps(crank: Array) -> Array:

@@ -1,7 +1,7 @@
 """Position and speed of a disc or a slider at every frame, and frames of a film at rest.
 
-A motion without a linkage has no dead points to which the
-readings could be matched, and each frame is a trigger unless the settings fold the frames.
+A motion without a linkage has no dead points to which the readings could be matched, and each frame
+is a trigger unless the settings fold the frames.
 """
 
 from __future__ import annotations
@@ -137,8 +137,8 @@ def locate_slider(
 ) -> xr.Dataset:
     """Find position and speed of a sinusoidal slider at each frame.
 
-    The angle of its drive is 0 at mid-stroke, where the position rises. It is the logged angle plus
-    `zero`; without a logged angle, 2 pi frequency time plus `zero`.
+    The angle of its drive is 0 at mid-stroke, where the position rises with the angle. It is the
+    logged angle plus `zero`; without a logged angle, 2 pi frequency time plus `zero`.
 
     Parameters
     ----------
@@ -197,8 +197,12 @@ def locate_slider(
     columns["position"] = _Column(
         1e3 * amplitude * np.sin(drive), "mm", "position of the slider from mid-stroke"
     )
+    # a drive that turns backwards passes mid-stroke the other way
+    sense = -1 if "angle" in log and _falls(log, np.degrees(drive)) else 1
     columns["stroke"] = _Column(
-        np.where(np.cos(drive) >= 0, 1, -1).astype(np.int8), "1", "+1 position rising, -1 falling"
+        np.where(sense * np.cos(drive) >= 0, 1, -1).astype(np.int8),
+        "1",
+        "+1 position rising, -1 falling",
     )
     speed = 2 * math.pi * slider.frequency * amplitude * np.abs(np.cos(drive))
     columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the slider")
@@ -285,7 +289,7 @@ def _fold(
                 "angle; there is none. Log the angle, or remove bins."
             )
         angle = np.asarray(columns["crank_angle"].values, float)
-        return fold_by_phase(np.radians(angle), bins, dead_points)
+        return fold_by_phase(np.radians(angle), bins, dead_points, falling=_falls(log, angle))
 
     if triggers_per_cycle is None:
         return Fold(np.arange(since.size), np.zeros_like(since))
@@ -293,6 +297,14 @@ def _fold(
     if "crank_angle" in columns:
         _check_fold(np.asarray(columns["crank_angle"].values, float), fold.trigger, log)
     return fold
+
+
+def _falls(log: EncoderLog, angle: Array) -> bool:
+    """Whether the angle falls: by its rate, else by its steps where they are clearly backwards."""
+    if "angle_rate" in log:
+        return bool(np.median(log["angle_rate"].values) < 0)
+    step = (np.diff(angle) + _TURN / 2) % _TURN - _TURN / 2
+    return bool(step.size and -_LARGEST_STEP < np.median(step) < 0)
 
 
 def _describe_frames(log: EncoderLog, columns: dict[str, _Column], fold: Fold) -> xr.Dataset:

@@ -203,6 +203,34 @@ def test_bins_of_a_slider_keep_the_strokes_apart():
         assert members.sum() > 10
 
 
+@pytest.mark.parametrize("sense", [1, -1])
+def test_cycles_are_counted_in_either_sense(sense):
+    """30 degrees from frame to frame: 24 frames are two turns, whichever way the disc turns."""
+    angle = (5.0 + sense * 30.0 * np.arange(24)) % 360
+    log = make_log(24, angle=angle)
+    found = locate_rotation(log, rotation=Rotation(0.02, 5.0), bins=4)
+    assert np.bincount(found.trigger).tolist() == [6, 6, 6, 6]
+    passed = np.floor((5.0 + 30.0 * np.arange(24)) / 360)
+    if sense < 0:
+        passed = np.floor((355.0 + 30.0 * np.arange(24)) / 360)
+    assert found.cycle.values.tolist() == passed.tolist()
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("rated", [True, False])
+def test_the_stroke_of_a_slider_is_that_of_its_position(sense, rated):
+    angle = (4.0 + sense * 20.0 * np.arange(40)) % 360
+    rate = {"angle_rate": np.full(40, sense * 100.0)} if rated else {}
+    found = locate_slider(make_log(40, angle=angle, **rate), slider=Sinusoid(0.01, 5.0), bins=10)
+
+    # position half a step later
+    later = 5.0 * np.sin(np.radians(angle + sense * 0.01))
+    npt.assert_array_equal(found.stroke, np.sign(later - found.position))
+    for _, members in found.groupby("trigger"):
+        assert np.unique(members.stroke).size == 1
+    assert found.cycle.max() <= 3
+
+
 def test_bins_without_an_angle_are_refused():
     with pytest.raises(EncoderError, match="remove bins"):
         locate_rotation(make_log(4), rotation=Rotation(0.02, 1.0), bins=4)
