@@ -18,6 +18,9 @@ from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.statistics import robust_std, sample_pixels
 from erlif.correction.pages import PageStack
 
+DISTINCT = 1.02
+"""Ratio of the light of two levels from which on they determine more than one does."""
+
 _RELEVANT_BEND = 0.02
 """Relative bend below which a camera counts as linear: its error bars change by 1 %."""
 
@@ -143,6 +146,7 @@ def fit_photon_transfer(
     Parameters
     ----------
     levels : sequence of LightLevel
+        Levels that differ by less than `DISTINCT` count as one.
     dark_variance : float, optional
         Temporal variance of a pixel without light. If None it is fitted too, which takes one more
         level; for a single level it is then taken as zero. [DN2]
@@ -161,16 +165,17 @@ def fit_photon_transfer(
     >>> round(transfer.gain, 6), transfer.is_bent
     (4.4, False)
     """
-    points = [level for level in levels if level.variance_std > 0]
+    points = [level for level in levels if level.variance_std > 0 and level.light > 0]
     if not points:
         return None
+    apart = _count_apart([level.light for level in points])
     light = np.array([level.light for level in points])
     scale = np.array([level.dark_scale for level in points])
     variance = np.array([level.variance for level in points])
     covariance = np.diag([level.variance_std**2 for level in points])
 
     # the variance of the dark is either subtracted, with its covariance, or fitted
-    known = dark_variance is not None or len(points) == 1
+    known = dark_variance is not None or apart == 1
     if known:
         variance = variance - scale * (dark_variance or 0.0)
         covariance = covariance + dark_variance_std**2 * np.outer(scale, scale)
@@ -184,7 +189,7 @@ def fit_photon_transfer(
 
     # a term in light squared takes one more level
     columns.append(light**2)
-    if len(points) < len(columns):
+    if apart < len(columns):
         return PhotonTransfer(gain, gain_std)
 
     # the bend is square * top / start; its gradient carries the covariance of the fit to it
@@ -236,6 +241,15 @@ def measure_response_spread(flat: AnyArray, flat_var: AnyArray, bad: Mask) -> fl
     departure = own / mean - 1
     noise = float(np.median(variance / own**2))
     return float(np.sqrt(max(robust_std(departure) ** 2 / (1 + 1 / 8) - noise, 0.0)))
+
+
+def _count_apart(lights: Sequence[float]) -> int:
+    """Number of light levels that differ."""
+    count, last = 0, 0.0
+    for light in sorted(lights):
+        if light > DISTINCT * last:
+            count, last = count + 1, light
+    return count
 
 
 def _least_squares(design: Array, values: Array, covariance: Array) -> _Solution:

@@ -252,6 +252,10 @@ def weigh_gains(same: NoiseFit, apart: NoiseFit) -> WeighedFit:
     difference = contrast @ apart.slope
     variance = contrast @ apart.slope_covariance @ contrast
     spread = (_UNLIKENESS * same.slope.mean()) ** 2
+
+    # without any scatter the fits decide by themselves
+    if not variance > 0:
+        return WeighedFit(same, 1.0) if difference == 0 else WeighedFit(apart, 0.0)
     share = spread / (variance + spread)
 
     pull = np.array([difference**2 / variance, difference**2 / (variance + spread)])

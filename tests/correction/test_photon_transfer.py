@@ -203,6 +203,25 @@ def test_the_standard_deviation_of_the_gain_is_that_of_a_weighted_mean():
     assert not found.is_bent
 
 
+@pytest.mark.parametrize("lights", [(1000.0,) * 3, (1000.0, 1003.0, 1006.0)])
+def test_levels_of_one_light_count_as_one(lights):
+    """Three flats of one exposure determine the gain, and neither the dark nor a bend."""
+    known = fit_photon_transfer(
+        levels_on_a_line(gain=4.0, dark=5.0, lights=lights), dark_variance=5
+    )
+    npt.assert_allclose(known.gain, 4.0, rtol=1e-10)
+    npt.assert_allclose(known.gain_std, 4.0**2 / 1000 / np.sqrt(3), rtol=0.01)
+    assert np.isnan(known.bend)
+
+    levels = levels_on_a_line(gain=4.0, dark=0.0, lights=lights)
+    npt.assert_allclose(fit_photon_transfer(levels, dark_variance=None).gain, 4.0, rtol=1e-10)
+
+
+def test_flats_without_light_have_no_gain():
+    levels = levels_on_a_line(gain=4.0, dark=5.0, lights=(0.0, 0.0))
+    assert fit_photon_transfer(levels, dark_variance=5.0) is None
+
+
 def test_more_certain_levels_have_more_weight():
     """Slopes of 0.25 and 0.27, known to 0.001 and 0.002: the first has four times the weight."""
     levels = [LightLevel(1000.0, 250.0, 1.0), LightLevel(2000.0, 540.0, 4.0)]

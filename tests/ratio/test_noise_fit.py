@@ -220,3 +220,18 @@ def test_no_pairs_have_no_cells():
     assert none.variance.size == 0
     assert none.shot.shape == (0, 2)
     assert none.block.dtype == np.int64
+
+
+def test_fits_without_scatter_are_not_averaged():
+    """Frames of formulas, or none with noise: there is no error with which to compare."""
+
+    def exact(one, two):
+        return NoiseFit(np.array([one, two]), np.zeros((2, 2)), 0.0, 0.0, np.nan, np.nan)
+
+    for slope in (0.0, 0.25):
+        found = weigh_gains(exact(slope, slope), exact(slope, slope))
+        assert found.alike == 1
+        npt.assert_array_equal(found.fit.slope, slope)
+    found = weigh_gains(exact(0.25, 0.25), exact(0.2, 0.3))
+    assert found.alike == 0
+    npt.assert_array_equal(found.fit.slope, (0.2, 0.3))
