@@ -107,6 +107,12 @@ def find_clock_offset(
             f"Expected a log that is longer than the recording, {since[-1]:.6g} s; it has "
             f"{time[-1] - time[0]:.6g} s. Export the whole log, or check frame_rate in [encoder]."
         )
+    if np.ptp(light) == 0:
+        raise EncoderError(
+            "Expected light of the frames that follows the motion of the joint, to find their "
+            "start; it is the same in all frames. Check that they are no copies of one exposure, "
+            'or give start = "0.25 s" in [encoder] of run.toml.'
+        )
     turns = float(crank[-1] - crank[0]) / _TURN
     period = float(time[-1] - time[0]) / max(abs(turns), 1e-9)
     model = _Model(since, light, time, crank, np.abs(speed) / float(np.abs(speed).max()))

@@ -159,7 +159,7 @@ def _read_swing(
     log: EncoderLog, mechanism: Mechanism, encoder: Encoder, crank_speed: float
 ) -> LinkAngle:
     """Angle of a link that swings."""
-    low, high = _limits(mechanism, encoder)
+    low, high = link_limits(mechanism, encoder)
     counted = _count_on(log.angle.values)
     reading = np.radians(counted)
 
@@ -194,7 +194,8 @@ def _read_swing(
     return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
 
 
-def _limits(mechanism: Mechanism, encoder: Encoder) -> tuple[float, float]:
+def link_limits(mechanism: Mechanism, encoder: Encoder) -> tuple[float, float]:
+    """Angles between which the link that carries the encoder swings. [rad]"""
     if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
         return mechanism.coupler_limits()
     return mechanism.limits()  # the rod of a slider-crank is its coupler

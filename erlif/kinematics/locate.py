@@ -12,7 +12,13 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog, require
-from erlif.kinematics.encoder import Encoder, LinkAngle, Mechanism, read_link_angle
+from erlif.kinematics.encoder import (
+    Encoder,
+    LinkAngle,
+    Mechanism,
+    link_limits,
+    read_link_angle,
+)
 from erlif.kinematics.folding import fold_frames
 from erlif.models.mechanism import CrankRocker, SliderCrank
 
@@ -81,13 +87,10 @@ def locate_frames(
     crank = link.angle if on_crank else _crank_from_swing(link, log, mechanism, encoder)
     fold = fold_frames(crank, log.assign(angle=("frame", link.reading)), encoder, mechanism)
 
-    # the crank pin of a slider-crank turns against the rod, the rocker pin against the frame
+    speed = _joint_speed(mechanism, crank, crank_speed)
+    angle_rate = speed
     if isinstance(mechanism, SliderCrank):
-        speed = np.asarray(mechanism.joint_speed(crank, crank_speed=crank_speed))
         angle_rate = np.asarray(mechanism.coupler_speed(crank, crank_speed=crank_speed))
-    else:
-        speed = np.asarray(mechanism.rocker_speed(crank, crank_speed=crank_speed))
-        angle_rate = speed
     stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
 
     swings = encoder.mounted_on == "rocker" and not link.falling
@@ -110,6 +113,10 @@ def locate_frames(
         {"frame": np.arange(crank.size)},
     )
     located["encoder_angle"] = ("frame", link.reading, _describe_encoder(link, encoder))
+    if link.zero_std is not None:
+        located.attrs["zero_effect"] = _describe_zero_effect(
+            link, crank, mechanism, encoder, crank_speed=crank_speed
+        )
     return located.assign_attrs(grouping=fold.remark)
 
 
@@ -161,7 +168,7 @@ def encoder_notes(located: xr.Dataset) -> list[Note]:
     if "zero_std" in attrs:
         texts.append(
             f"zero fitted to the dead points of the linkage, {attrs['zero']:.3f} ± "
-            f"{attrs['zero_std']:.3f} deg"
+            f"{attrs['zero_std']:.3f} deg{located.attrs.get('zero_effect', '')}"
         )
     if attrs.get("direction_found"):
         texts.append("its reading falls while the angle of its link rises, as the log shows")
@@ -190,13 +197,55 @@ def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | floa
     return attrs
 
 
+def _joint_speed(mechanism: Mechanism, crank: Array, crank_speed: float) -> Array:
+    """Angular speed in the joint. [rad s-1]"""
+    # the crank pin of a slider-crank turns against the rod, the rocker pin against the frame
+    if isinstance(mechanism, SliderCrank):
+        return np.asarray(mechanism.joint_speed(crank, crank_speed=crank_speed))
+    return np.asarray(mechanism.rocker_speed(crank, crank_speed=crank_speed))
+
+
+def _describe_zero_effect(
+    link: LinkAngle, crank: Array, mechanism: Mechanism, encoder: Encoder, *, crank_speed: float
+) -> str:
+    """What the error of a fitted zero changes: it is the same for all frames."""
+    std = link.zero_std or 0.0
+    inverse, rate = _inverse(mechanism, encoder)
+    rising = np.asarray(rate(crank, crank_speed=crank_speed)) > 0
+
+    # a dead point ends the reach of the link, where the crank angle of a reading changes fastest
+    low, high = link_limits(mechanism, encoder)
+    after, before = (
+        inverse(np.clip(link.angle + sign * std, low, high), rising=rising) for sign in (1, -1)
+    )
+    turned = np.abs((after - before + math.pi) % (2 * math.pi) - math.pi) / 2
+    changed = np.subtract(
+        *(np.abs(_joint_speed(mechanism, one, crank_speed)) for one in (after, before))
+    )
+    top = float(np.abs(_joint_speed(mechanism, crank, crank_speed)).max())
+    return (
+        f"; the crank angle changes with it by {math.degrees(float(np.median(turned))):.2f} deg, "
+        f"the speed by {float(np.median(np.abs(changed))) / 2 / top:.1%} of its highest value "
+        "(medians over the frames)"
+    )
+
+
+def _inverse(
+    mechanism: Mechanism, encoder: Encoder
+) -> tuple[Callable[..., Array], Callable[..., Array]]:
+    """Crank angle as a function of the angle of a link that swings, and the speed of the link."""
+    if isinstance(mechanism, SliderCrank):
+        return mechanism.crank_angle, mechanism.coupler_speed
+    if encoder.mounted_on == "coupler":
+        return mechanism.crank_angle_from_coupler, mechanism.coupler_speed
+    return mechanism.crank_angle, mechanism.rocker_speed
+
+
 def _crank_from_swing(
     link: LinkAngle, log: EncoderLog, mechanism: Mechanism, encoder: Encoder
 ) -> Array:
     """Crank angle from the angle of a link that swings. [rad]"""
-    inverse = mechanism.crank_angle
-    if encoder.mounted_on == "coupler" and isinstance(mechanism, CrankRocker):
-        inverse = mechanism.crank_angle_from_coupler
+    inverse, _ = _inverse(mechanism, encoder)
     if "angle_rate" not in log:
         time = log["time"].values if "time" in log else None
         return _follow_crank(link.angle, inverse, time)

@@ -97,7 +97,8 @@ def fit_start(
     text = (
         f"first frame at {start:.6f} ± {found.std:.6f} s, found from the light of {len(frames)} "
         f"frames, of whose variance the motion explains {found.explained:.0%}; the film is taken "
-        "as the same at equal speed on either stroke"
+        "as the same at equal speed on either stroke. The crank turns by "
+        f"{math.degrees(found.std * links.crank_speed):.2f} deg in the standard deviation"
     )
     if found.cycles > 1:
         text += f"; {found.cycles} starts, whole cycles apart, fit alike"

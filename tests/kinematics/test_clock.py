@@ -78,6 +78,13 @@ def test_light_that_does_not_follow_the_motion_is_refused():
         find_clock_offset(since, noise, **log)
 
 
+def test_light_that_never_changes_is_refused():
+    """Copies of one exposure."""
+    since, light, log, _ = recorded(3)
+    with pytest.raises(EncoderError, match="the same in all frames. Check"):
+        find_clock_offset(since, np.full_like(light, 0.3), **log)
+
+
 def test_few_frames_and_a_short_log_are_refused():
     since, light, log, _ = recorded(1)
     with pytest.raises(EncoderError, match="at least 12 frames"):

@@ -1,6 +1,7 @@
 """Readings of encoders on every link, wrapped, reversed and without a zero."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -185,13 +186,29 @@ def test_a_fitted_zero_is_reported_with_its_standard_deviation():
     found = locate(log_of(reading))
     assert found.encoder_angle.zero_std == pytest.approx(slack / math.sqrt(12), rel=1e-3)
     note = str(encoder_notes(found)[0])
-    assert note == (
+    assert note.startswith(
         "encoder: zero fitted to the dead points of the linkage, "
-        f"{found.encoder_angle.zero:.3f} ± {slack / math.sqrt(12):.3f} deg"
+        f"{found.encoder_angle.zero:.3f} ± {slack / math.sqrt(12):.3f} deg; "
     )
     given = locate(log_of(reading), zero=0.0)
     assert "zero_std" not in given.encoder_angle.attrs
     assert encoder_notes(given) == []
+
+
+def test_the_effect_of_a_fitted_zero_on_crank_angle_and_speed_is_stated():
+    """By the slope and the curvature of the rocker angle over the crank angle."""
+    low, high = CURVES["rocker"].min(), CURVES["rocker"].max()
+    marks = np.arange(low + 0.3, high, 1.0)
+    found = locate(log_of(np.concatenate([marks, marks[::-1]])))
+    note = str(encoder_notes(found)[0])
+    turned, changed = (float(one) for one in re.findall(r"by (\d+\.\d+)", note))
+
+    crank = np.degrees(FINE)
+    slope = np.gradient(CURVES["rocker"], crank)
+    shift = found.encoder_angle.zero_std / np.abs(np.interp(found.crank_angle, crank, slope))
+    bend = np.abs(np.interp(found.crank_angle, crank, np.gradient(slope, crank)))
+    assert turned == pytest.approx(np.median(shift), rel=0.05)
+    assert changed == pytest.approx(100 * np.median(bend * shift) / np.abs(slope).max(), rel=0.1)
 
 
 # refusals

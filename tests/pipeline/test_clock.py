@@ -44,6 +44,7 @@ def test_the_start_is_found_with_its_standard_deviation(run_dir):
     assert abs(error) < 4 * std
     note = str(run.log_notes[-1])
     assert f"first frame at {start:.6f} ± {std:.6f} s" in note
+    assert f"The crank turns by {360 * std / PERIOD:.2f} deg" in note
     with xr.open_dataset(run_dir.parent / "truth.nc", engine="h5netcdf") as truth:
         speed = np.abs(truth.rocker_speed.values)
     np.testing.assert_allclose(np.abs(locate_run(run).rocker_speed), speed, atol=0.1)
