@@ -18,13 +18,9 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile, FrameKind, SameKinds, check_claim
+from erlif.readers.inflate import inflate
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
-
-try:
-    from isal import isal_zlib as inflater
-except ImportError:  # a machine for which there is no isal: the same bytes in twice the time
-    import zlib as inflater  # type: ignore[no-redef]
 
 
 class _Header(NamedTuple):
@@ -111,8 +107,8 @@ class CompressedImage(FrameFile):
         (length,) = struct.unpack("<i", self._source.read(_HEADER_SIZE, 4))
         stream = self._source.read(_HEADER_SIZE + 4, length)
         try:
-            data = inflater.decompressobj().decompress(stream, count * dtype.itemsize)
-        except Exception as error:  # isal does not declare the type of its own
+            data = inflate(stream, count * dtype.itemsize)
+        except FrameError as error:
             raise FrameError(f"the compressed counts are damaged ({error})") from error
         if len(data) < count * dtype.itemsize:
             raise FrameError("the compressed counts end within the frame")
@@ -146,7 +142,10 @@ class SetFrames(FrameFile):
         kinds: list[FrameKind] = []
         self.places: list[tuple[int, int]] = []
         for number, path in enumerate(self.paths):
-            file = open_im7(path)
+            try:
+                file = open_im7(path)
+            except FrameError as error:
+                raise FrameError(f"{path.name} in its folder: {error}") from error
             file.close()
             kinds += file.kinds
             self.places += [(number, index) for index in range(len(file.kinds))]

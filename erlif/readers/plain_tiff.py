@@ -17,11 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import AnyArray
-
-try:
-    from isal import isal_zlib as inflater
-except ImportError:  # a machine for which there is no isal: the same bytes in twice the time
-    import zlib as inflater  # type: ignore[no-redef]
+from erlif.core.errors import FrameError
+from erlif.readers.inflate import inflate
 
 _BLOCK = 4096
 """Bytes read at once from a file: a directory with its arrays fits in."""
@@ -399,8 +396,8 @@ def _decode(source: _Source, page: PlainPage) -> AnyArray | None:
                 return None
             continue
         try:
-            strip = inflater.decompress(source.read(offset, length), bufsize=size)
-        except Exception:  # isal does not declare the type of its own
+            strip = inflate(source.read(offset, length), size + 1)
+        except FrameError:
             return None
         if len(strip) != size:
             return None

@@ -1,6 +1,7 @@
 """Plain TIFF pages against tifffile, which wrote them; whatever is not plain is left alone."""
 
 import struct
+import tracemalloc
 import zlib
 
 import numpy as np
@@ -167,3 +168,20 @@ def test_a_page_that_is_cut_off_is_not_accepted(tmp_path, options):
         assert find_plain_pages(path) is None
         assert decode_plain_page(whole[:size], page.header) is None
         assert read_plain_page(path, page.header) is None
+
+
+def test_a_strip_takes_no_more_memory_than_the_header_states(tmp_path):
+    """A file of 30 kB expanded to 30 MB before its length was compared."""
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, compression="deflate", rowsperstrip=64)
+    (page,) = find_plain_pages(path)
+    bomb = zlib.compress(bytes(30_000_000))
+    data = bytearray(path.read_bytes())
+    place = data.index(struct.pack("<HHII", 279, 4, 1, page.lengths[0]), page.header)
+    data[place + 8 : place + 12] = struct.pack("<I", len(bomb))
+    data[page.offsets[0] :] = bomb
+    tracemalloc.start()
+    assert decode_plain_page(bytes(data), page.header) is None
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1_000_000
