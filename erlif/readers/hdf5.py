@@ -25,6 +25,9 @@ _MOST_LISTED = 8
 _MOST_VISITED = 10_000
 """Objects of a file that are searched for frames."""
 
+_LARGEST_TIMES = 64 * 2**20
+"""Size of a chunk of times above which they are not read. [byte]"""
+
 _SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6}
 """Units of a time axis. [s]"""
 
@@ -109,13 +112,12 @@ class Hdf5Frames(FrameFile):
                 "counts. Save the raw counts."
             )
         _check_filters(data)
+        if _chunk_size(data) > _DENSEST * size:
+            raise FrameError("the file is damaged: a chunk is larger than the file can hold")
 
         frames = data.shape[0] if data.ndim == 3 else 1
         kind = FrameKind(tuple(int(n) for n in data.shape[-2:]), data.dtype.newbyteorder("=").name)
         check_claim(frames, kind, size, packing=_DENSEST)
-        chunk = int(np.prod(data.chunks or (0,), dtype=object)) * data.dtype.itemsize
-        if chunk > _DENSEST * size:
-            raise FrameError("the file is damaged: a chunk is larger than the file can hold")
         self.kinds = SameKinds(kind, frames)
         self.times = _times(data) if data.ndim == 3 else None
 
@@ -232,20 +234,43 @@ def _attribute(item: Any, name: str, default: Any) -> Any:
     return item.attrs[name]
 
 
+def _chunk_size(data: Any) -> int:
+    """Size of a decoded chunk of a dataset; 0 where it has none. [byte]"""
+    return int(np.prod(data.chunks or (0,), dtype=object)) * int(data.dtype.itemsize)
+
+
 def _times(data: Any) -> Array | None:
     """Time of each frame from the only array of times beside the frames."""
+    found: list[Array] = []
+    for name in data.parent:
+        item = _array_beside(data, name)
+        if item is None:
+            continue
+        unit = _attribute(item, "units", b"")
+        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else ""
+        factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
+        if factor is not None:
+            values: Array = np.asarray(item[()], dtype=np.float64)
+            found.append(factor * (values - values[0]))
+    return found[0] if len(found) == 1 else None
+
+
+def _array_beside(data: Any, name: str) -> Any:
+    """An array of numbers with one for each frame, stored in this file; else None."""
     import h5py
 
-    found: list[Array] = []
-    for item in data.parent.values():
-        if isinstance(item, h5py.Dataset) and item.shape == data.shape[:1]:
-            unit = _attribute(item, "units", b"")
-            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else ""
-            factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
-            if factor is not None and item.dtype.kind in "iuf":
-                values: Array = np.asarray(item[()], dtype=np.float64)
-                found.append(factor * (values - values[0]))
-    return found[0] if len(found) == 1 else None
+    # a link may lead to another file
+    if not isinstance(data.parent.get(name, getlink=True), h5py.HardLink):
+        return None
+    item = data.parent[name]
+    if not isinstance(item, h5py.Dataset) or item.shape != data.shape[:1]:
+        return None
+    if item.is_virtual or item.external or item.dtype.kind not in "iuf":
+        return None
+
+    # times are no reason to refuse the frames: what cannot be decoded is left out
+    decodable = all(h5py.h5z.filter_avail(code) for code in filters_of(item))
+    return item if decodable and _chunk_size(item) <= _LARGEST_TIMES else None
 
 
 def _first_line(error: Exception) -> str:

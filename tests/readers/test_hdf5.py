@@ -205,3 +205,49 @@ def test_compressions_of_hdf5plugin_are_read(path, name):
     with h5py.File(path, "w") as file:
         file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), **getattr(plugin, name)())
     np.testing.assert_array_equal(read(path), COUNTS)
+
+
+def times_beside(path, fill):
+    with h5py.File(path, "w") as file:
+        file["counts"] = COUNTS
+        fill(file)
+    opened = open_frames(path, dataset="/counts")
+    opened.close()
+    return opened.times
+
+
+def seconds(dataset):
+    dataset.attrs["units"] = np.bytes_("s")
+
+
+def test_times_of_another_file_are_not_read(path, tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        seconds(other.create_dataset("time", data=np.arange(4.0)))
+    np.arange(4.0).tofile(tmp_path / "other.raw")
+
+    def link(file):
+        file["time"] = h5py.ExternalLink("other.h5", "/time")
+
+    def store(file):
+        raw = [(str(tmp_path / "other.raw"), 0, h5py.h5f.UNLIMITED)]
+        seconds(file.create_dataset("time", (4,), "f8", external=raw))
+
+    assert times_beside(path, link) is None
+    assert times_beside(path, store) is None
+
+
+def test_times_in_a_chunk_of_a_gigabyte_are_not_read(path):
+    def fill(file):
+        options = {"maxshape": (None,), "chunks": (150_000_000,), "compression": "gzip"}
+        seconds(file.create_dataset("time", (4,), "f8", **options))
+
+    assert times_beside(path, fill) is None
+
+
+def test_times_that_no_installed_filter_decodes_are_no_fault_of_the_frames(path, monkeypatch):
+    def fill(file):
+        seconds(file.create_dataset("time", data=np.arange(4.0), compression="gzip"))
+
+    np.testing.assert_array_equal(times_beside(path, fill), np.arange(4.0))
+    monkeypatch.setattr(h5py.h5z, "filter_avail", lambda code: False)
+    assert times_beside(path, fill) is None
