@@ -21,6 +21,9 @@ _LISTS = (b"RIFF", b"LIST")
 _DEEPEST = 8
 """Levels of lists in each other; a film has four."""
 
+_MOST_CHUNKS, _CHUNKS_PER_FRAME = 50_000, 8
+"""Chunks beyond which a file is damaged, and those for each frame: sound, lists and indices."""
+
 _WARNING = (
     "AVI stores 8 bits, and programs that write it often change contrast or compress first; export "
     "the raw counts as TIFF where the camera has more."
@@ -82,6 +85,7 @@ class _Film:
         self.frames: list[tuple[int, int]] = []
         self.interval = 0.0
         self._in_video = False
+        self._chunks = 0
 
     def walk(self, place: int, end: int, depth: int) -> None:
         """Go through the chunks between two places. [byte]"""
@@ -96,7 +100,14 @@ class _Film:
                 self.format = self.source.read(inside, min(size, 4096, end - inside))
             elif name[2:] in (b"db", b"dc") and name[:2].isdigit():
                 self.frames.append((inside, size))
+            self._count_chunk()
             place = inside + size + size % 2  # chunks begin at even places
+
+    def _count_chunk(self) -> None:
+        """Refuse a file of empty chunks, such as one of zeros: each takes eight bytes."""
+        self._chunks += 1
+        if self._chunks > _MOST_CHUNKS + _CHUNKS_PER_FRAME * len(self.frames):
+            raise FrameError("the file is damaged: hardly any of its chunks is a frame")
 
     def _read_stream(self, place: int, size: int) -> None:
         if size < 32:

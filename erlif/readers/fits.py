@@ -20,7 +20,7 @@ _BLOCK, _CARD = 2880, 80
 """Sizes of the blocks of a file and of the entries of a header. [byte]"""
 
 _MOST_BLOCKS = 1000
-"""Blocks of headers that are read: 36,000 entries."""
+"""Blocks of a header, and headers of a file, that are read."""
 
 _TYPES = {8: "|u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
 """Types by BITPIX."""
@@ -80,7 +80,7 @@ def open_fits(path: Path) -> FrameFile:
             size = abs(_whole(cards, "BITPIX")) // 8 * _whole(cards, "GCOUNT", 1)
             size *= _whole(cards, "PCOUNT") + int(np.prod(shape, dtype=object)) if shape else 0
             place += -(-size // _BLOCK) * _BLOCK
-            if place >= source.size:
+            if size < 0 or place >= source.size:
                 raise FrameError("the file holds no image")
 
     bits = _whole(cards, "BITPIX")
@@ -96,7 +96,11 @@ def open_fits(path: Path) -> FrameFile:
 def _dtype(cards: dict[str, str], bits: int, layout: FrameLayout) -> str:
     """Type of the counts: unsigned where BZERO is half the range."""
     try:
-        zero, scale = float(cards.get("BZERO", "0")), float(cards.get("BSCALE", "1"))
+        # an exponent may be written with the letter D
+        zero, scale = (
+            float(cards.get(keyword, default).upper().replace("D", "E"))
+            for keyword, default in (("BZERO", "0"), ("BSCALE", "1"))
+        )
     except ValueError:
         raise FrameError("the file is damaged: BZERO or BSCALE is no number") from None
     half, name = _UNSIGNED.get(bits, (0, ""))
@@ -135,7 +139,7 @@ def _value(text: str) -> str:
 
 
 def _shape(cards: dict[str, str]) -> tuple[int, ...]:
-    """Lengths of the axes, the fastest first; trailing ones of length 1 are left out."""
+    """Lengths of the axes, the fastest first."""
     axes = _whole(cards, "NAXIS")
     if not 0 <= axes <= 999:  # the most that the standard allows
         raise FrameError(f"the file is damaged: NAXIS is {axes}")

@@ -162,7 +162,7 @@ def open_pgm(path: Path) -> FrameFile:
         size = source.size
     if head[:2] == b"P2":
         raise FrameError("its counts are written as text. Save it as binary PGM (P5) or as TIFF.")
-    gap = rb"(?:\s+|#[^\n]*\n)+"
+    gap = rb"(?:\s|#[^\n]*\n)+"  # one blank at a time: a second repetition would need ages to fail
     match = re.match(rb"P5" + (gap + rb"(\d{1,9})") * 3 + rb"\s", head)
     if match is None:
         raise FrameError("the file is damaged or not a PGM")

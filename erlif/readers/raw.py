@@ -141,8 +141,12 @@ class RawFrames(FrameFile):
 
     def _find_kinds(self, before: int) -> Sequence[FrameKind]:
         """Kind of each frame; those behind the end of the file are truncated."""
-        count, size = len(self.offsets), self._source.size
+        size = self._source.size
         check_claim(1, self.layout.kind, size, packing=_DENSEST)
+        try:
+            count = len(self.offsets)
+        except OverflowError as error:  # a range longer than any list
+            raise FrameError("the file is damaged: its header names endless frames") from error
         if not 0 < count <= MOST_FRAMES:
             raise FrameError(f"the file is damaged: its header names {count} frames")
 

@@ -84,6 +84,7 @@ class TiffFrames(FrameFile):
         self.path, self.headers = path, []
         self._file: tifffile.TiffFile | None = None
         self._source: Source | None = None
+        self._pages: list[Segments | tifffile.TiffPage] = []
         self._lock = threading.Lock()
         try:
             text = self._open_plain()
@@ -156,13 +157,13 @@ class TiffFrames(FrameFile):
         return text.encode("utf-8", "replace")
 
     def _check_sizes(self) -> None:
-        """Refuse pages that claim sizes that no memory holds."""
+        """Refuse pages and tiles that claim sizes that no memory holds."""
         size = self.path.stat().st_size
-        for kind in set(self.kinds):
-            if math.prod(kind.shape) > _DENSEST * size:
+        tiles = {page.part for page in self._pages if isinstance(page, Segments)}
+        for shape in {kind.shape for kind in self.kinds} | tiles:
+            if math.prod(shape) > _DENSEST * size:
                 raise FrameError(
-                    f"the file is damaged: {size} bytes cannot hold {describe_shape(kind.shape)} "
-                    "pixels"
+                    f"the file is damaged: {size} bytes cannot hold {describe_shape(shape)} pixels"
                 )
 
     def _describe(self, text: bytes) -> None:

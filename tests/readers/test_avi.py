@@ -71,3 +71,9 @@ def test_a_frame_that_the_camera_lost_is_refused(tmp_path):
 def test_a_film_without_images_is_refused(tmp_path):
     assert "no stream of images" in refusal(tmp_path / "a.avi", chunks(b"RIFF", b"AVI "))
     assert "names 0 frames" in refusal(tmp_path / "a.avi", avi_film([]) + bytes(9000))
+
+
+def test_a_file_of_zeros_behind_its_first_bytes_is_refused_early(tmp_path):
+    """Zeros are empty chunks; each of the million was read."""
+    reason = refusal(tmp_path / "a.avi", b"RIFF\xff\xff\xff\xffAVI " + bytes(4_000_000))
+    assert "hardly any of its chunks is a frame" in reason

@@ -121,3 +121,17 @@ def test_files_of_astropy_are_read(tmp_path, dtype, place):
     found = read(tmp_path / "a.fits", (tmp_path / "a.fits").read_bytes())
     assert found.dtype == counts.dtype
     np.testing.assert_array_equal(found, counts)
+
+
+def test_an_exponent_may_be_written_with_a_d(tmp_path):
+    """FITS standard 4.0, section 4.2.4."""
+    counts = np.arange(12, dtype=np.uint16).reshape(1, 3, 4) + 32760
+    content = fits_image(16, 4, 3, 1, BZERO="3.2768D4") + unsigned(counts)
+    np.testing.assert_array_equal(read(tmp_path / "a.fits", content.replace(b"'", b" ")), counts)
+
+
+def test_data_of_negative_size_are_refused(tmp_path):
+    """They had led back to the same header, a thousand times."""
+    table = fits_header(XTENSION="BINTABLE", BITPIX=8, NAXIS=1, NAXIS1=80, PCOUNT=-2960, GCOUNT=1)
+    content = fits_image(16) + table + bytes(2880)
+    assert "no image" in refusal(tmp_path / "a.fits", content)

@@ -115,3 +115,13 @@ def test_a_length_of_the_compressed_counts_beyond_the_file_is_refused(tmp_path):
         with pytest.raises(FrameError, match="truncated"):
             file.read(0)
         file.close()
+
+
+def test_the_damaged_image_of_a_set_is_named(tmp_path):
+    (tmp_path / "a").mkdir()
+    for number in (1, 2):
+        write_im7(tmp_path / "a" / f"B0000{number}.im7", np.ones((1, 6, 8), np.uint16))
+    (tmp_path / "a" / "B00002.im7").write_bytes(bytes(20))
+    (tmp_path / "a.set").write_text("SetType = 1")
+    with pytest.raises(FrameError, match=r"B00002\.im7 in its folder: the file is trunc"):
+        open_set(tmp_path / "a.set")

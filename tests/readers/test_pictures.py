@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import struct
+import time
 import zlib
 
 import cv2
@@ -148,3 +149,12 @@ def test_a_header_that_claims_a_billion_pixels_is_refused(tmp_path):
 def test_a_pgm_of_text_is_refused(tmp_path):
     (tmp_path / "a.pgm").write_text("P2 2 2 255 1 2 3 4")
     assert "binary PGM" in refusal(tmp_path / "a.pgm")
+
+
+def test_blanks_without_a_number_are_refused_at_once(tmp_path):
+    """Each further blank had doubled the time: 26 took seconds, a thousand had no end."""
+    path = tmp_path / "a.pgm"
+    path.write_bytes(b"P5" + b" " * 26 + b"x" + bytes(100))
+    start = time.perf_counter()
+    assert "not a PGM" in refusal(path)
+    assert time.perf_counter() - start < 1.0

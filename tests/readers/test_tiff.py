@@ -254,3 +254,15 @@ def test_threads_read_different_pages_at_once(tmp_path, options):
         thread.join()
     file.close()
     assert not faults
+
+
+@pytest.mark.parametrize("compression", [5, 8], ids=["LZW", "deflate"])
+def test_a_tile_of_a_terabyte_is_refused(tmp_path, compression):
+    entries = {256: 64, 257: 64, 258: 16, 259: compression, 262: 1, 277: 1}
+    entries |= {322: 2**20, 323: 2**20, 324: 200, 325: 20}
+    table = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries.items())
+    head = b"II*\0" + struct.pack("<IH", 8, len(entries)) + table + bytes(4)
+    path = tmp_path / "a.tif"
+    path.write_bytes(head.ljust(200, b"\0") + bytes(20_000))
+    with pytest.raises(FrameError, match="bytes cannot hold 1048576 x 1048576 pixels"):
+        TIFF.open(path)
