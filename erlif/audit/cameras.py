@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Image
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, list_numbers
 from erlif.core.products import RatioImages
 from erlif.core.progress import silent
 from erlif.core.statistics import robust_std
@@ -82,6 +82,8 @@ class CameraSurvey:
         Parts of a few frame pairs.
     frames : tuple[FrameResult, ...]
         The consecutive pairs that were measured.
+    light : Array
+        Median light of their valid pixels, NaN without any, (frame, camera). [DN]
     log_ratios : Array
         Valid ratios of a few pairs. [1]
     picture : Picture
@@ -91,6 +93,7 @@ class CameraSurvey:
     chain: FrameChain
     sample: tuple[FrameSample, ...]
     frames: tuple[FrameResult, ...]
+    light: Array
     log_ratios: Array
     picture: Picture
 
@@ -117,7 +120,7 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
     shown = set(numbers[:: max(len(numbers) // SHOWN, 1)])
     middle = numbers[len(numbers) // 2]
 
-    frames, kept = [], []
+    frames, lights, kept = [], [], []
     with one_thread_per_frame():
         for frame in numbers:
             ratios = chain.ratio(frame)
@@ -126,11 +129,14 @@ def survey_cameras(recording: Run | Fixture) -> CameraSurvey:
             )
             pulse = sample_pulse(light, log_ratio, flags)
             frames.append(FrameResult.of(frame, ratios, pulse=pulse))
+            lights.append(_median_light(light, log_ratio, flags))
             if frame in shown:
                 kept.append(_valid(log_ratio, flags))
             if frame == middle:
                 picture = _draw(frame, ratios)
-    return CameraSurvey(chain, prepared.sample, tuple(frames), np.concatenate(kept), picture)
+    return CameraSurvey(
+        chain, prepared.sample, tuple(frames), np.array(lights), np.concatenate(kept), picture
+    )
 
 
 def choose_consecutive(pairs: FramePairs) -> list[int]:
@@ -149,6 +155,14 @@ def choose_consecutive(pairs: FramePairs) -> list[int]:
         return usable
     first = (len(usable) - CONSECUTIVE) // 2
     return usable[first : first + CONSECUTIVE]
+
+
+def _median_light(light: Image, log_ratio: Image, flags: AnyArray) -> tuple[float, float]:
+    valid = flags == 0
+    if not valid.any():
+        return float("nan"), float("nan")
+    one, ratio = light[valid], np.exp(log_ratio[valid])
+    return float(np.median(one)), float(np.median(one * ratio))
 
 
 def _valid(log_ratio: Image, flags: AnyArray) -> Array:
@@ -203,7 +217,8 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
         f"camera 2 displaced by ({x:+.2f}, {y:+.2f}) px, correlation of the textures "
         f"{quality:.2f}, {overlap:.0%} of the image seen by both cameras",
     )
-    for one in survey.frames[:: max(len(survey.frames) // SHOWN, 1)][:SHOWN]:
+    found_again = [one for one in survey.frames if np.isfinite(one.drift).all()]
+    for one in found_again[:: max(len(found_again) // SHOWN, 1)][:SHOWN]:
         drift = ", ".join(f"{value:+.2f}" for value in one.drift)
         yield Note(Level.NOTE, "registration", f"pair {one.frame}: camera 2 moved by ({drift}) px")
 
@@ -223,11 +238,11 @@ def note_registration(survey: CameraSurvey) -> Iterator[Note]:
         )
     lost = [one.frame for one in survey.frames if not np.isfinite(one.drift).all()]
     if lost:
-        shown = ", ".join(str(k) for k in lost[:10])
         yield Note(
             Level.WARNING,
             "registration",
-            f"no common texture of the cameras in pairs {shown}. Leave these pairs out",
+            f"no common texture of the cameras in pairs {list_numbers(lost)}. Leave these pairs "
+            "out",
         )
 
 
@@ -307,13 +322,17 @@ def _structure(flat: Image, bad: AnyArray) -> Image:
     return np.where(sound, values, np.float32(0))
 
 
-def note_pulses(survey: CameraSurvey, pairs: FramePairs) -> Iterator[Note]:
+def note_pulses(
+    survey: CameraSurvey, pairs: FramePairs, *, counted: Iterable[int] = ()
+) -> Iterator[Note]:
     """Pairs whose images belong to different laser pulses.
 
     Parameters
     ----------
     survey : CameraSurvey
     pairs : FramePairs
+    counted : iterable of int
+        Frame pairs whose counts were compared; copies among them have a note.
 
     Yields
     ------
@@ -324,10 +343,9 @@ def note_pulses(survey: CameraSurvey, pairs: FramePairs) -> Iterator[Note]:
     PulseError
         As `erlif.pipeline.pulse_order.check_pulses`.
     """
-    notes = check_pulses(survey.frames, pairs)
-    for note in notes:
-        if "same image" not in note.text:  # named with the counts
-            yield Note(note.level, "pulses", str(note))
+    known = {one.frame for one in survey.frames} <= set(counted)
+    for note in check_pulses(survey.frames, pairs, copies=not known):
+        yield Note(note.level, "pulses", str(note))
     judged = f"{len(survey.frames)} of {len(pairs.usable)} pairs"
     yield Note(
         Level.NOTE,

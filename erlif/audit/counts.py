@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Array, Counts
-from erlif.core.notes import Level, Note
+from erlif.core.arrays import AnyArray, Counts
+from erlif.core.notes import Level, Note, list_numbers
+from erlif.core.products import References
 from erlif.correction import count_pixels
 from erlif.correction.saturation import Histogram
 from erlif.ingest import FramePairs, depth_warning, read_pair
@@ -20,6 +21,10 @@ MOST_SPREAD = 24
 
 BRIGHT = 0.01
 """Share of saturated pixels in one frame above which the exposure is called too long."""
+
+MANY_BAD = 0.01
+"""Share of hot, noisy and dead pixels above which darks and flats are doubtful; sensors have some
+0.1 %."""
 
 _FULLY = 0.98
 """Share of the pixels between the darkest and the brightest per cent."""
@@ -205,8 +210,9 @@ def find_bit_faults(histogram: Histogram) -> list[str]:
 
     faults = []
     if lowest:
+        low = "the lowest bit is" if lowest == 1 else f"the lowest {lowest} bits are"
         faults.append(
-            f"the lowest {lowest} bit{'s' * (lowest > 1)} are never set: counts are multiples of "
+            f"{low} never set: counts are multiples of "
             f"{1 << lowest}. Frames of fewer bits were scaled up, or are left-aligned: export the "
             'raw counts, or correct bit_depth and write alignment = "left"'
         )
@@ -234,6 +240,27 @@ def _find_gaps(histogram: Histogram) -> list[str]:
         f"only {used} of the {inside.size} counts from {low} to {high} occur: frames of fewer bits "
         "were scaled or corrected. Export the raw counts of the camera"
     ]
+
+
+def note_bad_pixels(references: References) -> Iterator[Note]:
+    """Share of the hot, noisy and dead pixels of each camera, by its darks and flats.
+
+    Parameters
+    ----------
+    references : References
+
+    Yields
+    ------
+    Note
+    """
+    for camera, bad in enumerate(references.bad.values, 1):
+        share = float(bad.mean())
+        text = f"camera{camera}: {share:.2%} of the pixels are hot, noisy or dead and are flagged"
+        if share > MANY_BAD:
+            cure = "Look at darks and flats for dust, light and clipping, and record them again"
+            yield Note(Level.WARNING, "darks and flats", f"{text}. {cure}")
+        else:
+            yield Note(Level.NOTE, "darks and flats", text)
 
 
 def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
@@ -270,17 +297,18 @@ def note_light(survey: CountSurvey, darks: Sequence[float]) -> Iterator[Note]:
         yield Note(
             Level.WARNING,
             "light",
-            f"frame pairs {_list(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%} of the "
-            "light of the others: the laser or a shutter missed the pulse. Leave these pairs out",
+            f"frame pairs {list_numbers(numbers[dim.any(axis=1)])} have less than {_UNLIT:.0%} of "
+            "the light of the others: the laser or a shutter missed the pulse. Leave these pairs "
+            "out",
         )
     blurred = (sharpness < _BLURRED * usual_sharpness) & ~dim
     if blurred.any():
         yield Note(
             Level.WARNING,
             "light",
-            f"frame pairs {_list(numbers[blurred.any(axis=1)])} have less than {_BLURRED:.0%} of "
-            "the fine structure of the others: they are out of focus, or were smoothed. Check the "
-            "focus, and export the frames without filters",
+            f"frame pairs {list_numbers(numbers[blurred.any(axis=1)])} have less than "
+            f"{_BLURRED:.0%} of the fine structure of the others: they are out of focus, or were "
+            "smoothed. Check the focus, and export the frames without filters",
         )
 
 
@@ -321,7 +349,7 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
         yield Note(
             Level.ERROR,
             "pairs",
-            f"both cameras show the same image in frame pairs {_list(np.array(same))}. Correct "
+            f"both cameras show the same image in frame pairs {list_numbers(same)}. Correct "
             "files in [camera1] or [camera2], or export the cameras again",
         )
     for frames in find_copies(survey):
@@ -336,12 +364,7 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
             yield Note(
                 Level.WARNING,
                 "pairs",
-                f"frame pairs {_list(np.array(frames))} show the same image: a camera or its "
+                f"frame pairs {list_numbers(frames)} show the same image: a camera or its "
                 "export was stuck, or a file was copied. Export them again, or leave out all but "
                 "one",
             )
-
-
-def _list(numbers: Array, most: int = 10) -> str:
-    shown = ", ".join(str(int(k)) for k in numbers[:most])
-    return shown if len(numbers) <= most else f"{shown} and {len(numbers) - most} more"

@@ -11,7 +11,6 @@ from typing import Any
 from erlif.audit.calibration import note_calibration
 from erlif.audit.cameras import (
     CameraSurvey,
-    choose_consecutive,
     note_pulses,
     note_registration,
     note_textures,
@@ -21,6 +20,7 @@ from erlif.audit.counts import (
     MOST_SPREAD,
     CountSurvey,
     find_copies,
+    note_bad_pixels,
     note_bits,
     note_copies,
     note_counts,
@@ -248,6 +248,7 @@ class _Parts:
         cameras = characterise_cameras(self.recording)
         for note in cameras.notes:
             yield Note(note.level, "darks and flats", str(note))
+        yield from note_bad_pixels(cameras.references)
         one, two = (float(level) for level in cameras.references.dark_signal.values)
         self.found.darks = one, two
         assert self.found.survey is not None
@@ -262,7 +263,10 @@ class _Parts:
     def pulses(self) -> Iterator[Note]:
         """Whether both cameras show the same pulses."""
         assert self.found.cameras is not None
-        yield from note_pulses(self.found.cameras, self.recording.pairs)
+        counted = (
+            [] if self.found.survey is None else [one.frame for one in self.found.survey.frames]
+        )
+        yield from note_pulses(self.found.cameras, self.recording.pairs, counted=counted)
 
     def log(self, run: Run) -> Iterator[Note]:
         """Triggers, cycles, steps and conditions, and what the film will lack."""
@@ -274,8 +278,9 @@ class _Parts:
         yield Note(Level.NOTE, "encoder log", describe_cycle(located))
         yield from note_motion(run.log, located, run.settings)
         yield from note_conditions(run.log, run.settings)
-        survey = survey_counts(run.pairs, choose_consecutive(run.pairs))
-        yield from note_energy(run.log, survey, self.found.darks)
+        assert self.found.cameras is not None
+        numbers = [one.frame for one in self.found.cameras.frames]
+        yield from note_energy(run.log, numbers, self.found.cameras.light)
         yield from note_omissions(run.settings, triggers)
 
     def calibration(self, run: Run) -> Iterator[Note]:

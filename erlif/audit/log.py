@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from erlif.audit.counts import CountSurvey
 from erlif.core.arrays import Array
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
@@ -210,27 +209,26 @@ def note_conditions(log: EncoderLog, settings: RunSettings) -> Iterator[Note]:
             yield Note(Level.NOTE, "conditions", text)
 
 
-def note_energy(log: EncoderLog, survey: CountSurvey, darks: tuple[float, float]) -> Iterator[Note]:
+def note_energy(log: EncoderLog, frames: Sequence[int], light: Array) -> Iterator[Note]:
     """Pulse energy of the log against the light of consecutive frames.
 
     Parameters
     ----------
     log : EncoderLog
-    survey : CountSurvey
-        Of consecutive frames.
-    darks : (float, float)
-        Dark level of camera 1 and camera 2. [DN]
+    frames : sequence of int
+        Numbers of consecutive frames.
+    light : array, (frame, camera)
+        Their median light. [DN]
 
     Yields
     ------
     Note
     """
     energies = read_energies(log)
-    numbers = np.array([one.frame for one in survey.frames])
+    numbers = np.asarray(frames)
     if energies is None or numbers.size < _FEWEST or (np.diff(numbers) != 1).any():
         return
-    light = np.array([one.level for one in survey.frames]) - np.asarray(darks)
-    if light.min() <= 0 or energies[numbers].min() <= 0:
+    if not (light > 0).all() or energies[numbers].min() <= 0:
         return
 
     # the film changes slowly; second differences leave what is new in every pulse

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, list_numbers
 from erlif.ingest import FramePairs, Run
 from erlif.ingest.pairing import frame_numbers
 
@@ -105,14 +105,12 @@ def note_numbers(pairs: FramePairs) -> Iterator[Note]:
     for camera, pages in enumerate(pairs.pages, 1):
         missing = find_missing(frame_numbers(pages))
         if missing:
-            shown = ", ".join(str(k) for k in missing[:10])
-            more = f" and {len(missing) - 10} more" if len(missing) > 10 else ""
             yield Note(
                 Level.WARNING,
                 "pairs",
-                f"camera{camera}: no file has the number {shown}{more}, between {pages[0].name} "
-                f"and {pages[-1].name}. If these pulses were not recorded, their rows must be "
-                "missing in the log too; otherwise copy the files again",
+                f"camera{camera}: no file has the number {list_numbers(missing)}, between "
+                f"{pages[0].name} and {pages[-1].name}. If these pulses were not recorded, their "
+                "rows must be missing in the log too; otherwise copy the files again",
             )
 
 

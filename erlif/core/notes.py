@@ -63,3 +63,26 @@ def join_notes(notes: Iterable[Note]) -> str:
     'camera1: dark 64.0 DN'
     """
     return "\n".join(str(note) for note in notes)
+
+
+def list_numbers(numbers: Iterable[int], *, most: int = 10) -> str:
+    """Numbers for a sentence; those beyond the first ones are counted.
+
+    Parameters
+    ----------
+    numbers : iterable of int
+    most : int
+        Numbers that are written.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> list_numbers([3, 5, 8], most=2)
+    '3, 5 and 1 more'
+    """
+    found = [str(int(number)) for number in numbers]
+    more = f" and {len(found) - most} more" if len(found) > most else ""
+    return ", ".join(found[:most]) + more

@@ -20,7 +20,7 @@ from erlif.kinematics.encoder import (
     read_link_angle,
 )
 from erlif.kinematics.folding import fold_frames
-from erlif.models.mechanism import CrankRocker, SliderCrank
+from erlif.models.mechanism import SliderCrank
 
 _BACKWARD_COST = 3.0
 """Cost per radian beyond half a turn between frames: a slow crank is not a fast one in reverse."""
@@ -70,6 +70,7 @@ def locate_frames(
     --------
     A crank at constant speed, logged every 90 degrees:
 
+    >>> from erlif.models.mechanism import CrankRocker
     >>> mechanism = CrankRocker(0.055, 0.44, 0.26, 0.51)
     >>> log = EncoderLog(xr.Dataset({"number": ("frame", np.arange(4)),
     ...                              "angle": ("frame", [0.0, 90.0, 180.0, 270.0])}))

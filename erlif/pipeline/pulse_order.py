@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from erlif.core.errors import FrameError
-from erlif.core.notes import Level, Note
+from erlif.core.notes import Level, Note, list_numbers
 from erlif.ingest import FramePairs
 from erlif.pipeline.results import FrameResult
 from erlif.ratio import PulseFault, find_pulse_faults
@@ -18,13 +18,17 @@ class PulseError(FrameError):
     """A recording whose cameras show different laser pulses."""
 
 
-def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
+def check_pulses(
+    frames: Sequence[FrameResult], pairs: FramePairs, *, copies: bool = True
+) -> list[Note]:
     """Refuse a recording whose cameras show different pulses in a pair.
 
     Parameters
     ----------
     frames : sequence of FrameResult
     pairs : FramePairs
+    copies : bool
+        Whether images that are repeated have a note.
 
     Returns
     -------
@@ -39,11 +43,12 @@ def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]
     """
     ordered = sorted(frames, key=lambda one: one.frame)
     numbers = [one.frame for one in ordered]
-    notes = _check_stuck(ordered, pairs)
+    repeated = _check_stuck(ordered, pairs)
+    notes = []
     for fault in find_pulse_faults([one.pulse for one in ordered]):
         named = [numbers[k] for k in fault.frames]
         if fault.kind == "repeated":
-            notes.append(_describe_repeated(named, len(ordered), pairs))
+            repeated.append(_describe_repeated(named, len(ordered), pairs))
         elif fault.kind == "unknown" and 2 * len(named) > len(ordered):
             raise PulseError(
                 "Expected both cameras to show the same laser pulse in every frame pair; in "
@@ -51,18 +56,25 @@ def check_pulses(frames: Sequence[FrameResult], pairs: FramePairs) -> list[Note]
                 "order. Check the triggering of the cameras and the numbers of the files."
             )
         elif fault.kind == "unknown":
-            notes.append(
-                Note(
-                    Level.WARNING,
-                    f"frame pairs {_list(named)}",
-                    "camera 2 shows another laser pulse than camera 1, and no frame of camera 1 "
-                    "shows that pulse: the film of these pairs is wrong by the speckle of the "
-                    "laser. Check the triggering of the cameras, and leave these pairs out",
-                )
-            )
+            notes.append(_describe_unknown(fault, numbers))
         else:
             raise PulseError(_describe_order(fault, numbers, pairs))
-    return notes
+    return [*(repeated if copies else []), *notes]
+
+
+def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
+    """Images of camera 2 that show another pulse, without an exchange that would mend it."""
+    shown = sorted({numbers[n] for n in fault.partners if n >= 0})
+    of_pulse = "no frame of camera 1 shows that pulse"
+    if shown:
+        of_pulse = f"the pulses of pairs {list_numbers(shown)} are among those shown twice"
+    return Note(
+        Level.WARNING,
+        f"frame pairs {list_numbers([numbers[k] for k in fault.frames])}",
+        f"camera 2 shows another laser pulse than camera 1, and {of_pulse}: the film of these "
+        "pairs is wrong by the speckle of the laser. Check the triggering of the cameras, and "
+        "leave these pairs out",
+    )
 
 
 def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note]:
@@ -104,7 +116,7 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
         )
     return Note(
         Level.WARNING,
-        f"frame pairs {_list(frames)}",
+        f"frame pairs {list_numbers(frames)}",
         "they show the same image to the last count: a camera or its export was stuck, or a file "
         "was copied. Each is used as if it were a new exposure",
     )
@@ -138,8 +150,3 @@ def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) ->
         f"{expected}images of camera 2 are exchanged: {', '.join(pairing[:_LISTED])}{more}. Give "
         "them the numbers of their pulses."
     )
-
-
-def _list(frames: list[int]) -> str:
-    shown = ", ".join(str(k) for k in frames[:_LISTED])
-    return shown if len(frames) <= _LISTED else f"{shown} and {len(frames) - _LISTED} more"

@@ -185,11 +185,30 @@ def find_pulse_faults(samples: Sequence[PulseSample]) -> list[PulseFault]:
     other = again + ratio
     if 2 * wrong.size > judged.size:
         return [*repeated, _find_order(light, other, wrong)]
-    partners = [_find_partner(light, other[k]) for k in wrong]
-    mutual = dict(zip(wrong.tolist(), partners, strict=True))
-    exchanged = all(mutual.get(partner) == k for k, partner in mutual.items())
-    kind = "exchanged" if exchanged else "unknown"
-    return [*repeated, PulseFault(kind, tuple(wrong.tolist()), tuple(partners))]
+    partner_of = {int(k): _find_partner(light, other[k]) for k in wrong}
+    exchanged = _find_closed(partner_of)
+    return [
+        *repeated,
+        *(
+            PulseFault(kind, tuple(frames), tuple(partner_of[k] for k in frames))
+            for kind, frames in (
+                ("exchanged", [k for k in partner_of if k in exchanged]),
+                ("unknown", [k for k in partner_of if k not in exchanged]),
+            )
+            if frames
+        ),
+    ]
+
+
+def _find_closed(partner_of: dict[int, int]) -> set[int]:
+    """Frames whose images have changed places among themselves."""
+    closed = set(partner_of)
+    while True:
+        taken = {partner_of[k] for k in closed}
+        left = {k for k in closed & taken if partner_of[k] in closed}
+        if left == closed:
+            return closed
+        closed = left
 
 
 def _find_repeated(samples: Sequence[PulseSample]) -> Iterator[PulseFault]:

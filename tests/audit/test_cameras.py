@@ -13,6 +13,7 @@ from erlif.audit.cameras import (
     note_registration,
     note_textures,
 )
+from erlif.ingest import read_pair
 
 
 def test_registration_is_described_by_three_pairs(surveyed):
@@ -47,6 +48,26 @@ def test_frames_without_a_common_texture_are_named(surveyed):
 def test_true_pairs_are_counted(surveyed, run):
     (note,) = note_pulses(surveyed, run.pairs)
     assert note.text == "6 of 6 pairs searched for images of other pulses"
+
+
+def test_copies_that_the_counts_did_not_show_are_named(surveyed, run):
+    """Of a long recording other pairs are counted than those that are searched in a row."""
+    one, two, *others = surveyed.frames
+    frames = (one, replace(two, pulse=one.pulse, digests=one.digests), *others)
+    copied = replace(surveyed, frames=frames)
+    texts = [note.text for note in note_pulses(copied, run.pairs) if note.level == "warning"]
+    assert any("frame pairs 0, 1: they show the same image" in text for text in texts)
+    counted = [note.text for note in note_pulses(copied, run.pairs, counted=range(6))]
+    assert len(counted) == 1
+
+
+def test_the_light_of_each_pair_is_that_above_the_dark(surveyed, run):
+    """Against the counts of the files, within the vignetting of the flat."""
+    for one, light in zip(surveyed.frames, surveyed.light, strict=True):
+        for camera in range(2):
+            counts = read_pair(run.pairs, one.frame).counts[camera]
+            dark = float(surveyed.chain.references.dark_signal.values[camera])
+            npt.assert_allclose(light[camera], np.median(counts) - dark, rtol=0.1)
 
 
 @pytest.mark.parametrize(("count", "first", "chosen"), [(60, 0, 60), (61, 22, 16), (1000, 492, 16)])

@@ -3,12 +3,14 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
+import xarray as xr
 
 from erlif.audit.counts import (
     CountSurvey,
     FrameCounts,
     find_bit_faults,
     find_copies,
+    note_bad_pixels,
     note_bits,
     note_copies,
     note_counts,
@@ -28,7 +30,7 @@ def counts(seed=1, size=200_000):
     [
         (lambda c: c, None),
         (lambda c: c // 16 * 16, "the lowest 4 bits are never set: counts are multiples of 16"),
-        (lambda c: c & ~np.uint16(1), "the lowest 1 bit are never set"),
+        (lambda c: c & ~np.uint16(1), "the lowest bit is never set: counts are multiples of 2"),
         (lambda c: c & ~np.uint16(64), "bit 6 (value 64) is never set"),
         (lambda c: c | np.uint16(8), "bit 3 (value 8) is always set"),
         (lambda c: np.rint(c // 16 * 16.06).astype(np.uint16), "only "),
@@ -54,6 +56,17 @@ def frame(number, *, level=(500.0, 600.0), sharpness=(0.04, 0.04), digest=None):
 def survey(*frames):
     empty = np.zeros(4096, np.int64)
     return CountSurvey(frames, (empty, empty))
+
+
+@pytest.mark.parametrize(("bad", "level"), [(96, "note"), (97, "warning")])
+def test_the_share_of_bad_pixels_is_stated(bad, level):
+    """97 of 9600 pixels are more than one per cent."""
+    pixels = np.zeros((2, 96, 100), bool)
+    pixels[1].flat[:bad] = True
+    one, two = note_bad_pixels(xr.Dataset({"bad": (("camera", "y", "x"), pixels)}))
+    assert (one.level, two.level) == ("note", level)
+    assert one.text.startswith("camera1: 0.00% of the pixels are hot, noisy or dead")
+    assert two.text.startswith(f"camera2: {bad / 96:.2f}% of the pixels")
 
 
 def test_copies_of_either_camera_are_grouped():

@@ -137,4 +137,4 @@ def test_frames_of_a_long_recording_are_read_a_bounded_number_of_times(lab, monk
     assert "counts of 24 of them, evenly spread, are examined" in found.notes[0].text
     assert len(found.survey.frames) == 24
     # 24 for the counts, 8 for darks and flats (twice), 12 to register, 4 as a sample, 16 in a row
-    assert len(read) <= 2 * (24 + 8 + 8 + 12 + 4 + 16 + 16)
+    assert len(read) <= 2 * (24 + 8 + 8 + 12 + 4 + 16)

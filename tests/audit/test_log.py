@@ -104,12 +104,11 @@ def test_energies_of_other_pulses_are_recognised_by_the_light(shift):
     energy = 50 * (1 + 0.03 * rng.normal(size=30))
     film = 1 + 0.3 * np.sin(np.linspace(0, 6, 30))
     light = 1000 * film * np.roll(energy, shift) / 50
-    frames = [SimpleNamespace(frame=n, level=(64 + one, 64 + one)) for n, one in enumerate(light)]
     log = xr.Dataset({"laser_mJ": ("frame", energy)})
-    (note,) = note_energy(log, SimpleNamespace(frames=frames), (64.0, 64.0))
+    (note,) = note_energy(log, range(30), np.stack([light, light], axis=1))
     assert note.level == ("warning" if shift else "note")
     assert note.subject == "conditions"
 
 
 def test_a_log_without_energies_is_not_compared():
-    assert list(note_energy(xr.Dataset(), SimpleNamespace(frames=[]), (0.0, 0.0))) == []
+    assert list(note_energy(xr.Dataset(), [], np.zeros((0, 2)))) == []

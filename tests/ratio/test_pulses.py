@@ -82,3 +82,22 @@ def test_small_frames_and_frames_without_valid_pixels_are_not_judged():
     assert np.isnan(flagged.light).all()
     assert np.isnan(small.light).all()
     assert find_pulse_faults([flagged, small] * 4) == []
+
+
+def test_three_images_in_a_ring_are_exchanged(rng):
+    order = list(range(COUNT))
+    order[3], order[6], order[9] = 6, 9, 3
+    (fault,) = find_pulse_faults(recording(rng, order=order))
+    assert (fault.kind, fault.frames, fault.partners) == ("exchanged", (3, 6, 9), (6, 9, 3))
+
+
+def test_exchanged_images_are_found_beside_one_of_an_unknown_pulse(rng):
+    order = list(range(COUNT))
+    order[3], order[9] = 9, 3
+    samples, other = recording(rng, order=order), recording(rng)
+    samples[6] = samples[6]._replace(
+        log_ratio=samples[6].log_ratio + other[6].light_again - samples[6].light_again
+    )
+    exchanged, unknown = find_pulse_faults(samples)
+    assert (exchanged.kind, exchanged.frames) == ("exchanged", (3, 9))
+    assert (unknown.kind, unknown.frames, unknown.partners) == ("unknown", (6,), (-1,))
