@@ -1,0 +1,267 @@
+"""A smooth gap fitted with weights to the averaged log ratio of blocks.
+
+The film is a base and a sum of given shapes, one amplitude each. The amplitudes follow from the
+measured log ratio by iteratively reweighted least squares, so that no pixel is lost to the limits
+of the measurable range and no single pixel decides. `erlif.trend.gap` fits a parabola this way,
+`erlif.trend.position` the gap of a pin in a bushing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.core.arrays import Array, Mask
+from erlif.core.statistics import MAD_TO_STD
+from erlif.trend.blocks import BlockSums
+from erlif.trend.curve import FilmCurve
+
+_CLIP = 4.685
+"""Residual from which a block has no weight: 95 % efficient for normal noise. [std]"""
+
+_LAG = 3
+"""Strips of blocks over which the marks of a surface are correlated, at most."""
+
+_STRIPS_PER_LAG = 6
+"""Strips that one lag of correlation takes."""
+
+_LEAST_BLOCKS, _LEAST_ALONG, _LEAST_ACROSS = 16, 4, 3
+"""Blocks in all, and positions along and across sliding, that determine four parameters."""
+
+_MANY = 4000
+"""Blocks above which four are merged into one: of a megapixel a parabola needs no finer ones."""
+
+_MOST_STEPS = 30
+_CONVERGED = 1e-4
+"""Change of the gap below which the iteration ends. [um]"""
+
+_PLAIN_STEPS = 2
+"""First steps, without weights of residuals: the start is too coarse to judge outliers."""
+
+_DECISIVE = 0.2
+"""Biweight (before squaring) above which a block counts towards determining the gap."""
+
+
+@dataclass(frozen=True)
+class BlockMeans:
+    """Log ratio averaged over blocks; positions run from -1 to 1 over the region.
+
+    Attributes
+    ----------
+    log_ratio : Array
+        (block,). [1]
+    variance : Array
+        Its variance by noise. [1]
+    along : Array
+        Mean position along sliding. [1]
+    along_squared : Array
+        Mean of its square. [1]
+    across : Array
+        Mean position across sliding. [1]
+    strip_along : NDArray[np.intp]
+        Number of the strip of blocks that runs along sliding.
+    strip_across : NDArray[np.intp]
+        Number of the strip that runs across.
+    """
+
+    log_ratio: Array
+    variance: Array
+    along: Array
+    along_squared: Array
+    across: Array
+    strip_along: npt.NDArray[np.intp]
+    strip_across: npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class BlockFit:
+    """The state of a fit at its last step; arrays are (block,).
+
+    Attributes
+    ----------
+    amplitudes : Array
+        Of the shapes, (shape,). [um]
+    film : Array
+        Fitted film. [um]
+    residual : Array
+        Of the log ratio. [1]
+    weight : Array
+        Weight of the residual. [1]
+    total_var : Array
+        Variance of the log ratio, noise and surfaces together. [1]
+    response : Array
+        Derivative of weighted residual to residual, of the biweight.
+    jacobian : Array
+        Derivative of the log ratio to the amplitudes, (shape, block). [1/um]
+    """
+
+    amplitudes: Array
+    film: Array
+    residual: Array
+    weight: Array
+    total_var: Array
+    response: Array
+    jacobian: Array
+
+    @property
+    def curvature(self) -> Array:
+        """Curvature of the sum of squares, (shape, shape). [1/um2]"""
+        return np.asarray((self.jacobian * (self.response / self.total_var)) @ self.jacobian.T)
+
+
+def fit_blocks(
+    blocks: BlockMeans, curve: FilmCurve, shapes: Array, *, base: float = 0.0
+) -> BlockFit | None:
+    """Fit the amplitudes of shapes to the log ratio of blocks.
+
+    Parameters
+    ----------
+    blocks : BlockMeans
+    curve : FilmCurve
+    shapes : array, (shape, block)
+        Of the order of 1.
+    base : float
+        Film that the shapes are added to. [um]
+
+    Returns
+    -------
+    BlockFit or None
+        None where the blocks do not determine the shapes, or not a parabola along sliding and a
+        tilt across.
+    """
+    try:
+        return _iterate(blocks, curve, shapes, base)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -> BlockFit | None:
+    """Reweighted least squares; raises LinAlgError where the shapes are not independent."""
+    value, noise = blocks.log_ratio, blocks.variance
+    high = curve.calibration.thickness_range[1]
+
+    # start from the blocks within the calibrated range, inverted one by one
+    use = (value > curve.bins[0]) & (value < curve.bins[1])
+    if not _determine_a_gap(blocks, use):
+        return None
+    place, _ = curve.find_bins(value)
+    chosen = shapes * use
+    goal = chosen @ (curve.film[place] - base)
+    amplitudes: Array = np.asarray(np.linalg.solve(chosen @ shapes.T, goal), float)
+
+    trust = use.astype(float)
+    response = trust
+    surface = 0.0  # variance of the film about a smooth gap beyond that of the noise [um2]
+    for step in range(_MOST_STEPS):
+        film = np.clip(base + amplitudes @ shapes, *curve.limits)
+        predicted, slope = curve.predict(film)
+        residual = value - predicted
+
+        if step >= _PLAIN_STEPS:
+            # blocks are chosen by the fitted gap, not by their noisy value, to leave no bias
+            use = film < high
+            if not _determine_a_gap(blocks, use):
+                return None
+            surface = _excess_variance(residual[use] / slope[use], noise[use] / slope[use] ** 2)
+
+            # biweight (Beaton and Tukey 1974) against scratches, dust and bubbles
+            square = np.clip(1 - (residual / _CLIP) ** 2 / (noise + slope**2 * surface), 0, None)
+            trust = np.where(use, square**2, 0.0)
+            if not _determine_a_gap(blocks, square > _DECISIVE):
+                return None
+            response = np.where(use, square * (5 * square - 4), 0.0)
+
+        total_var = noise + slope**2 * surface
+        weight = trust / total_var
+        jacobian = shapes * slope
+        weighted = jacobian * weight
+        change = np.linalg.solve(weighted @ jacobian.T, weighted @ residual)
+        amplitudes = amplitudes + change
+        if step > _PLAIN_STEPS and np.abs(change).max() < _CONVERGED:
+            break
+    return BlockFit(amplitudes, film, residual, weight, total_var, response, jacobian)
+
+
+def _determine_a_gap(blocks: BlockMeans, use: Mask) -> bool:
+    """Whether the chosen blocks determine a parabola along sliding and a tilt across."""
+    along, across = (
+        np.count_nonzero(np.bincount(strip[use]))
+        for strip in (blocks.strip_across, blocks.strip_along)
+    )
+    return bool(use.sum() >= _LEAST_BLOCKS and along >= _LEAST_ALONG and across >= _LEAST_ACROSS)
+
+
+def _excess_variance(residual: Array, variance: Array) -> float:
+    """Variance of residuals beyond their own, by their median absolute deviation.
+
+    With it, half of the residuals lie within std/1.4826 of zero, for each its own std. A residual
+    does so where (1.4826 residual)^2 - variance is below the excess, which is the median of that.
+    """
+    return max(float(np.median((MAD_TO_STD * residual) ** 2 - variance)), 0.0)
+
+
+def sum_by_strips(scores: Array, strip: npt.NDArray[np.intp]) -> Array:
+    """Covariance of sums whose terms are correlated within a strip and, less, with the next strips.
+
+    The estimator is that of Newey and West (1987). A fit to few strips absorbs a good part of what
+    their blocks have in common: their number is corrected for, and few strips count singly.
+
+    Parameters
+    ----------
+    scores : array, (sum, block)
+        Terms of each sum.
+    strip : array of int, (block,)
+        Number of the strip of each block.
+
+    Returns
+    -------
+    array, (sum, sum)
+    """
+    sums: Array = np.stack([np.bincount(strip, score) for score in scores])
+    count = int(np.count_nonzero(np.bincount(strip)))
+    lags = min(max(count // _STRIPS_PER_LAG, 1), _LAG)
+
+    total: Array = sums @ sums.T
+    for lag in range(1, lags):
+        product = sums[:, lag:] @ sums[:, :-lag].T
+        total = total + (1 - lag / lags) * (product + product.T)
+    return np.asarray(total * count / (count - 1))
+
+
+def average_blocks(sums: BlockSums, *, sliding_along_x: bool) -> BlockMeans:
+    """Average the log ratio over blocks with equal weights: others would depend on the noise."""
+    names = "lit", "lit_ratio", "lit_var", "row", "row_squared", "column", "column_squared"
+    merged = {name: getattr(sums, name) for name in names}
+    if sums.lit.size > _MANY:
+        merged = {name: _merge(blocks) for name, blocks in merged.items()}
+    some = merged["lit"] > 0
+    down, right = np.nonzero(some)
+    count, ratio, var, row, row_squared, column, column_squared = (
+        merged[name][some] for name in names
+    )
+    log_ratio = sums.offset + ratio / count
+    variance = sums.noise_correlation * var / count**2
+
+    rows, columns = sums.size
+    v, vv = _scale(row / count, row_squared / count, rows)
+    u, uu = _scale(column / count, column_squared / count, columns)
+    if sliding_along_x:
+        return BlockMeans(log_ratio, variance, u, uu, v, down, right)
+    return BlockMeans(log_ratio, variance, v, vv, u, right, down)
+
+
+def _merge(blocks: Array) -> Array:
+    """Sums over four blocks; at the lower and right edge of an odd number, over those there are."""
+    rows = blocks[::2].copy()
+    rows[: len(blocks) // 2] += blocks[1::2]
+    merged = rows[:, ::2].copy()
+    merged[:, : rows.shape[1] // 2] += rows[:, 1::2]
+    return merged
+
+
+def _scale(place: Array, squared: Array, size: int) -> tuple[Array, Array]:
+    """Means of pixel positions and of their squares, on a scale from -1 to 1 over the region."""
+    step = 2 / (size - 1)
+    return step * place - 1, step**2 * squared - 2 * step * place + 1
