@@ -26,6 +26,7 @@ _FUNCTIONS = {
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.audit",
+    "find_pin_position": "erlif.trend",
     "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
@@ -66,6 +67,7 @@ __all__ = [
     "check",
     "correction",
     "files",
+    "find_pin_position",
     "ingest",
     "init",
     "kinematics",
@@ -118,6 +120,7 @@ if TYPE_CHECKING:
     from erlif.pipeline.run import process
     from erlif.report import summarise
     from erlif.rig import simulate
+    from erlif.trend import find_pin_position
 
 
 def __getattr__(name: str) -> Any:

@@ -6,6 +6,13 @@ from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
 from erlif.trend.gap import GapMinimum, fit_gap_minimum
+from erlif.trend.position import (
+    PARAMETERS,
+    PinPosition,
+    PinView,
+    find_pin_in_blocks,
+    find_pin_position,
+)
 from erlif.trend.profile import RigidGap, average_across_sliding, rigid_gap
 from erlif.trend.region import Region, find_region
 from erlif.trend.statistics import FilmStatistics, summarise_blocks, summarise_film
@@ -19,6 +26,7 @@ from erlif.trend.theory import (
 
 __all__ = [
     "BLOCK",
+    "PARAMETERS",
     "SLOWEST",
     "BackgroundEstimate",
     "BlockSums",
@@ -28,6 +36,8 @@ __all__ = [
     "GapMinimum",
     "Joint",
     "LightRecord",
+    "PinPosition",
+    "PinView",
     "Region",
     "RigidGap",
     "Solid",
@@ -36,6 +46,8 @@ __all__ = [
     "average_across_sliding",
     "compare_with_roughness",
     "estimate_background",
+    "find_pin_in_blocks",
+    "find_pin_position",
     "find_region",
     "fit_exponent",
     "fit_gap_minimum",

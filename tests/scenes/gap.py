@@ -13,6 +13,8 @@ K, P, Q = 0.65, 0.40, 0.25
 RANGE = (0.2, 16.0)  # um
 RADIUS = 4.872  # m, R1 R2/(R1 - R2) of 33.59 and 33.36 mm (Farzaneh 2002)
 TILT = 0.2  # um over the height of the image
+BORE, PIN = 33.59, 33.36  # mm
+LOAD_LINE, AXIAL_ORIGIN = 6.2, 4.77  # mm
 CENTRE = 7.0  # mm, where the gap is thinnest along x
 X, Y = 0.06 * np.arange(200), 0.06 * np.arange(160)
 WHOLE = Region(slice(0, Y.size), slice(0, X.size))
@@ -33,6 +35,22 @@ def known_gap(minimum: float, *, centre: float = CENTRE, tilt: float = TILT) -> 
     """Gap of rigid cylinders with a tilt; its minimum lies at (centre, 0). (y, x) [um]"""
     parabola = (X - centre) ** 2 / (2 * RADIUS)  # mm2/m = um
     return minimum + parabola[None, :] + tilt * (Y / Y[-1])[:, None]
+
+
+def circle_gap(
+    load: float, side: float, tilt_load: float = 0.0, tilt_side: float = 0.0, *, pin: float = PIN
+) -> np.ndarray:
+    """Distance of a displaced and tilted circular pin from the bore, along its radii. (y, x) [um]
+
+    The axis of the pin is off that of the bore by (load, side) um at the axial origin, and by the
+    tilts, in um/mm, times the distance from it elsewhere. Image x is the arc on the bore.
+    """
+    angle = (X - LOAD_LINE)[None, :] / BORE
+    z = (Y - AXIAL_ORIGIN)[:, None]
+    down, aside = 1e-3 * (load + tilt_load * z), 1e-3 * (side + tilt_side * z)
+    along = down * np.cos(angle) + aside * np.sin(angle)
+    beside = down * np.sin(angle) - aside * np.cos(angle)
+    return 1e3 * (BORE - along - np.sqrt(pin**2 - beside**2))
 
 
 def noisy_ratios(film: np.ndarray, noise: float, rng: np.random.Generator) -> RatioImages:

@@ -1,0 +1,338 @@
+"""The position of a pin in its bushing, from the gap that a map shows.
+
+The gap of rigid and parallel circles is h = c - ex cos phi - ey sin phi, with the radial clearance
+c and the displacement (ex, ey) of the axis of the pin along the load and sideways; a tilt adds the
+position z along the axis to both. The four numbers are fitted to the log ratio of blocks. The
+curvature along sliding is fixed by the radii. A second fit leaves it and a bend along the axis
+free, as a check of calibration and radii.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.calibration import Calibration
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
+from erlif.core.products import RatioImages, require
+from erlif.models.contact import conformal_radius
+from erlif.trend.block_fit import average_blocks, fit_blocks, sum_by_strips
+from erlif.trend.blocks import BlockSums, sum_blocks
+from erlif.trend.curve import FilmCurve
+from erlif.trend.region import Region
+
+PARAMETERS = ("displacement_load", "displacement_side", "tilt_load", "tilt_side")
+"""Order of the numbers of a position: displacements [um], then tilts [um/mm]."""
+
+_PINNED = len(PARAMETERS)
+
+
+@dataclass(frozen=True)
+class PinView:
+    """The joint as the camera sees it.
+
+    Attributes
+    ----------
+    pin_radius : float
+        Radius of the pin. [m]
+    bushing_radius : float
+        Radius of the bore. [m]
+    pitch : float
+        Size of a pixel in the object plane. [mm]
+    load_line : float
+        Position along sliding at which the load presses, from the first pixel. [mm]
+    axial_origin : float
+        Position along the axis at which z is zero, from the first pixel. [mm]
+    sliding_along_x : bool
+        Whether image x is the sliding direction.
+    """
+
+    pin_radius: float
+    bushing_radius: float
+    pitch: float
+    load_line: float
+    axial_origin: float
+    sliding_along_x: bool = True
+
+    @property
+    def clearance(self) -> float:
+        """Radial clearance. [um]"""
+        return (self.bushing_radius - self.pin_radius) * 1e6
+
+    @property
+    def radius(self) -> float:
+        """Radius over which positions along sliding are angles, sqrt(R1 R2). [mm]
+
+        With it, the gap of touching circles has the curvature 1/R of `conformal_radius`.
+        """
+        return float(np.sqrt(self.pin_radius * self.bushing_radius)) * 1e3
+
+    @property
+    def curvature(self) -> float:
+        """Second derivative 1/R of the gap of touching circles along sliding. [um/mm2]"""
+        return 1 / float(conformal_radius(self.pin_radius, bushing_radius=self.bushing_radius))
+
+
+@dataclass(frozen=True)
+class PinPosition:
+    """Position of the pin at one trigger, and the form of its gap.
+
+    The parts of the covariances are disjoint: noise is new at every trigger, marks of the surfaces
+    are the same at every trigger, and an error of the calibration is common to all.
+
+    Attributes
+    ----------
+    value : Array
+        Displacement of the pin towards the load and sideways [um], tilts [um/mm], (parameter,), in
+        the order of `PARAMETERS`.
+    random_cov : Array
+        Their covariance by the noise of the ratio, (parameter, parameter).
+    surface_cov : Array
+        By marks and waviness of the surfaces.
+    gradient : Array
+        Their change with what was fitted to the fixture, (parameter, calibration parameter), in the
+        order of `Calibration.full_covariance`.
+    form : Array
+        Curvature along sliding beyond that of the circles, and curvature along the axis, (form,).
+        [um/mm2]
+    form_random_cov : Array
+        Covariance of the form by noise, (form, form).
+    form_surface_cov : Array
+        By marks and waviness.
+    form_gradient : Array
+        As gradient, of the form.
+    """
+
+    value: Array
+    random_cov: Array
+    surface_cov: Array
+    gradient: Array
+    form: Array
+    form_random_cov: Array
+    form_surface_cov: Array
+    form_gradient: Array
+
+    def covariance(self, calibration_cov: Array) -> Array:
+        """Covariance of the position, all parts together.
+
+        Parameters
+        ----------
+        calibration_cov : array
+            `Calibration.full_covariance`.
+
+        Returns
+        -------
+        array, (parameter, parameter)
+        """
+        shared = self.gradient @ calibration_cov @ self.gradient.T
+        return np.asarray(self.random_cov + self.surface_cov + shared)
+
+    def form_covariance(self, calibration_cov: Array) -> Array:
+        """Covariance of the form, all parts together; as `covariance`."""
+        shared = self.form_gradient @ calibration_cov @ self.form_gradient.T
+        return np.asarray(self.form_random_cov + self.form_surface_cov + shared)
+
+
+def find_pin_position(
+    ratios: RatioImages, calibration: Calibration, *, region: Region, view: PinView
+) -> PinPosition:
+    """Find the position of the pin in its bushing from the ratio of a region.
+
+    The gap is that of circles whose distance c is small against their radii R1 and R2,
+    h = c - (ex + tx z) cos phi - (ey + ty z) sin phi with phi = (x - x_load) / sqrt(R1 R2), x along
+    sliding and z along the axis. Pinkus and Sternlicht (1961).
+
+    Parameters
+    ----------
+    ratios : RatioImages
+        log_ratio, log_ratio_var and flags (y, x).
+    calibration : Calibration
+    region : Region
+    view : PinView
+        Radii of the joint, scale of the image and load line.
+
+    Returns
+    -------
+    PinPosition
+        NaN where too few blocks are valid.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing, or the region does not lie within a quarter of a turn of the load
+        line.
+
+    Notes
+    -----
+    The formula is good to c/R. On the bore, the gap of exact circles has at the load line the slope
+    -ey/R2: the side displacement and tilt of the formula are sqrt(R1/R2) times those of circles,
+    0.3 % more for the joint of Farzaneh (2002).
+
+    Examples
+    --------
+    A pin that is 3 um from the wall at the load line, and rises by 0.01 um/mm along the axis:
+
+    >>> import xarray as xr
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.plots import example_calibration
+    >>> from erlif.trend import PinView, Region
+    >>> calibration, position = example_calibration(), 0.1 * np.arange(64)
+    >>> view = PinView(33.36e-3, 33.59e-3, 0.1, load_line=3.15, axial_origin=3.15)
+    >>> phi, z = (position - 3.15) / view.radius, position[:, None] - 3.15
+    >>> film = 230 - (227 - 0.01 * z) * np.cos(phi)
+    >>> ratios = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), calibration.predict_log(film)),
+    ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-8)),
+    ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
+    ... }))
+    >>> whole = Region(slice(0, 64), slice(0, 64))
+    >>> found = find_pin_position(ratios, calibration, region=whole, view=view)
+    >>> found.value[0].round(2), found.value[2].round(3)
+    (np.float64(227.0), np.float64(-0.01))
+    """
+    require(ratios, "log_ratio", "log_ratio_var", "flags")
+    curve = FilmCurve.of(calibration)
+    return find_pin_in_blocks(sum_blocks(ratios, region), curve, region=region, view=view)
+
+
+def find_pin_in_blocks(
+    sums: BlockSums, curve: FilmCurve, *, region: Region, view: PinView
+) -> PinPosition:
+    """Find the position of the pin from the sums over the blocks of a region.
+
+    `find_pin_position` does the same from images.
+
+    Parameters
+    ----------
+    sums : BlockSums
+    curve : FilmCurve
+    region : Region
+        Of the sums.
+    view : PinView
+
+    Returns
+    -------
+    PinPosition
+        NaN where too few blocks are valid.
+
+    Raises
+    ------
+    ConfigError
+        If the region does not lie within a quarter of a turn of the load line.
+
+    Examples
+    --------
+    An image without light has no position:
+
+    >>> import xarray as xr
+    >>> from erlif.core.products import RatioImages
+    >>> from erlif.plots import example_calibration
+    >>> dark = RatioImages(xr.Dataset({
+    ...     "log_ratio": (("y", "x"), np.zeros((64, 64))),
+    ...     "log_ratio_var": (("y", "x"), np.ones((64, 64))),
+    ...     "flags": (("y", "x"), np.full((64, 64), 128, np.uint8)),
+    ... }))
+    >>> whole, view = Region(slice(0, 64), slice(0, 64)), PinView(33e-3, 34e-3, 0.1, 3.0, 3.0)
+    >>> curve = FilmCurve.of(example_calibration())
+    >>> find_pin_in_blocks(sum_blocks(dark, whole), curve, region=whole, view=view).value
+    array([nan, nan, nan, nan])
+    """
+    blocks = average_blocks(sums, sliding_along_x=view.sliding_along_x)
+    sliding, axial = (
+        (region.columns, region.rows) if view.sliding_along_x else (region.rows, region.columns)
+    )
+
+    # positions in mm; blocks have the means of x and of its square
+    centre, half = _span(sliding, view.pitch)
+    offset = centre - view.load_line
+    if abs(offset) + half >= 0.5 * np.pi * view.radius:
+        raise ConfigError(
+            f"Expected a load line within {0.5 * np.pi * view.radius:.0f} mm of all of the region, "
+            f"a quarter of a turn; it is at {view.load_line:.2f} mm, the region lies at "
+            f"{centre - half:.2f} to {centre + half:.2f} mm. Correct load_line or pixel_pitch in "
+            "[optics], or the radii in [joint]."
+        )
+    x = offset + half * blocks.along
+    x_squared = offset**2 + 2 * offset * half * blocks.along + half**2 * blocks.along_squared
+    axial_centre, axial_half = _span(axial, view.pitch)
+    z = axial_centre - view.axial_origin + axial_half * blocks.across
+
+    # means of cosine and sine over a block, to the second order of its width
+    phi = x / view.radius
+    within = 1 - (x_squared - x**2) / (2 * view.radius**2)
+    cosine, sine = np.cos(phi) * within, np.sin(phi) * within
+    shapes = np.stack([-cosine, -sine, -z * cosine, -z * sine, x_squared / 2, z**2 / 2])
+
+    # amplitudes of shapes that reach 1 are films; the fit ends by the change of those
+    scale = 1 / np.abs(shapes).max(axis=1, initial=1e-9)
+    fit = fit_blocks(blocks, curve, shapes * scale[:, None], base=view.clearance)
+    if fit is None:
+        return _no_position(len(curve.gradient))
+
+    # the position with the form held at zero follows from the free fit in one linear step
+    curvature = fit.curvature
+    pinned = curvature[:_PINNED, :_PINNED]
+    released = np.linalg.solve(pinned, curvature[:_PINNED, _PINNED:])
+    held = fit.amplitudes[:_PINNED] + released @ fit.amplitudes[_PINNED:]
+    value = np.concatenate([held, fit.amplitudes[_PINNED:]]) * scale
+
+    # change of each number with the ratio of each block, through the reweighted fit
+    pull = scale[:, None] * np.concatenate(
+        [
+            np.linalg.solve(pinned, fit.jacobian[:_PINNED]),
+            np.linalg.solve(curvature, fit.jacobian)[_PINNED:],
+        ]
+    )
+    gradient = -(pull * (fit.response / fit.total_var)) @ curve.calibration.gradient(fit.film).T
+
+    # the scatter of the blocks about the fit beyond their noise is that of the surfaces
+    score = pull * (fit.weight * fit.residual)
+    random = (score * (blocks.variance / fit.total_var)) @ score.T
+    strips = [sum_by_strips(score, strip) for strip in (blocks.strip_along, blocks.strip_across)]
+    surface = _excess(_join_larger(*strips), random)
+
+    p, f = slice(0, _PINNED), slice(_PINNED, None)
+    return PinPosition(
+        value=value[p],
+        random_cov=random[p, p],
+        surface_cov=surface[p, p],
+        gradient=gradient[p],
+        form=value[f],
+        form_random_cov=random[f, f],
+        form_surface_cov=surface[f, f],
+        form_gradient=gradient[f],
+    )
+
+
+def _span(pixels: slice, pitch: float) -> tuple[float, float]:
+    """Middle and half of the extent of the pixel centres of a region. [mm]"""
+    first, last = pixels.start, pixels.stop - 1
+    return 0.5 * (first + last) * pitch, 0.5 * (last - first) * pitch
+
+
+def _join_larger(one: Array, two: Array) -> Array:
+    """A covariance with the larger of two variances of each number."""
+    both = one + two
+    scale = np.sqrt(np.maximum(np.diag(one), np.diag(two)) / np.diag(both))
+    return np.asarray(both * scale * scale[:, None])
+
+
+def _excess(total: Array, part: Array) -> Array:
+    """The total covariance less a part of it, without negative variances in any direction."""
+    root = np.linalg.cholesky(part)
+    inverse = np.linalg.inv(root)
+    ratio, axes = np.linalg.eigh(inverse @ total @ inverse.T)
+    turned = root @ axes
+    return np.asarray((turned * np.maximum(ratio - 1, 0.0)) @ turned.T)
+
+
+def _no_position(calibration_parameters: int) -> PinPosition:
+    """NaN everywhere."""
+    count = _PINNED, 2
+    (value, cov, gradient), (form, form_cov, form_gradient) = (
+        (np.full(n, np.nan), np.full((n, n), np.nan), np.full((n, calibration_parameters), np.nan))
+        for n in count
+    )
+    return PinPosition(value, cov, cov, gradient, form, form_cov, form_cov, form_gradient)

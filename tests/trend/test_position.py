@@ -1,0 +1,224 @@
+"""The position of the pin in known gaps of exact circles: values, covariance and form."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.gap import (
+    AXIAL_ORIGIN,
+    BORE,
+    LOAD_LINE,
+    PIN,
+    WHOLE,
+    X,
+    Y,
+    circle_gap,
+    known_calibration,
+    noisy_ratios,
+    true_log_ratio,
+)
+
+from erlif.core.errors import ConfigError
+from erlif.core.products import RatioImages
+from erlif.rig import RigSettings
+from erlif.rig.film import draw_marks
+from erlif.trend import PinView, Region, find_pin_position
+
+VIEW = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
+ON_THE_BORE = np.array([1, np.sqrt(BORE / PIN)] * 2)
+"""Numbers of the formula over those of circles, whose gap has the slope -ey/R2 on the bore."""
+
+
+def find(film_or_ratios, *, calibration=None, view=VIEW, region=WHOLE):
+    ratios = film_or_ratios
+    if isinstance(ratios, np.ndarray):
+        ratios = noisy_ratios(film_or_ratios, 1e-4, np.random.default_rng(0))
+        ratios.log_ratio.values[:] = true_log_ratio(film_or_ratios)
+    return find_pin_position(ratios, calibration or known_calibration(), region=region, view=view)
+
+
+def assert_near(found, expected, tolerance):
+    error = np.abs(np.subtract(found, expected))
+    assert (error <= tolerance).all(), error
+
+
+@pytest.mark.parametrize(
+    "truth", [(227.0, 0.0, 0.0, 0.0), (228.5, 12.0, 0.03, -0.2), (224.0, -15.0, -0.05, 0.3)]
+)
+def test_position_of_an_exact_circle_comes_back(truth):
+    """To the terms of the fourth order in phi, 2 nm, and the width of a block."""
+    found = find(circle_gap(*truth))
+    assert_near(found.value, truth * ON_THE_BORE, [4e-3, 2e-2, 5e-4, 5e-3])
+    # the form of circles has no bend; their curvature is that of the formula to h/R1
+    assert_near(found.form, 0, [3e-4, 5e-5])
+
+
+def test_view_has_the_radii_of_the_thesis():
+    """Conformal radius 4.872 m, curvature 0.2053 um/mm2 (Farzaneh 2002)."""
+    npt.assert_allclose(VIEW.clearance, 230.0, rtol=1e-9)
+    npt.assert_allclose(VIEW.curvature, 0.20525, rtol=1e-4)
+    npt.assert_allclose(VIEW.clearance / VIEW.radius**2, VIEW.curvature, rtol=1e-12)
+
+
+def test_load_line_and_axial_origin_only_turn_and_shift_the_numbers():
+    """The same gap from a load line 0.05 rad further, and from 2 mm further along the axis."""
+    film = circle_gap(227.0, 5.0, 0.02, 0.1)
+    here = find(film).value
+    turned = find(film, view=replace(VIEW, load_line=LOAD_LINE + 0.05 * VIEW.radius)).value
+    cos, sin = np.cos(0.05), np.sin(0.05)
+    expected = [cos * here[0] + sin * here[1], cos * here[1] - sin * here[0]]
+    npt.assert_allclose(turned[:2], expected, atol=3e-3)
+
+    shifted = find(film, view=replace(VIEW, axial_origin=AXIAL_ORIGIN + 2.0)).value
+    npt.assert_allclose(shifted[:2], here[:2] + 2.0 * here[2:], atol=1e-3)
+    npt.assert_allclose(shifted[2:], here[2:], atol=1e-4)
+
+
+def test_region_does_not_change_the_position():
+    film = circle_gap(227.0, 5.0, 0.02, 0.1)
+    part = Region(slice(24, 128), slice(48, 184))
+    assert_near(find(film, region=part).value, find(film).value, [2e-3, 2e-2, 5e-4, 5e-3])
+
+
+def test_image_with_x_and_y_exchanged_gives_the_same_position():
+    ratios = noisy_ratios(circle_gap(227.0, 5.0, 0.02, 0.1), 0.01, np.random.default_rng(6))
+    turned = RatioImages(ratios.rename(x="y", y="x").transpose("y", "x"))
+    found = find(
+        turned,
+        view=replace(VIEW, sliding_along_x=False),
+        region=Region(slice(0, X.size), slice(0, Y.size)),
+    )
+    npt.assert_allclose(found.value, find(ratios).value, rtol=1e-6, atol=1e-9)
+
+
+def draw_positions(rng):
+    """Films of 1.5 to 6 um, off the load line by up to 3 degrees, tilts of the thesis's rig."""
+    return np.array(
+        [
+            230 - rng.uniform(1.5, 6.0),
+            rng.uniform(-12, 12),
+            rng.uniform(-0.03, 0.03),
+            rng.uniform(-0.2, 0.2),
+        ]
+    )
+
+
+def pulls_of(draws, marks=None, rows=None, columns=None):
+    """Errors over standard deviations of positions and form, with a new calibration each."""
+    covariance = known_calibration().full_covariance
+    root = np.linalg.cholesky(covariance)
+    pulls = []
+    for seed in range(draws):
+        rng = np.random.default_rng([31, seed])
+        truth = draw_positions(rng)
+        film = circle_gap(*truth)
+        if marks is not None:
+            film = np.maximum(film + draw_marks(marks, rng)(columns, rows), 0.05)
+        fitted = known_calibration().parameters + root @ rng.standard_normal(3)
+        found = find(noisy_ratios(film, 0.0135, rng), calibration=known_calibration(*fitted))
+        error = np.concatenate([found.value - truth * ON_THE_BORE, found.form])
+        parts = found.covariance(covariance), found.form_covariance(covariance)
+        pulls.append(error / np.sqrt(np.concatenate([np.diag(part) for part in parts])))
+    return np.abs(pulls)
+
+
+def check_coverage(pulls, draws):
+    """Within three standard deviations of a count, 68.3 and 95.4 % for each number."""
+    for width, share in ((1, 0.683), (2, 0.954)):
+        found = np.mean(pulls < width, axis=0)
+        margin = 3 * np.sqrt(share * (1 - share) / draws)
+        assert (np.abs(found - share) < margin).all(), (width, found)
+
+
+def test_covariance_covers_noise_and_calibration():
+    check_coverage(pulls_of(200), 200)
+
+
+@pytest.mark.slow
+def test_covariance_covers_turned_and_scratched_surfaces():
+    rows, columns = np.indices((Y.size, X.size), dtype=float)
+    pulls = pulls_of(200, RigSettings(), rows + 40, columns + 60)
+    check_coverage(pulls, 200)
+
+
+def test_random_covariance_is_the_scatter():
+    """Scatter of 100 positions of one gap, 7 % of it known; correlations to 0.15."""
+    film = circle_gap(227.0, 4.0, 0.01, 0.1)
+    found = [find(noisy_ratios(film, 0.0135, np.random.default_rng([32, n]))) for n in range(100)]
+    scatter = np.cov(np.array([one.value for one in found]).T)
+    claimed = np.mean([one.random_cov for one in found], axis=0)
+    npt.assert_allclose(np.sqrt(np.diag(claimed) / np.diag(scatter)), 1, atol=0.21)
+
+    def correlations(cov):
+        std = np.sqrt(np.diag(cov))
+        return cov / std / std[:, None]
+
+    npt.assert_allclose(correlations(claimed), correlations(scatter), atol=0.3)
+
+
+def test_parts_of_the_covariance_have_no_negative_variance():
+    found = find(noisy_ratios(circle_gap(227.0, 4.0), 0.01, np.random.default_rng(33)))
+    for part in (
+        found.random_cov,
+        found.surface_cov,
+        found.form_random_cov,
+        found.form_surface_cov,
+    ):
+        npt.assert_allclose(part, part.T, rtol=1e-9, atol=1e-12 * np.trace(part))
+        assert np.linalg.eigvalsh(part).min() >= -1e-12 * np.trace(part)
+
+
+@pytest.mark.parametrize("parameter", range(3))
+def test_gradients_are_the_change_with_the_calibration(parameter):
+    """To 5 % and a hundredth of the random error, through which the weights change a little."""
+    ratios = noisy_ratios(circle_gap(227.0, 4.0, 0.01, 0.1), 0.0135, np.random.default_rng(5))
+    base = find(ratios)
+    changed = list(known_calibration().parameters)
+    changed[parameter] += 2e-4
+    moved = find(ratios, calibration=known_calibration(*changed))
+    for before, after, gradient, cov in (
+        (base.value, moved.value, base.gradient, base.random_cov),
+        (base.form, moved.form, base.form_gradient, base.form_random_cov),
+    ):
+        expected = 2e-4 * gradient[:, parameter]
+        tolerance = 0.05 * np.abs(expected) + 0.01 * np.sqrt(np.diag(cov))
+        assert_near(after - before, expected, tolerance)
+
+
+def test_pin_of_another_radius_has_another_curvature():
+    """5 % less clearance: 5 % less curvature, at any film."""
+    for film in (2.0, 5.0):
+        found = find(circle_gap(218.5 - film, 0.0, pin=BORE - 0.2185))
+        npt.assert_allclose(found.form[0] / VIEW.curvature, -0.05, atol=0.002)
+
+
+def test_bent_pin_has_a_curvature_along_the_axis():
+    """0.3 um over 4.8 mm: 2 x 0.3 / 4.77^2."""
+    bend = 0.3 * ((Y - AXIAL_ORIGIN) / AXIAL_ORIGIN)[:, None] ** 2
+    found = find(circle_gap(227.0, 3.0) + bend)
+    npt.assert_allclose(found.form[1], 2 * 0.3 / AXIAL_ORIGIN**2, rtol=0.01)
+    assert abs(found.form[0]) < 3e-4
+
+
+def test_dust_does_not_move_the_pin():
+    ratios = noisy_ratios(circle_gap(227.0, 3.0), 0.01, np.random.default_rng(4))
+    ratios.log_ratio.values[40:60, 100:124] += 0.2
+    assert_near(find(ratios).value, [227, 3, 0, 0], [0.01, 0.1, 0.003, 0.03])
+
+
+def test_position_is_missing_where_the_blocks_do_not_determine_it():
+    """A column and a row of blocks leave the side tilt open."""
+    for corner in (slice(None), slice(8, None)):
+        ratios = noisy_ratios(circle_gap(227.0, 3.0), 0.01, np.random.default_rng(10))
+        ratios.flags.values[corner, corner] = 128
+        found = find(ratios)
+        for value in vars(found).values():
+            assert np.isnan(value).all()
+        assert found.gradient.shape == (4, 3)
+        assert found.form_gradient.shape == (2, 3)
+
+
+def test_load_line_on_the_other_side_of_the_joint_is_refused():
+    with pytest.raises(ConfigError, match="load_line"):
+        find(circle_gap(227.0, 0.0), view=replace(VIEW, load_line=100.0))
