@@ -37,6 +37,25 @@ class PictureSize(click.ParamType[tuple[int, int]]):
         return int(width), int(height)
 
 
+class FilmChoice(click.ParamType["float | str"]):
+    """A film at top speed, or the word for the film of theory."""
+
+    name = "UM|reynolds"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | str:
+        """A number, or the word itself."""
+        if value == "reynolds":
+            return "reynolds"
+        try:
+            return float(str(value))
+        except ValueError:
+            self.fail(
+                f"{value!r} is neither a film in um, such as 6, nor the word reynolds.", param, ctx
+            )
+
+
 @click.command()
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option(
@@ -79,7 +98,27 @@ class PictureSize(click.ParamType[tuple[int, int]]):
     "--film",
     default=DEFAULT.film_reference,
     show_default=True,
-    help="Minimum film thickness at top speed, in um.",
+    type=FilmChoice(),
+    help="Minimum film thickness at top speed, in um, of a power law; or reynolds, the film that "
+    "load and motion produce, which changes from cycle to cycle.",
+)
+@click.option(
+    "--elapsed",
+    default=DEFAULT.elapsed,
+    show_default=True,
+    help="Film reynolds: turns of the crank from loading, with a centred pin, to the first cycle.",
+)
+@click.option(
+    "--viscosity",
+    default=DEFAULT.viscosity,
+    show_default=True,
+    help="Viscosity of the oil, in Pa s.",
+)
+@click.option(
+    "--stated-viscosity",
+    default=DEFAULT.stated_viscosity,
+    show_default=True,
+    help="Viscosity that run.toml states, in Pa s; 0: the true one.",
 )
 @click.option(
     "--exponent",
@@ -196,7 +235,10 @@ def simulate(
     pictures: int,
     spacing: float,
     cycles: int,
-    film: float,
+    film: float | str,
+    elapsed: float,
+    viscosity: float,
+    stated_viscosity: float,
     exponent: float,
     marks: float,
     bubbles: int,
@@ -231,6 +273,7 @@ def simulate(
 
     from erlif.rig import simulate as photograph
 
+    theory = film == "reynolds"
     rig = RigSettings(
         width=size[0],
         height=size[1],
@@ -238,7 +281,12 @@ def simulate(
         pictures=pictures,
         spacing=spacing,
         cycles=cycles,
-        film_reference=film,
+        film="reynolds" if theory else "law",
+        film_reference=DEFAULT.film_reference if theory else float(film),
+        tilt=0.0 if theory else DEFAULT.tilt,
+        elapsed=elapsed,
+        viscosity=viscosity,
+        stated_viscosity=stated_viscosity,
         exponent=exponent,
         marks=marks,
         bubbles=bubbles,

@@ -116,7 +116,8 @@ class Triggers(NamedTuple):
     load : Array
         Load on the joint. [N]
     film_min : Array
-        Minimum film thickness of the smooth gap in the region of interest. [um]
+        Minimum film thickness of the smooth gap in the region of interest; NaN for the film
+        "reynolds", which changes from frame to frame. [um]
     """
 
     reading: Array
@@ -171,6 +172,8 @@ def list_triggers(rig: RigSettings) -> Triggers:
 
 def follow_film_law(rig: RigSettings, speed: Array, load: Array) -> Array:
     """Minimum film thickness at a speed [of the highest] and a load [N], by law or table. [um]"""
+    if rig.film == "reynolds":
+        return np.full(speed.size, np.nan)
     if rig.film_table is None:
         law = rig.film_reference * (speed * rig.load / load) ** rig.exponent
         return np.maximum(law, rig.film_floor)

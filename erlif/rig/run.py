@@ -15,13 +15,13 @@ from erlif.rig.dyes import BANDS, tabulate_signal
 from erlif.rig.film import (
     Bubbles,
     Gap,
-    Marks,
     Patched,
     Triggers,
     Wedge,
     draw_bubbles,
     draw_marks,
 )
+from erlif.rig.journal import list_gaps
 from erlif.rig.logger import encoder_toml, frame_times, read_encoder, write_log_in_time
 from erlif.rig.motion import list_pictures, mechanism_toml
 from erlif.rig.scene import mix_grains
@@ -57,14 +57,14 @@ _NAMES = {
 _JOINT_TOML = """[joint]
 pin_radius = "{rig.pin_radius:g} mm"
 bushing_radius = "{rig.bushing_radius:g} mm"
-length = "237 mm"
+length = "{rig.length:g} mm"
 load = "{rig.load:g} N"
 pin = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
 bushing = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
 
 [oil]
 name = "80W-90"
-viscosity = "0.12 Pa s"
+viscosity = "{viscosity:g} Pa s"
 pressure_viscosity = "20 1/GPa"
 
 """
@@ -111,7 +111,6 @@ def write_run(
     """Write the run, and its film into `truth`."""
     rig = setup.rig
     triggers = list_pictures(rig)
-    per_cycle = triggers.reading.size
     frames = frame_times(triggers, rig).size
 
     # the order of the draws belongs to the bytes of a seed
@@ -119,18 +118,19 @@ def write_run(
     drift = vibrate(frames, rig, rng)
     energy = 1 + rig.pulse_jitter * rng.standard_normal(frames)
     marks = draw_marks(rig, random_stream(seed, "marks"))
-    setup = dataclasses.replace(setup, typical=median_light(setup, triggers, marks))
+    gaps = list_gaps(triggers, rig, marks)
+    setup = dataclasses.replace(setup, typical=median_light(setup, gaps))
 
     write_reference_pages(directory, setup, random_stream(seed, "run pages"))
     write_background_pages(directory, setup, random_stream(seed, "run background"))
     with h5netcdf.File(truth, "w") as file:
-        describe_truth(file, setup, triggers, Session(drift, fixture_drift, energy), seed)
-        write_true_film(file, setup, triggers, marks)
+        describe_truth(file, setup, triggers, gaps, Session(drift, fixture_drift, energy), seed)
+        write_true_film(file, setup, gaps)
         for k in range(frames):
             rng_frame = random_stream(seed, "run frame", k)
             bubbles = draw_bubbles(rig, rng_frame)
             shot = Shot(
-                film=Patched(rig, Gap(rig, float(triggers.film_min[k % per_cycle]), marks)),
+                film=Patched(rig, gaps[k % len(gaps)]),
                 bubbles=bubbles,
                 grains=mix_grains(setup.grains, rig, rng_frame),
                 energy=float(energy[k]),
@@ -147,10 +147,10 @@ def write_run(
     (directory / "run.toml").write_text(run_toml(rig, triggers), encoding="utf-8")
 
 
-def median_light(setup: Setup, triggers: Triggers, marks: Marks) -> tuple[float, float]:
+def median_light(setup: Setup, gaps: list[Gap]) -> tuple[float, float]:
     """Median light of each camera over the run, at a pulse of energy 1. [electron]"""
     x, y = setup.x[::_EVERY, ::_EVERY], setup.y[::_EVERY, ::_EVERY]
-    films = [Gap(setup.rig, float(film), marks)(x, y) for film in triggers.film_min]
+    films = [gap(x, y) for gap in gaps]
     one, two = (
         float(np.median([setup.light(number, film, x, y) for film in films])) for number in (1, 2)
     )
@@ -318,7 +318,9 @@ thickness = "{rig.reference:g} um"
 uncertainty = "{_REFERENCE_STD:g} um"
 """
     zero = read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero
-    joint = _JOINT_TOML.format(rig=rig) if rig.mechanism == "crank-rocker" else ""
+    viscosity = rig.stated_viscosity or rig.viscosity
+    linked = rig.mechanism == "crank-rocker"
+    joint = _JOINT_TOML.format(rig=rig, viscosity=viscosity) if linked else ""
     return f"""calibration = "../fixture/calibration.nc"
 
 [run]

@@ -12,6 +12,7 @@ CHOICES = {
     "encoder": ("rocker", "coupler", "crank"),
     "reading": ("degrees", "wrapped", "ticks"),
     "log": ("frames", "continuous"),
+    "film": ("law", "reynolds"),
 }
 """Settings that are one of several words."""
 LARGEST_SPACING = 10.0
@@ -37,6 +38,10 @@ LIMITS = {
     "field_width": (0.01, 1000),
     "crank_speed": (0.001, 1e5),
     "load": (1e-6, 1e9),
+    "length": (1e-3, 1e6),
+    "viscosity": (1e-6, 1e6),
+    "stated_viscosity": (0, 1e6),
+    "elapsed": (0, 1e4),
     "load_swing": (0, 0.99),
     "film_reference": (1e-3, 1000),
     "film_floor": (1e-3, 1000),
@@ -130,10 +135,22 @@ class RigSettings:
         Radius of the pin. [mm]
     bushing_radius : float
         Radius of the bushing. [mm]
+    length : float
+        Length of the joint along its axis. [mm]
     load : float
         Mean load, 50 lbf. [N]
     load_swing : float
         Relative amplitude with which the load follows the crank.
+    viscosity : float
+        Viscosity of the oil. [Pa s]
+    stated_viscosity : float
+        Viscosity that run.toml states, where it is not the true one; 0: the true one. [Pa s]
+    film : str
+        "law", a power of speed over load, or "reynolds", the film that the load and the motion of
+        the linkage produce; it changes from cycle to cycle.
+    elapsed : float
+        Turns of the crank from loading to the start of the first cycle, of the film "reynolds";
+        the pin is centred at first. After 24 turns the film is about 6 um.
     film_reference : float
         Minimum film thickness at the highest rocker speed and the mean load. [um]
     exponent : float
@@ -143,9 +160,11 @@ class RigSettings:
     film_table : tuple[float, ...] | None
         Minimum film thickness at each trigger of one cycle, in place of the law. [um]
     thin_line : float
-        Position of the thinnest film along x, from the middle of the field. [mm]
+        Position of the thinnest film along x, from the middle of the field; of the load line for
+        the film "reynolds". [mm]
     tilt : float
-        Rise of the film over the height of the field. [um]
+        Rise of the film over the height of the field; 0 for the film "reynolds", whose pin and
+        bushing are parallel. [um]
     marks : float
         Standard deviation of the turning marks; scratches are four times as deep. [um]
     bubbles : int
@@ -253,10 +272,15 @@ class RigSettings:
     # joint
     pin_radius: float = 33.36
     bushing_radius: float = 33.59
+    length: float = 237.0
     load: float = 222.411
     load_swing: float = 0.01
+    viscosity: float = 0.12
+    stated_viscosity: float = 0.0
 
     # film
+    film: str = "law"
+    elapsed: float = 24.0
     film_reference: float = 6.0
     exponent: float = 0.62
     film_floor: float = 0.3
@@ -317,6 +341,7 @@ class RigSettings:
         self._check_numbers()
         self._check_picture()
         self._check_motion()
+        self._check_film()
         self._check_optics()
 
     def _check_numbers(self) -> None:
@@ -387,6 +412,21 @@ class RigSettings:
                 "The pin radius must be smaller than the bushing radius. Correct one of them."
             )
 
+    def _check_film(self) -> None:
+        """Refuse a film of theory together with another motion, a table or a tilt."""
+        if self.film != "reynolds":
+            return
+        if self.mechanism != "crank-rocker":
+            raise ModelError(
+                "Expected the mechanism crank-rocker for the film reynolds, which is that of a "
+                f"journal bearing; got {self.mechanism!r}. Choose another film or mechanism."
+            )
+        if self.film_table is not None or self.tilt != 0:
+            raise ModelError(
+                "Expected the film reynolds without film_table and with a tilt of 0, because pin "
+                f"and bushing are parallel; got a tilt of {self.tilt:g} um. Leave them out."
+            )
+
     def _check_optics(self) -> None:
         """Refuse light, film and displacement outside the range of the simulation."""
         if self.light <= 0 or self.gain <= 0 or self.film_floor <= 0 or self.film_reference <= 0:
@@ -427,6 +467,16 @@ class RigSettings:
     def relative_radius(self) -> float:
         """R = R1 R2 / (R1 - R2) of a pin in a bushing. [mm]"""
         return self.bushing_radius * self.pin_radius / (self.bushing_radius - self.pin_radius)
+
+    @property
+    def journal_radius(self) -> float:
+        """Geometric mean of both radii. [mm]"""
+        return math.sqrt(self.pin_radius * self.bushing_radius)
+
+    @property
+    def clearance(self) -> float:
+        """Difference of the radii. [um]"""
+        return 1e3 * (self.bushing_radius - self.pin_radius)
 
     @property
     def region(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -11,12 +11,21 @@ from numpy.typing import NDArray
 
 from erlif.core.arrays import Array
 from erlif.rig.camera import displacement, vignetting
-from erlif.rig.film import Gap, Marks, Triggers, Wedge, lay_patch
+from erlif.rig.film import Gap, Triggers, Wedge, lay_patch
+from erlif.rig.journal import JournalGap, load_at
+from erlif.rig.logger import frame_times
+from erlif.rig.motion import cycle_time
 from erlif.rig.settings import RigSettings
 from erlif.rig.setup import Setup
 
 _FILM_STEPS = 4096  # per um: the film is rounded to 0.12 nm
 _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
+
+
+_LAW = ("film_reference", "exponent", "film_floor", "film_table", "tilt")
+"""Settings of the film by the law alone."""
+_THEORY = ("elapsed",)
+"""Setting of the film "reynolds" alone."""
 
 
 class Session(NamedTuple):
@@ -54,7 +63,12 @@ class _Image(NamedTuple):
 
 
 def describe_truth(
-    file: h5netcdf.File, setup: Setup, triggers: Triggers, session: Session, seed: int
+    file: h5netcdf.File,
+    setup: Setup,
+    triggers: Triggers,
+    gaps: list[Gap],
+    session: Session,
+    seed: int,
 ) -> None:
     """Write all small variables and the attributes, and create the images.
 
@@ -73,6 +87,7 @@ def describe_truth(
     for small in (
         *_list_axes(rig),
         *_list_triggers(triggers, rig.mechanism),
+        *_list_gaps(triggers, gaps, rig),
         *_list_frames(triggers, session),
         *_list_geometry(setup),
     ):
@@ -81,14 +96,15 @@ def describe_truth(
         variable.attrs["long_name"] = small.meaning
 
     for image in _IMAGES:
+        dims = tuple(_FILM_DIM[rig.film] if dim == "film" else dim for dim in image.dims)
         variable = file.create_variable(
             image.name,
-            image.dims,
+            dims,
             image.kind,
             compression="gzip",
             compression_opts=4,
             shuffle=True,
-            chunks=(1,) * (len(image.dims) - 2) + (rig.height, rig.width),
+            chunks=(1,) * (len(dims) - 2) + (rig.height, rig.width),
         )
         variable.attrs["units"] = image.units
         variable.attrs["long_name"] = image.meaning
@@ -97,7 +113,7 @@ def describe_truth(
     file.attrs["source"] = f"erlif {version('erlif')}, virtual rig; the dyes' spectra are invented"
     file.attrs["seed"] = np.int64(seed)
     for name, value in asdict(rig).items():
-        if value is not None:
+        if value is not None and name not in (_LAW if rig.film == "reynolds" else _THEORY):
             number = np.int8(value) if isinstance(value, bool) else np.asarray(value)
             file.attrs[f"rig_{name}"] = value if isinstance(value, str) else number
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)
@@ -114,8 +130,6 @@ def _list_axes(rig: RigSettings) -> Iterator[_Variable]:
 def _list_triggers(triggers: Triggers, mechanism: str) -> Iterator[_Variable]:
     """Film and motion of each trigger."""
     dims = ("trigger",)
-    gap = "minimum film thickness of the smooth gap in the region of interest"
-    yield _Variable("film_min", dims, triggers.film_min, "um", gap)
     yield _Variable("encoder_angle", dims, triggers.reading, "degree", "encoder reading")
     yield _Variable("load", dims, triggers.load, "N", "load on the joint")
     if mechanism != "crank-rocker":
@@ -128,6 +142,35 @@ def _list_triggers(triggers: Triggers, mechanism: str) -> Iterator[_Variable]:
     yield _Variable("rocker_angle", dims, rocker, "degree", ground)
     yield _Variable("crank_angle", dims, triggers.crank_angle, "degree", side)
     yield _Variable("rocker_speed", dims, triggers.speed, "rad s-1", "positive with rising angle")
+
+
+def _list_gaps(triggers: Triggers, gaps: list[Gap], rig: RigSettings) -> Iterator[_Variable]:
+    """Minimum of every film, and the place of the pin where there is one."""
+    dims = (_FILM_DIM[rig.film],)
+    minimum = "minimum film thickness of the smooth gap in the region of interest"
+    yield _Variable("film_min", dims, np.array([gap.film_min for gap in gaps]), "um", minimum)
+
+    pins = [gap for gap in gaps if isinstance(gap, JournalGap)]
+    if not pins:
+        return
+    columns = (
+        ("pin_displacement_load", "along", "um", "of the pin from the bushing, along the load"),
+        ("pin_displacement_side", "side", "um", "of the pin from the bushing, along +x"),
+        ("eccentricity", "eccentricity", "1", "distance of the axes over the radial clearance"),
+        ("attitude", "attitude", "rad", "from the load line to the thinnest film, along +x"),
+    )
+    for name, field, units, meaning in columns:
+        yield _Variable(name, dims, np.array([getattr(pin, field) for pin in pins]), units, meaning)
+
+    time = frame_times(triggers, rig)
+    since = time + rig.elapsed * cycle_time(rig)
+    line = np.array(rig.centre[0] * rig.pitch + rig.thin_line)
+    viscosity = np.full(time.size, rig.viscosity)
+    yield _Variable("time", dims, time, "s", "as in the encoder log")
+    yield _Variable("time_since_loading", dims, since, "s", "the pin is centred at time 0")
+    yield _Variable("frame_load", dims, load_at(time, rig), "N", "load on the joint")
+    yield _Variable("viscosity", dims, viscosity, "Pa s", "of the oil in the gap")
+    yield _Variable("load_line", (), line, "mm", "position of the load line along x")
 
 
 def _list_frames(triggers: Triggers, session: Session) -> Iterator[_Variable]:
@@ -162,17 +205,20 @@ def _list_geometry(setup: Setup) -> Iterator[_Variable]:
     yield _Variable("wedge", ("x",), wedge, "um", "film of the calibration fixture")
 
 
+_FILM_DIM = {"law": "trigger", "reynolds": "frame"}
+"""Dimension along which the film changes."""
+
 _IMAGES = (
     _Image(
         name="film",
-        dims=("trigger", "y", "x"),
+        dims=("film", "y", "x"),
         kind="f4",
         units="um",
         meaning="film with its marks, without bubbles, at pixel centres of camera 1",
     ),
     _Image(
         name="expected_electrons",
-        dims=("camera", "trigger", "y", "x"),
+        dims=("camera", "film", "y", "x"),
         kind="f4",
         units="electron",
         meaning=(
@@ -190,17 +236,16 @@ _IMAGES = (
 )
 
 
-def write_true_film(file: h5netcdf.File, setup: Setup, triggers: Triggers, marks: Marks) -> None:
-    """Write film and expected signal trigger by trigger.
+def write_true_film(file: h5netcdf.File, setup: Setup, gaps: list[Gap]) -> None:
+    """Write each film and its expected signal.
 
     They are rounded below what any camera could resolve, so that they compress well.
     """
     rig, x, y = setup.rig, setup.x, setup.y
     dx, dy = displacement(x, y, rig)
     lens = vignetting(x, y, 1, rig), vignetting(x + dx, y + dy, 2, rig)
-    height = marks(x, y)
-    for k, film_min in enumerate(triggers.film_min):
-        gap = Gap(rig, float(film_min), marks)
+    height = gaps[0].marks(x, y)
+    for k, gap in enumerate(gaps):
         film = lay_patch(gap.close(gap.smooth(x, y), height), x, y, rig)
         file["film"][k] = np.rint(film * _FILM_STEPS) / _FILM_STEPS
         for number in (1, 2):

@@ -1,6 +1,7 @@
 """``erlif simulate``."""
 
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 from conftest import snapshot
 
@@ -31,6 +32,10 @@ def test_a_picture_size_that_cannot_be_read_is_refused_with_an_example(tmp_path)
         ("--exponent", "inf", "Expected exponent"),
         ("--film", "nan", "Expected film_reference"),
         ("--film", "-2", "Expected film_reference"),
+        ("--film", "thick", "nor the word reynolds"),
+        ("--elapsed", "-1", "Expected elapsed"),
+        ("--viscosity", "0", "Expected viscosity"),
+        ("--stated-viscosity", "nan", "Expected stated_viscosity"),
         ("--light", "nan", "Expected light"),
         ("--light", "0", "Expected light"),
         ("--size", "²x²", "is not a picture size"),
@@ -52,6 +57,25 @@ def test_a_rig_that_cannot_be_is_refused_and_nothing_is_written(tmp_path, option
     assert words in result.stderr
     assert "Traceback" not in result.output
     assert not (tmp_path / "out").exists()
+
+
+def test_a_film_of_theory_is_photographed_with_the_stated_viscosity(tmp_path):
+    out = tmp_path / "out"
+    options = ["--film", "reynolds", "--elapsed", "20", "--stated-viscosity", "0.1"]
+    result = CliRunner().invoke(main, ["simulate", str(out), *SMALL, *options])
+    assert result.exit_code == 0, result.output
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        # 8.0 um after 21 cycles, less than 10 % thicker a cycle before
+        assert 8.0 < float(truth.film_min[0]) < 8.8
+        assert float(truth.viscosity[0]) == 0.12
+    assert 'viscosity = "0.1 Pa s"' in (out / "run" / "run.toml").read_text()
+
+
+def test_a_film_of_theory_of_a_disc_is_refused(tmp_path):
+    options = ["--film", "reynolds", "--mechanism", "rotation"]
+    result = CliRunner().invoke(main, ["simulate", str(tmp_path / "out"), *SMALL, *options])
+    assert result.exit_code == 2
+    assert "journal bearing" in result.stderr
 
 
 @pytest.mark.parametrize("precious", ["run/thesis.txt", "fixture/camera1/my.tif", "truth.nc"])

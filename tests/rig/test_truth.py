@@ -73,3 +73,26 @@ def test_values_are_rounded_below_what_a_camera_resolves(truth):
     npt.assert_array_equal(film * 4096, np.rint(film * 4096))
     mantissa, _ = np.frexp(truth.expected_electrons.to_numpy().astype(float))
     npt.assert_array_equal(mantissa * 2048, np.rint(mantissa * 2048))
+
+
+def test_the_film_of_theory_is_given_for_every_frame_with_the_place_of_the_pin(tmp_path):
+    rig = replace(QUICK, film="reynolds", tilt=0.0, cycles=2, marks=0.0, viscosity=0.11)
+    out = simulate(tmp_path, rig=rig)
+    with xr.open_dataset(out / "truth.nc", engine="h5netcdf") as truth:
+        assert dict(truth.film.sizes) == {"frame": 12, "y": 48, "x": 64}
+        assert dict(truth.expected_electrons.sizes) == {"camera": 2, "frame": 12, "y": 48, "x": 64}
+        phi = (truth.x - truth.load_line) / np.sqrt(33.36 * 33.59)
+        gap = (
+            230
+            - truth.pin_displacement_load * np.cos(phi)
+            - truth.pin_displacement_side * np.sin(phi)
+        )
+        npt.assert_allclose(truth.film, gap.broadcast_like(truth.film), atol=2e-4)
+        film_min = 230 * (1 - truth.eccentricity)
+        npt.assert_allclose(truth.film_min, film_min, rtol=1e-9)
+        npt.assert_array_equal(truth.viscosity, 0.11)
+        npt.assert_allclose(truth.time_since_loading - truth.time, 24 * 60 / 114)
+        assert "rig_exponent" not in truth.attrs
+        log = np.genfromtxt(out / "run" / "encoder.csv", delimiter=",", names=True)
+        npt.assert_allclose(log["time_s"], truth.time, atol=1e-6)
+        npt.assert_allclose(log["load_N"], truth.frame_load, atol=1e-3)

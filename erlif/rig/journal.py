@@ -1,0 +1,101 @@
+"""The film of every frame: by the law of its trigger, or where load and motion put the pin.
+
+The film "reynolds" is that of two rigid parallel cylinders. It changes from cycle to cycle, so
+every frame has its own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.rig.film import Gap, Marks, Triggers, crank_at, rocker_speed
+from erlif.rig.logger import frame_times
+from erlif.rig.motion import cycle_time
+from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.settings import RigSettings
+
+
+@dataclass(frozen=True)
+class JournalGap(Gap):
+    """Film between two parallel cylinders whose axes are apart.
+
+    Attributes
+    ----------
+    along : float
+        Displacement of the pin along the load. [um]
+    side : float
+        Displacement of the pin along +x. [um]
+    """
+
+    along: float
+    side: float
+
+    def smooth(self, x: Array, y: Array) -> Array:
+        """Film without marks, c - e cos(phi - attitude); phi = 0 is the load line. [um]"""
+        rig = self.rig
+        phi = ((x - rig.centre[0]) * rig.pitch - rig.thin_line) / rig.journal_radius
+        return np.asarray(rig.clearance - self.along * np.cos(phi) - self.side * np.sin(phi))
+
+    @property
+    def eccentricity(self) -> float:
+        """Distance of the axes over the clearance. [1]"""
+        return float(np.hypot(self.along, self.side)) / self.rig.clearance
+
+    @property
+    def attitude(self) -> float:
+        """Angle from the load line to the thinnest film, positive along +x. [rad]"""
+        return float(np.arctan2(self.side, self.along))
+
+
+def list_gaps(triggers: Triggers, rig: RigSettings, marks: Marks) -> list[Gap]:
+    """List the films: one for each trigger by the law, one for each frame of "reynolds".
+
+    Frame k has the film k modulo their number.
+    """
+    if rig.film == "law":
+        return [Gap(rig, float(film), marks) for film in triggers.film_min]
+    place = 1e6 * follow_pin(frame_times(triggers, rig), rig)
+    return [_place_pin(rig, marks, float(along), float(side)) for along, side in place]
+
+
+def _place_pin(rig: RigSettings, marks: Marks, along: float, side: float) -> JournalGap:
+    """The gap of a pin at a place [um]; its minimum in the region follows from the place."""
+    attitude = np.arctan2(side, along)
+    edges = (np.array(rig.region[0]) - rig.centre[0] * rig.pitch - rig.thin_line) / (
+        rig.journal_radius
+    )
+    thinnest = np.clip(attitude, *edges)
+    film_min = rig.clearance - np.hypot(along, side) * np.cos(thinnest - attitude)
+    return JournalGap(rig, float(film_min), marks, along, side)
+
+
+def load_at(time: Array, rig: RigSettings) -> Array:
+    """Load on the joint [N] at times [s] after the smallest rocker angle."""
+    return np.asarray(rig.load * (1 + rig.load_swing * np.sin(crank_at(time, rig))))
+
+
+def follow_pin(time: Array, rig: RigSettings) -> Array:
+    """Displacement of the pin at rising times after the smallest rocker angle [s].
+
+    The linkage turns all the time. The load comes on `elapsed` cycles before time 0, with the pin
+    in the middle of the bushing. A rising rocker angle moves the surface of the bushing along +x.
+
+    Returns
+    -------
+    array, (time, direction)
+        Along the load and along +x. [m]
+    """
+    bearing = Bearing(
+        radius=1e-3 * rig.journal_radius,
+        clearance=1e-6 * rig.clearance,
+        length=1e-3 * rig.length,
+        viscosity=rig.viscosity,
+    )
+    loading = -rig.elapsed * cycle_time(rig)
+    return follow_orbit(
+        bearing,
+        np.append(loading, time),
+        load=lambda moment: float(load_at(np.asarray(moment), rig)),
+        rotation=lambda moment: float(rocker_speed(crank_at(np.asarray(moment), rig), rig)),
+    )[1:]

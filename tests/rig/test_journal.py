@@ -1,0 +1,104 @@
+"""The film of every frame: geometry of two circles, and the swing of the thin line."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.rig.film import crank_at, draw_marks, list_triggers, rocker_angle
+from erlif.rig.journal import JournalGap, follow_pin, list_gaps, load_at
+from erlif.rig.logger import frame_times
+from erlif.rig.settings import RigSettings
+
+RIG = RigSettings(film="reynolds", tilt=0.0, spacing=8.0, cycles=2, load_swing=0.0)
+
+
+@pytest.fixture(scope="module")
+def gaps():
+    """Films of two cycles of six triggers, 24 cycles after loading."""
+    return list_gaps(list_triggers(RIG), RIG, draw_marks(RIG, np.random.default_rng(0)))
+
+
+def test_the_gap_is_that_of_two_circles():
+    """Ray from the middle of the bushing to the pin, whose middle is 200 um away at 5 degrees."""
+    rig = replace(RIG, thin_line=0.0)
+    off = np.radians(5)
+    marks = draw_marks(rig, np.random.default_rng(0))
+    gap = JournalGap(rig, 0.0, marks, 200 * np.cos(off), 200 * np.sin(off))
+    phi = np.radians(np.linspace(-10, 10, 9))
+    x = rig.centre[0] + phi * np.sqrt(33.36 * 33.59) / rig.pitch
+    across, along = 0.2 * np.sin(phi - off), 0.2 * np.cos(phi - off)  # mm
+    pin = along + np.sqrt(33.36**2 - across**2)
+    npt.assert_allclose(gap.smooth(x, np.zeros(9)), 1e3 * (33.59 - pin), atol=0.05)
+    assert gap.eccentricity == pytest.approx(200 / 230)
+    assert np.degrees(gap.attitude) == pytest.approx(5)
+
+
+def test_every_frame_of_the_film_of_theory_has_its_own(gaps):
+    films = np.array([gap.film_min for gap in gaps])
+    assert films.size == 12
+    assert np.all(np.diff(films) < 0)  # free to move sideways it only sinks
+    assert films[0] == pytest.approx(6.3, abs=0.15)  # 6.4 um after 24 cycles
+    law = replace(RIG, film="law")
+    assert len(list_gaps(list_triggers(law), law, gaps[0].marks)) == 6
+
+
+def test_the_thin_line_swings_by_half_the_bushing_angle(gaps):
+    """7.11 mm from end to end at the surface of the pin, 3.6 mm to either side."""
+    time = frame_times(list_triggers(RIG), RIG)
+    bushing = rocker_angle(crank_at(time, RIG), RIG)
+    attitude = np.array([gap.attitude for gap in gaps])
+    npt.assert_allclose(np.diff(attitude), np.diff(bushing) / 2, atol=2e-3)
+
+    full = np.linspace(0, 60 / 114, 101)
+    along, side = follow_pin(full, RIG).T
+    line = RIG.journal_radius * np.arctan2(side, along)
+    npt.assert_allclose([line.min(), line.max()], [-3.6, 3.6], atol=0.2)
+
+
+def test_the_minimum_is_that_of_the_region(gaps):
+    (left, right), (top, _) = RIG.region
+    x = np.linspace(left, right, 2001)[None] / RIG.pitch
+    for gap in gaps:
+        smooth = gap.smooth(x, np.full_like(x, top / RIG.pitch))
+        npt.assert_allclose(smooth.min(), gap.film_min, atol=1e-5)
+    outside = replace(RIG, thin_line=8.0)  # beyond the region for some of the swing
+    swung = list_gaps(list_triggers(outside), outside, gaps[0].marks)
+    npt.assert_allclose(
+        [gap.smooth(x, 0 * x).min() for gap in swung], [gap.film_min for gap in swung], atol=1e-5
+    )
+
+
+def test_a_film_doubles_its_time_with_the_viscosity():
+    """Squeeze depends on load times time over viscosity; rotation hardly matters."""
+    thick = replace(RIG, viscosity=0.24, elapsed=20.0)
+    thin = replace(RIG, elapsed=10.0)
+    films = [
+        rig.clearance - 1e6 * np.hypot(*follow_pin(np.array([0.0]), rig)[0])
+        for rig in (thick, thin)
+    ]
+    npt.assert_allclose(*films, rtol=0.01)
+
+
+def test_the_load_follows_the_crank():
+    rig = replace(RIG, load_swing=0.2)
+    triggers = list_triggers(rig)
+    npt.assert_allclose(load_at(triggers.time, rig), triggers.load, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"mechanism": "rotation"}, "mechanism crank-rocker"),
+        ({"tilt": 0.2}, "tilt of 0"),
+        ({"film_table": (1.0,) * 6}, "without film_table"),
+        ({"film": "elastic"}, "law, reynolds"),
+        ({"viscosity": -1.0}, "Expected viscosity"),
+        ({"elapsed": -1.0}, "Expected elapsed"),
+    ],
+)
+def test_films_without_a_theory_are_refused(changes, words):
+    with pytest.raises(ModelError, match=words):
+        replace(RIG, **changes)
