@@ -53,7 +53,9 @@ def read_bounded(path: Path, *, largest: int) -> bytes:
 
     with os.fdopen(handle, "rb") as file:
         # a file may grow while it is read, and some of no size have contents without end
-        content = file.read(largest + 1)
+        content = file.read(min(found.st_size, largest) + 1)
+        if len(content) > found.st_size:
+            content += file.read(largest + 1 - len(content))
         if len(content) > largest:
             size = max(found.st_size, len(content)) / 1e6
             raise OSError(

@@ -52,7 +52,7 @@ def read_matlab(content: bytes, *, largest: int) -> Iterator[tuple[str, AnyArray
     content : bytes
         The whole file.
     largest : int
-        Size of a variable above which it is refused, after expansion. [byte]
+        Size of all variables together above which they are refused, after expansion. [byte]
 
     Yields
     ------
@@ -62,7 +62,7 @@ def read_matlab(content: bytes, *, largest: int) -> Iterator[tuple[str, AnyArray
     Raises
     ------
     ValueError
-        If the file is damaged or a variable too large.
+        If the file is damaged or its variables too large.
 
     Examples
     --------
@@ -76,14 +76,16 @@ def read_matlab(content: bytes, *, largest: int) -> Iterator[tuple[str, AnyArray
     order = _BYTE_ORDER.get(content[_ENDIAN])
     if order is None:
         raise ValueError("its header has no byte order")
+    left = largest
     for kind, data in _elements(content[HEADER:], order):
         if kind == _COMPRESSED:
             expander = zlib.decompressobj()
             try:
-                inner = expander.decompress(data, largest)
+                inner = expander.decompress(data, left + 1)  # 0 would be without a bound
             except zlib.error as error:
                 raise ValueError(f"a variable cannot be expanded, {error}") from error
-            if not expander.eof:
+            left -= len(inner)
+            if not expander.eof or left < 0:
                 raise ValueError("a compressed variable is cut short or too large")
             yield from _read_variables(inner, order)
         elif kind == _MATRIX:

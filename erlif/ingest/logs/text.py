@@ -9,7 +9,7 @@ import math
 import re
 from array import array
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -296,17 +296,21 @@ def _read_plain(
     has_commas = layout.separator != "," and "," in text
     if has_commas and "." in text:
         return None
-    if has_commas:
-        text = text.replace(",", ".")
 
     # more rows than are read would be found as a wrong number of lines
     width = len(layout.names)
     lines = text.count("\n") + (not text.endswith("\n")) - layout.first_row
     if lines * width > MOST_CELLS:
         return None
+
+    # line by line: a text as a file in memory takes four bytes for each character
+    del text
+    rows: Iterable[str] = io.TextIOWrapper(io.BytesIO(content), encoding, newline="\n")
+    if has_commas:
+        rows = (row.replace(",", ".") for row in rows)
     try:
         numbers = np.loadtxt(
-            io.StringIO(text),
+            rows,
             delimiter=layout.separator,
             comments=None,
             skiprows=layout.first_row,
@@ -386,8 +390,8 @@ def _read_rows(
 
     if not rows:
         raise EncoderError(
-            f"Expected a header and one row per trigger in {path.name}; it has "
-            f"{1} row(s). Export the whole log."
+            f"Expected a header and one row per trigger in {path.name}; it has 1 row(s). Export "
+            "the whole log."
         )
     return builders, rows.tolist()
 

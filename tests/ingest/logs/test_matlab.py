@@ -89,3 +89,11 @@ def test_a_big_endian_file_is_read():
         ((name, values),) = read_matlab(content, largest=1000)
         assert name == "angle"
         assert values.tolist() == [[1.5, -2.5]]
+
+
+def test_many_variables_that_expand_far_are_refused_together():
+    """Each of them is small enough; a file of 5 MB took 1.5 GB."""
+    content = saved({f"v{n}": np.zeros(5_000) for n in range(9)}, do_compression=True)
+    with pytest.raises(ValueError, match="cut short or too large"):
+        list(read_matlab(content, largest=100_000))
+    assert len(list(read_matlab(content, largest=400_000))) == 9

@@ -2,6 +2,7 @@
 
 import os
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -156,3 +157,17 @@ def test_a_large_file_with_another_row_is_read_row_by_row(tmp_path, monkeypatch,
     small = outcome()
     monkeypatch.setattr("erlif.ingest.logs.text.LARGE", 0)
     assert outcome() == small
+
+
+def test_a_large_file_takes_little_more_memory_than_its_text_and_numbers(tmp_path):
+    """Python keeps a text that is read like a file in four bytes for each character."""
+    path = tmp_path / "log.csv"
+    row = b"0.123456789012345678901234567890\n"
+    path.write_bytes(b"time_s,angle_deg\n" + (row[:-1] + b"," + row) * 40_000)
+    size = path.stat().st_size
+    tracemalloc.start()
+    table = read_text_table(path, ["angle_deg"])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(table.rows) == 40_000
+    assert peak < 3.5 * size
