@@ -174,6 +174,7 @@ def find_pages(
     # an unreadable file is kept as one page, so that the frames after it keep their numbers
     found = CameraFiles()
     depths: set[int | None] = set()
+    times: list[Array | None] = []
     for path in paths:
         # a pattern may match a file of counts and the header beside it, which are one recording
         if path in found.companions:
@@ -184,6 +185,7 @@ def find_pages(
             found.faults[len(found.pages)] = str(error)
             found.pages.append(Page(path, 0, selection=selection))
             found.kinds.append(UNREADABLE)
+            times.append(None)
             continue
 
         for index, kind, header in zip(read.places, read.kinds, read.headers, strict=True):
@@ -193,12 +195,14 @@ def find_pages(
             found.pages.append(Page(path, index, header, read.alone, selection))
             found.kinds.append(kind)
 
-        # the clocks of two files may have started at different times
-        found.times = read.times if len(paths) == 1 else None
+        times.append(read.times)
         found.companions += read.companions
         depths.add(read.bits)
         found.warning = found.warning or read.warning
     found.bits = depths.pop() if len(depths) == 1 else None
+
+    # the clocks of two recordings may have started at different times
+    found.times = times[0] if len(times) == 1 else None
     return found
 
 

@@ -96,13 +96,15 @@ def pair_cameras(
         page = files.pages[good[0]]
         counts = read_page(page, directory, (rows, columns))
         check_depth(counts, bit_depth=bit_depth, name=f"camera{camera}/{page.name}")
+    # a file that was cut has times of the frames that are left
+    known = (files.times for files in (one, two) if files.times is not None)
     return FramePairs(
         directory,
         (tuple(one.pages), tuple(two.pages)),
         (rows, columns),
         bit_depths,
         faults,
-        times=two.times if one.times is None else one.times,
+        times=next((times for times in known if len(times) == len(one.pages)), None),
         companions=(tuple(one.companions), tuple(two.companions)),
         warnings=(one.warning, two.warning),
     )

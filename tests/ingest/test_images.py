@@ -319,3 +319,11 @@ def test_counts_and_the_header_beside_them_are_one_recording(tmp_path, header):
     assert not found.faults
     assert found.bits == 12
     assert len(found.companions) == 1
+
+
+def test_a_recording_of_two_files_keeps_its_times(tmp_path):
+    write_mraw(tmp_path / "m.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
+    for pattern in ("m.mraw", "m.*"):
+        np.testing.assert_allclose(find_pages(tmp_path, pattern, "x").times, [0, 5e-4, 1e-3])
+    write_mraw(tmp_path / "n.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
+    assert find_pages(tmp_path, "*.mraw", "x").times is None

@@ -8,6 +8,7 @@ from erlif.core.errors import FrameError
 from erlif.ingest import Page, format_notes, read_frames
 from erlif.ingest.images import find_pages
 from erlif.ingest.pairing import frame_numbers, pair_cameras
+from erlif.ingest.recording import number_frames
 from erlif.ingest.selection import Selection
 from erlif.readers import Format, FrameFile, FrameKind, registry
 
@@ -366,3 +367,17 @@ def test_lost_pages_of_one_camera_are_left_out_with_their_partners(tmp_path, sav
         skip_bad_frames=True,
     )
     assert pairs.usable == [0]
+
+
+@pytest.mark.parametrize("cut", ["camera1", "camera2"])
+def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
+    """Fewer times than frames had ended in a traceback."""
+    for name in ("camera1", "camera2"):
+        content = np.stack([GREY] * 5).tobytes()
+        (tmp_path / f"{name}.raw").write_bytes(content[:-20_000] if name == cut else content)
+        (tmp_path / f"{name}.toml").write_text(
+            'width = 80\nheight = 64\npixel_format = "Mono12"\nframe_rate = 100.0\n'
+        )
+    pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"), skip_bad_frames=True)
+    assert sorted(pairs.skipped) == [3, 4]
+    np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
