@@ -66,6 +66,8 @@ def _is_own(output: Path, holds: str) -> bool:
     """Whether erlif has written an existing file or directory of this suffix, or it is empty."""
     if output.is_dir():
         return output.suffix == ".zarr" and _is_own_store(output, holds)
+    if not output.is_file():  # a pipe or a device
+        return False
     if output.stat().st_size == 0:
         return True
     if output.suffix == ".nc":

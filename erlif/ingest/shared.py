@@ -120,7 +120,7 @@ def _sort_datasets(names: list[str]) -> SharedFile | None:
 
 def _compare_halves(image: Counts) -> SharedFile | None:
     """Halves of a sensor that show the same object, found by their correlation."""
-    if image.ndim != 2 or min(image.shape) < 128:
+    if image.ndim != 2 or min(image.shape) < 128 or not np.isfinite(image).all():
         return None
     rows, columns = image.shape
     pairs = {

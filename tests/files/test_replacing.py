@@ -1,6 +1,7 @@
 """Outputs that are either complete or still the previous ones."""
 
 import json
+import os
 
 import pytest
 import xarray as xr
@@ -133,3 +134,10 @@ def test_the_old_directory_comes_back_where_the_exchange_fails(tmp_path, monkeyp
         write()
     assert (path / "value").read_text() == "old"
     assert [entry.name for entry in tmp_path.iterdir()] == ["film.zarr"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names")
+def test_a_pipe_is_no_earlier_output(tmp_path):
+    os.mkfifo(tmp_path / "film.nc")
+    with pytest.raises(OutputError, match="something else"):
+        refuse_existing(tmp_path / "film.nc", overwrite=True, holds="thickness")

@@ -77,3 +77,10 @@ def test_other_files_are_one_camera_or_none(tmp_path):
     assert find_cameras_in_file(tmp_path / "a.tif") is None
     tifffile.imwrite(tmp_path / "b.tif", np.zeros((256, 320), np.uint16))
     assert find_cameras_in_file(tmp_path / "b.tif") is None
+
+
+def test_an_image_with_nan_shows_no_halves(tmp_path):
+    image = np.random.default_rng(3).normal(900, 30, (128, 256)).astype(np.float32)
+    image[5, 7] = np.nan
+    tifffile.imwrite(tmp_path / "a.tif", image)
+    assert find_cameras_in_file(tmp_path / "a.tif") is None

@@ -162,6 +162,8 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
     remarks = [f"{quantity} from column {column.name!r}" for quantity, column in found.items()]
     for name, (quantity, _) in CONTRACT.items():
         if quantity not in found and name in by_name and by_name[name] not in found.values():
+            if table.names.count(name) > 1:
+                _refuse_twice(name, table)
             found[quantity] = by_name[name]
     for quantity, names in _OBVIOUS.items():
         if quantity in found:
@@ -367,14 +369,18 @@ def _name_fault(name: str, counts: Counter[str]) -> str:
 
 def _refuse_name(name: str, place: int, fault: str, table: LogTable) -> None:
     if fault == "twice":
-        times = table.names.count(name)
-        raise EncoderError(
-            f"Expected each column of {table.file} once; {name} comes {times} times. Rename one."
-        )
+        _refuse_twice(name, table)
     raise EncoderError(
         f"Expected a column of {table.file} to be one of {', '.join(CONTRACT)} or to have a name "
         f"of its own that begins with a letter or digit; column {place} is {name!r}, {fault}. "
         "Rename it."
+    )
+
+
+def _refuse_twice(name: str, table: LogTable) -> None:
+    raise EncoderError(
+        f"Expected each column of {table.file} once; {name} comes {table.names.count(name)} times. "
+        "Rename one."
     )
 
 

@@ -6,6 +6,7 @@ import pytest
 from erlif.core.errors import EncoderError
 from erlif.ingest.logs.columns import ColumnChoice, convert_columns, find_columns, missing_column
 from erlif.ingest.logs.table import LogColumn, LogTable, split_unit
+from erlif.ingest.logs.text import read_text_table
 
 
 def table(*names, rows=(2, 3), **texts):
@@ -114,3 +115,12 @@ def test_columns_of_a_logger_with_unusable_names_are_left_out_with_a_remark():
 def test_a_missing_column_is_named():
     with pytest.raises(EncoderError, match=r"Expected a column angle_deg in log.csv; its header"):
         missing_column("angle", table("a", "b"))
+
+
+def test_a_documented_column_that_comes_twice_is_refused(tmp_path):
+    """The second of two encoders was taken without a word."""
+    path = tmp_path / "log.csv"
+    path.write_text("time_s,angle_deg,angle_deg\n0,1,2\n1,2,4\n2,3,6\n")
+    table = read_text_table(path, ["angle_deg"])
+    with pytest.raises(EncoderError, match="angle_deg comes 2 times"):
+        find_columns(table, ColumnChoice())
