@@ -285,20 +285,18 @@ def find_bleaching(
     frames = np.array(sorted(lights), int)
     if not frames.size:
         return None, ""
-    lowered = np.zeros(frames.size)
-    if energies is not None and (energies[frames] > 0).all():
-        lowered = np.log(energies[frames])
-    unknown = energies is None  # light alone then follows the energy as well
+    # the light of a frame without a logged energy, or of a missed pulse, is not compared
+    energy = np.full(frames.size, np.nan) if energies is None else energies[frames]
+    lowered = np.log(np.where(energy > 0, energy, np.nan))[:, None]
     patch = np.array([lights[frame].patch for frame in frames])
     if np.isfinite(patch[:, 1]).any():
-        light = np.where(unknown, np.nan, patch[:, :1] - lowered[:, None])
         group = np.zeros(frames.size, int)
-        return fit_trend(frames.astype(float), group, patch[:, 1:2], light), "on the patch"
+        found = fit_trend(frames.astype(float), group, patch[:, 1:2], patch[:, :1] - lowered)
+        return found, "on the patch"
 
     light = np.array([lights[frame].cells.light for frame in frames], float)
     ratio = np.array([lights[frame].cells.log_ratio for frame in frames], float)
-    light = np.where(unknown, np.nan, light - lowered[:, None])
-    found = fit_trend(frames.astype(float), triggers[frames], ratio, light)
+    found = fit_trend(frames.astype(float), triggers[frames], ratio, light - lowered)
     return found, "at equal triggers"
 
 

@@ -8,7 +8,10 @@ import pytest
 import xarray as xr
 
 import erlif
+from erlif.pipeline.light import FrameLight, find_bleaching
+from erlif.ratio import NO_CELLS
 from erlif.rig import RigSettings, simulate
+from erlif.thickness import NO_PATCH
 
 SHARE = 0.06
 RIG = RigSettings(
@@ -102,3 +105,26 @@ def test_budget_has_the_background_and_adds_up(lab, reported, corrected, name):
         column = budget["std"].sel(quantity=quantity)
         assert float(column.sel(term="background")) > 0
         npt.assert_allclose(column.sel(term="total"), film[f"{variable}_std"][10], rtol=1e-3)
+
+
+def light_of(rng, energies, *, per_frame=-1e-3):
+    """One film in all frames; the light follows the energy and fades."""
+    lights = {}
+    for frame, energy in enumerate(energies):
+        level = np.log(max(energy, 0.01)) + per_frame * frame
+        noise = 1e-4 * rng.standard_normal((2, 120))
+        cells = NO_CELLS._replace(light=7 + level + noise[0], log_ratio=0.3 + noise[1])
+        lights[frame] = FrameLight(cells, NO_PATCH)
+    return lights
+
+
+@pytest.mark.parametrize("missed", [(), (7,)])
+def test_one_missed_pulse_leaves_the_bleaching_of_the_light(missed):
+    """The log has energy 0 there; all other pulses scatter by 3 %."""
+    rng = np.random.default_rng(2)
+    energies = 1 + 0.03 * rng.standard_normal(40)
+    energies[list(missed)] = 0.0
+    found, source = find_bleaching(light_of(rng, energies), np.zeros(40, int), energies)
+    assert source == "at equal triggers"
+    npt.assert_allclose(found.light, -1e-3, atol=4 * found.light_std)
+    assert found.light_std < 2e-6
