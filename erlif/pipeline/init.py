@@ -312,7 +312,7 @@ def _draft_motion(draft: _Draft, survey: Survey, kind: str) -> None:
         return
 
     # line contact of a pin in a bushing describes no other tribometer
-    draft.leave_out += ["joint", "oil"]
+    draft.leave_out += ["joint", "oil", "prediction"]
     if kind == "static":
         draft.leave_out.append("mechanism")
     logged = _draft_optional_log(draft, survey)

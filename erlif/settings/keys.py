@@ -180,7 +180,7 @@ def _describe(name: str, field: FieldInfo) -> Key:
     choices = get_args(plain) if get_origin(plain) is Literal else ()
 
     default = None if field.is_required() else field.default
-    if default is not None and form is not None and form.unit:
+    if default is not None and form is not None and form.unit and not isinstance(default, str):
         # "0 deg" as a user writes it, rather than "0 rad" as it is kept
         same = parse_quantity(form.example, form.unit) == default
         default = form.example if same else f"{default:g} {form.unit}"

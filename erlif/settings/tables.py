@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Le
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -59,7 +59,7 @@ def _write_quantity(value: float, unit: str) -> str:
     )
 
 
-def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge) -> Any:
+def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge | Le) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`."""
     schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
     # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
@@ -93,22 +93,46 @@ TemperatureDifference = Annotated[
     float, *_quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
 ]
 
-Start = Annotated[
-    float | Literal["fit"],
-    WrapValidator(
-        lambda text, check: (
-            text
-            if text == "fit"
-            else Quantity(check(parse_quantity(text, "s")), " ".join(text.split()))
-        )
-    ),
-    PlainSerializer(
-        lambda value: value if value == "fit" else _write_quantity(value, "s"), return_type=str
-    ),
-    WithJsonSchema(
-        {"type": "string", "pattern": f"^fit$|{QUANTITY_PATTERN}", "examples": ["0.25 s"]}
-    ),
-    Form('time, or "fit"', "0.25 s", "s"),
+
+def _quantity_or(
+    words: tuple[str, ...], name: str, example: str, unit: str, *, positive: bool = False
+) -> Any:
+    """Annotations of a field that holds one of a few words or a quantity."""
+    listed = ", ".join(f'"{word}"' for word in words)
+
+    def read(text: Any, check: Any) -> Any:
+        if isinstance(text, str) and not any(sign.isdigit() for sign in text):
+            if text in words:
+                return text
+            raise ValueError(f"expected {listed} or a {name} such as {example!r}; got {text!r}")
+        value = parse_quantity(text, unit)
+        if positive and value <= 0:
+            raise ValueError(f"expected {listed} or a {name} above 0; got {text!r}")
+        return Quantity(check(value), " ".join(text.split()))
+
+    pattern = f"^({'|'.join(words)})$|{QUANTITY_PATTERN}"
+    return (
+        WrapValidator(read),
+        PlainSerializer(
+            lambda value: value if isinstance(value, str) else _write_quantity(value, unit),
+            return_type=str,
+        ),
+        WithJsonSchema({"type": "string", "pattern": pattern, "examples": [example]}),
+        Form(f"{name}, or {listed}", example, unit),
+    )
+
+
+Start = Annotated[float | Literal["fit"], *_quantity_or(("fit",), "time", "0.25 s", "s")]
+StartFilm = Annotated[
+    float | Literal["fit"], *_quantity_or(("fit",), "length", "20 um", "m", positive=True)
+]
+Sideways = Annotated[
+    float | Literal["free", "guided"],
+    *_quantity_or(("free", "guided"), "stiffness", "12 N/mm", "N/m", positive=True),
+]
+Place = Annotated[float, *_quantity("position", "9.6 mm", "m")]
+CavitationPressure = Annotated[
+    float, *_quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
 ]
 
 PITCHES = (50e-9, 5e-3)
@@ -733,6 +757,42 @@ class ReferenceSettings(Settings):
         return self
 
 
+class PredictionOptions(Settings):
+    """The film that theory predicts for an oscillating joint."""
+
+    sideways: Sideways = Field(
+        "free",
+        description="How the pin is held at right angles to the load: free, guided (it does not "
+        "move), or by a spring of this stiffness.",
+    )
+    cavitation_pressure: CavitationPressure = Field(
+        -1e5,
+        description="Pressure at which the oil film ruptures, relative to ambient; 0 Pa where air "
+        "enters the cavities.",
+        validate_default=False,
+    )
+    start_film: StartFilm = Field(
+        "fit",
+        description='Minimum film thickness at the first frame; "fit" is the one whose film is '
+        "nearest to the measured minima.",
+    )
+    load_line: Place | None = Field(
+        None,
+        description="Place of the load line along the sliding direction, from the centre of the "
+        "first pixel: there the pin would touch the bushing at rest. Default: the middle of the "
+        "image.",
+    )
+    direction: Literal["along", "against"] = Field(
+        "along",
+        description="Whether the bushing moves along the sliding direction of the image or against "
+        "it while the angle of the rocker rises.",
+    )
+    long: bool = Field(
+        False,
+        description="Leave out the flow along the axis: an infinitely long joint.",
+    )
+
+
 class RunName(Settings):
     """Name of the run."""
 
@@ -769,6 +829,7 @@ class RunSettings(Settings):
     thickness: ThicknessOptions = ThicknessOptions()
     light: LightOptions = LightOptions()
     reference: ReferenceSettings = ReferenceSettings()
+    prediction: PredictionOptions = PredictionOptions()
 
     @property
     def name(self) -> str:

@@ -119,6 +119,18 @@ def test_a_key_left_out_has_the_documented_default(lab):
             "roi = { x = [15, 4]",
             ["[thickness] roi", "low < high", "[15, 4]"],
         ),
+        (
+            "[run]",
+            '[prediction]\nsideways = "held"\n[run]',
+            ['expected "free", "guided" or a stiff'],
+        ),
+        ("[run]", '[prediction]\nsideways = "-5 N/m"\n[run]', ["[prediction] sideways", "above 0"]),
+        ("[run]", '[prediction]\nstart_film = "5"\n[run]', ["[prediction] start_film", '"5 m"']),
+        (
+            "[run]",
+            '[prediction]\ncavitation_pressure = "20 kPa"\n[run]',
+            ["[prediction] cavitation_pressure", "less than or equal to 0"],
+        ),
         ('name = "80W-90"', "name = 90", ["[oil] name", "string", "90"]),
         ("[run]", "run = 3\n[ignored]", ["run: expected a table, got 3"]),
         ('crank = "5.5 cm"', 'crank = "5.5 cm', ["valid TOML", "line 36"]),

@@ -113,6 +113,13 @@ runs = table(
         "oil": oils,
     },
     calibration=name,
+    prediction=optional(
+        sideways=st.sampled_from(["free", "guided", "12 N/mm"]),
+        start_film=st.sampled_from(["fit", "20 um"]),
+        load_line=quantity("mm", -9, 99),
+        cavitation_pressure=quantity("kPa", -101, 0),
+        long=st.booleans(),
+    ),
     **choices,
 )
 fixtures = table(
