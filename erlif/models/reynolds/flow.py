@@ -1,0 +1,71 @@
+"""How easily the film flows: viscosity under pressure and rough walls."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+
+ROUGHNESS_AMPLITUDE = 0.9
+"""Reduction of the flow between touching isotropic rough walls. Patir and Cheng (1978). [1]"""
+
+ROUGHNESS_DECAY = 0.56
+"""Decay of that reduction with film over roughness. Patir and Cheng (1978). [1]"""
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """Viscosity of the film, its change with pressure, and the roughness of its walls.
+
+    The unknown of the equations is the reduced pressure q = (1 - exp(-alpha p)) / alpha, with which
+    the flow of a Barus fluid, exp(-alpha p) grad p = grad q, is linear (Grubin 1949). Without
+    pressure-viscosity, q is the pressure.
+
+    Attributes
+    ----------
+    viscosity : float
+        Viscosity at ambient pressure eta0. [Pa s]
+    pressure_viscosity : float
+        Coefficient alpha of Barus' law. [1/Pa]
+    roughness : float
+        Combined rms roughness sigma of both walls; zero for smooth ones. [m]
+    """
+
+    viscosity: float
+    pressure_viscosity: float = 0.0
+    roughness: float = 0.0
+
+    def reduced(self, pressure: float) -> float:
+        """Reduced pressure of one pressure. [Pa]"""
+        if not self.pressure_viscosity:
+            return pressure
+        return float(-np.expm1(-self.pressure_viscosity * pressure) / self.pressure_viscosity)
+
+    def pressure(self, reduced: Array) -> tuple[Array, Array | float]:
+        """Pressure of a reduced pressure, and its derivative. [Pa; 1]"""
+        if not self.pressure_viscosity:
+            return reduced, 1.0
+
+        # no pressure has a reduced pressure beyond 1/alpha; a Newton step may pass it
+        rest = np.maximum(1 - self.pressure_viscosity * reduced, 1e-6)  # 14 / alpha, 0.7 GPa
+        return -np.log(rest) / self.pressure_viscosity, 1 / rest
+
+    def mobility(self, film: Array) -> tuple[Array, Array]:
+        """Flow per width and gradient of the reduced pressure, and its derivative by the film.
+
+        h^3 / (12 eta0), times 1 - 0.9 exp(-0.56 h / sigma) between rough walls without lay (Patir
+        and Cheng 1978, gamma = 1), for h above half of sigma.
+        """
+        square = film * film / (12 * self.viscosity)
+        if not self.roughness:
+            return square * film, 3 * square
+        missing = ROUGHNESS_AMPLITUDE * np.exp(-ROUGHNESS_DECAY / self.roughness * film)
+        smooth = square * film
+        slope = 3 * square * (1 - missing)
+        return smooth * (1 - missing), slope + smooth * missing * ROUGHNESS_DECAY / self.roughness
+
+    def viscosity_at(self, pressure: Array) -> Array | float:
+        """Viscosity at a pressure, Barus. [Pa s]"""
+        if not self.pressure_viscosity:
+            return self.viscosity
+        return np.asarray(self.viscosity * np.exp(self.pressure_viscosity * pressure))

@@ -1,0 +1,58 @@
+"""Flow through the faces of cells."""
+
+import numpy as np
+import numpy.testing as npt
+
+from erlif.models.reynolds.band import Stencil
+from erlif.models.reynolds.cells import Faces, Grid, average_walls, link_only
+from erlif.models.reynolds.flow import Fluid
+
+OPEN = Grid(8, 6, 1e-3, 2e-3, False, (True, True, True, True))
+CLOSED = Grid(8, 6, 1e-3, 2e-3, True, (False, False, False, True))
+FLUID = Fluid(0.1)
+
+
+def film(grid):
+    rng = np.random.default_rng(3)
+    return average_walls(1e-5 * (1 + rng.random((grid.along, grid.across))), grid)
+
+
+def test_flow_between_plates_under_a_linear_pressure():
+    """Poiseuille: h^3 / (12 eta) times gradient times width."""
+    walls = average_walls(np.full((8, 6), 1e-5), OPEN)
+    faces = Faces(OPEN, FLUID, walls, outside=0.0)
+    pressure = np.repeat(np.arange(8)[:, np.newaxis] * 1e5, 6, axis=1)
+    steps = faces.steps(pressure)
+    flow = (1e-5) ** 3 / (12 * 0.1) * (1e5 / 1e-3) * 2e-3
+    npt.assert_allclose((faces.along * steps[0])[1:-1], flow)
+
+
+def test_what_flows_into_all_cells_comes_through_the_open_sides():
+    for grid in (OPEN, CLOSED):
+        faces = Faces(grid, FLUID, film(grid), outside=3e4)
+        steps = faces.steps(np.random.default_rng(4).random((8, 6)) * 1e5)
+        npt.assert_allclose(faces.inflow(steps).sum(), -faces.outflow(steps), rtol=1e-12)
+
+
+def test_stencil_holds_the_derivatives_of_the_inflow():
+    pressure = np.random.default_rng(4).random((8, 6)) * 1e5
+    for grid in (OPEN, CLOSED):
+        faces = Faces(grid, FLUID, film(grid), outside=0.0)
+        links = faces.stencil()
+        rows = links.centre * pressure
+        rows += links.previous * np.roll(pressure, 1, axis=0)
+        rows += links.following * np.roll(pressure, -1, axis=0)
+        rows[:, 1:] += links.lower[:, 1:] * pressure[:, :-1]
+        rows[:, :-1] += links.upper[:, :-1] * pressure[:, 1:]
+        npt.assert_allclose(rows, faces.inflow(faces.steps(pressure)), atol=1e-22)
+
+
+def test_known_cells_have_no_links():
+    unknown = np.ones((8, 6), dtype=bool)
+    unknown[3, 2] = unknown[0, 0] = False
+    stencil = Stencil(*(np.ones((8, 6)) for _ in range(5)))
+    link_only(stencil, unknown)
+    assert stencil.previous[4, 2] == stencil.following[2, 2] == 0
+    assert stencil.lower[3, 3] == stencil.upper[3, 1] == stencil.previous[3, 2] == 0
+    assert stencil.following[7, 0] == stencil.previous[1, 0] == 0
+    assert stencil.previous[5, 2] == 1
