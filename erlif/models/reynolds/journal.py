@@ -1,0 +1,384 @@
+"""What the solver is given: the joint, its motion under load, and its mount."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    check_film,
+    check_length,
+    check_load,
+    check_pressure_viscosity,
+    check_viscosity,
+    require_finite,
+    require_increasing,
+    require_not_negative,
+    require_positive,
+    require_single,
+)
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds.flow import Fluid
+
+
+@dataclass(frozen=True)
+class Journal:
+    """A pin in a bushing, and the oil between them.
+
+    Raises
+    ------
+    ModelError
+        A length, radius or viscosity that is not one positive number, a bushing not larger than its
+        pin, or a cavitation pressure above ambient.
+
+    Attributes
+    ----------
+    pin_radius : float
+        Radius of the pin. [m]
+    bushing_radius : float
+        Radius of the bore. [m]
+    length : float
+        Length of the bearing. [m]
+    viscosity : float
+        Viscosity at ambient pressure. [Pa s]
+    pressure_viscosity : float
+        Coefficient of Barus' law. [1/Pa]
+    cavitation_pressure : float
+        Pressure at which the film ruptures, relative to ambient; 0 where cavities are vented. [Pa]
+    long : bool
+        Whether the bearing is infinitely long: no flow along the axis, one row of cells. The load
+        then stands for the given length.
+    axial_shape : array or None
+        Height added to the gap at the axial cells, from end to end: edges, wear or bending. Twice
+        as many values as axial cells of the solver, which cover half of the length. [m]
+    foundation : float or None
+        Pressure over deflection of an elastic liner (Winkler). [Pa/m]
+    roughness : float or None
+        Combined rms roughness of both surfaces. [m]
+
+    Examples
+    --------
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+    >>> print(f"{joint.clearance * 1e6:.0f} um")
+    230 um
+    """
+
+    pin_radius: float
+    bushing_radius: float
+    length: float
+    viscosity: float
+    pressure_viscosity: float = 0.0
+    cavitation_pressure: float = -1e5
+    long: bool = False
+    axial_shape: Values = None
+    foundation: float | None = None
+    roughness: float | None = None
+
+    def __post_init__(self) -> None:
+        positive = {
+            "pin_radius": self.pin_radius,
+            "bushing_radius": self.bushing_radius,
+            "length": self.length,
+            "viscosity": self.viscosity,
+        }
+        for name in ("foundation", "roughness"):
+            if getattr(self, name) is not None:
+                positive[name] = getattr(self, name)
+        other = {
+            "pressure_viscosity": self.pressure_viscosity,
+            "cavitation_pressure": self.cavitation_pressure,
+        }
+        require_single(**positive, **other)
+        require_positive(**positive)
+        require_finite(**other)
+        missing = [name for name, value in {**positive, **other}.items() if np.isnan(value)]
+        if missing:
+            raise ModelError(f"{missing[0]} must be a number, got nan.")
+
+        # then what the numbers are to each other
+        require_increasing(pin_radius=self.pin_radius, bushing_radius=self.bushing_radius)
+        require_not_negative(pressure_viscosity=self.pressure_viscosity)
+        if self.cavitation_pressure > 0:
+            raise ModelError(
+                "cavitation_pressure is relative to ambient and at most 0, got "
+                f"{self.cavitation_pressure:g} Pa."
+            )
+        check_length(
+            pin_radius=self.pin_radius, bushing_radius=self.bushing_radius, length=self.length
+        )
+        check_viscosity(viscosity=self.viscosity)
+        check_pressure_viscosity(pressure_viscosity=self.pressure_viscosity)
+        check_film(roughness=self.roughness or 0.0)
+
+    @property
+    def clearance(self) -> float:
+        """Radial clearance. [m]"""
+        return self.bushing_radius - self.pin_radius
+
+    @property
+    def radius(self) -> float:
+        """Radius at which the film lies: the geometric mean of both. [m]
+
+        The curvature of the gap over the distance x = R phi is then that of the conformal radius.
+        """
+        return float(np.sqrt(self.pin_radius * self.bushing_radius))
+
+    @property
+    def squeeze_constant(self) -> float:
+        """12 pi eta L R (R/c)^2: load of a centred long film over d eps / dt. [N s]"""
+        shape = self.length * self.radius**3 / self.clearance**2
+        return float(12 * np.pi * self.viscosity * shape)
+
+    @property
+    def fluid(self) -> Fluid:
+        """The oil between the walls."""
+        return Fluid(self.viscosity, self.pressure_viscosity, self.roughness or 0.0)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Rotation of the bushing and the load on the pin, step by step.
+
+    Raises
+    ------
+    ModelError
+        Times that do not increase, arrays of different lengths, values that are not finite.
+
+    Attributes
+    ----------
+    time : array, (step,)
+        Times; the film is at its start at the first. [s]
+    angle : array, (step,)
+        Rotation of the bushing, positive towards positive phi. [rad]
+    load : float or array, (step,)
+        Force on the pin. [N]
+    load_direction : float or array, (step,)
+        Direction of the load, from the load line phi = 0. [rad]
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 1.0, 101)
+    >>> swing = Motion(time, angle=0.2 * np.sin(2 * np.pi * time), load=222.4)
+    """
+
+    time: Array
+    angle: Array
+    load: Values
+    load_direction: Values = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("time", "angle", "load", "load_direction"):
+            value = np.asarray(getattr(self, name), dtype=float)
+            if not np.isfinite(value).all():
+                raise ModelError(f"{name} must be finite at every step.")
+            object.__setattr__(self, name, value)
+        if self.time.ndim != 1 or self.time.size < 2 or not (np.diff(self.time) > 0).all():
+            raise ModelError("time must hold two or more increasing values.")
+        for name in ("angle", "load", "load_direction"):
+            value = getattr(self, name)
+            if value.ndim and value.shape != self.time.shape:
+                raise ModelError(
+                    f"{name} must have one value for each of the {self.time.size} times, got shape "
+                    f"{value.shape}."
+                )
+            object.__setattr__(self, name, np.broadcast_to(value, self.time.shape))
+        check_load(load=self.load)
+
+
+def crank_motion(
+    linkage: CrankRocker,
+    *,
+    crank_speed: float,
+    load: float,
+    cycles: float = 1.0,
+    steps_per_cycle: int = 100,
+    start_crank: float = 0.0,
+) -> Motion:
+    """Make the motion of a joint whose bushing turns with the rocker of a linkage.
+
+    Parameters
+    ----------
+    linkage : CrankRocker
+        The linkage. The angle of the bushing is that of the rocker about the middle of its swing.
+    crank_speed : float
+        Speed of the crank, of either sign. [rad/s]
+    load : float
+        Dead load on the pin. [N]
+    cycles : float
+        Turns of the crank.
+    steps_per_cycle : int
+        Time steps of a turn.
+    start_crank : float
+        Crank angle at time zero. [rad]
+
+    Returns
+    -------
+    Motion
+        Times from zero, and rotation of the bushing.
+
+    Raises
+    ------
+    ModelError
+        A crank at rest, or no steps.
+
+    Examples
+    --------
+    The rig of Farzaneh (2002) swings its bushing by 24.43 degrees:
+
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> motion = crank_motion(rig, crank_speed=11.94, load=222.4, steps_per_cycle=500)
+    >>> print(f"{np.degrees(np.ptp(motion.angle)):.2f}")
+    24.43
+    """
+    require_single(crank_speed=crank_speed, cycles=cycles, steps_per_cycle=steps_per_cycle)
+    require_finite(crank_speed=crank_speed, start_crank=start_crank)
+    require_positive(cycles=cycles, steps_per_cycle=steps_per_cycle)
+    if crank_speed == 0:
+        raise ModelError("crank_speed must not be zero: a crank at rest has no cycle.")
+    turned = np.arange(round(cycles * steps_per_cycle) + 1.0) * (2 * np.pi / steps_per_cycle)
+    middle = float(np.mean(linkage.limits()))
+    angle = linkage.rocker_angle(start_crank + np.sign(crank_speed) * turned) - middle
+    return Motion(turned / abs(crank_speed), angle=np.asarray(angle), load=load)
+
+
+@dataclass(frozen=True)
+class Mount:
+    """How the pin is held sideways to the direction in which it moves freely.
+
+    Raises
+    ------
+    ModelError
+        A negative stiffness.
+
+    Attributes
+    ----------
+    stiffness : float
+        Force over sideways displacement: 0 for a free pin, infinite for a guided one. [N/m]
+    rest : float or None
+        Sideways position at which the mount is without force; None for that of the start. [m]
+    direction : float or None
+        Direction of free motion from the load line. None stands for that of the load, which must
+        then be constant. [rad]
+
+    Examples
+    --------
+    >>> Mount(stiffness=2e4).guided
+    False
+    """
+
+    stiffness: float = 0.0
+    rest: float | None = None
+    direction: float | None = None
+
+    def __post_init__(self) -> None:
+        require_single(stiffness=self.stiffness)
+        if not self.stiffness >= 0:
+            raise ModelError(f"stiffness must not be negative, got {self.stiffness:g} N/m.")
+        for name in ("rest", "direction"):
+            if getattr(self, name) is not None and not np.isfinite(getattr(self, name)):
+                raise ModelError(f"{name} of a mount must be finite, got {getattr(self, name)}.")
+
+    @property
+    def guided(self) -> bool:
+        """Whether sideways motion is prevented."""
+        return bool(np.isinf(self.stiffness))
+
+    def direction_for(self, motion: Motion) -> float:
+        """Direction of free motion, from the motion where the mount has none of its own. [rad]
+
+        Raises
+        ------
+        ModelError
+            A held pin without a direction under a load that turns.
+        """
+        if self.direction is not None:
+            return self.direction
+        if self.stiffness == 0:
+            return 0.0
+        if np.ptp(motion.load_direction) > 0:
+            raise ModelError(
+                "A pin that is held sideways needs a direction of free motion where the load "
+                "turns: give Mount(direction=...)."
+            )
+        return float(motion.load_direction[0])
+
+
+def as_mount(sideways: "str | float | Mount") -> Mount:
+    """The mount of a name, of a stiffness, or itself.
+
+    Parameters
+    ----------
+    sideways : str, float or Mount
+        "free", "guided", or a stiffness. [N/m]
+
+    Returns
+    -------
+    Mount
+        The mount.
+
+    Raises
+    ------
+    ModelError
+        Another name.
+
+    Examples
+    --------
+    >>> as_mount("guided").guided
+    True
+    """
+    if isinstance(sideways, Mount):
+        return sideways
+    if isinstance(sideways, str):
+        if sideways not in ("free", "guided"):
+            raise ModelError(
+                f'sideways must be "free", "guided", a stiffness or a Mount, got {sideways!r}.'
+            )
+        return Mount(np.inf if sideways == "guided" else 0.0)
+    return Mount(float(sideways))
+
+
+@dataclass(frozen=True)
+class Groove:
+    """A supply of oil at ambient pressure over the whole length.
+
+    Attributes
+    ----------
+    angle : float
+        Middle of the groove, from the load line. [rad]
+    width : float
+        Angle that it covers; a groove always covers one column of cells at least. [rad]
+    """
+
+    angle: float
+    width: float = 0.0
+
+
+def covered(grooves: Sequence[Groove], angles: Array) -> Array:
+    """Which columns of cells lie in a groove.
+
+    Parameters
+    ----------
+    grooves : sequence of Groove
+        The grooves.
+    angles : array, (circumference,)
+        Angles of the cells from the load line. [rad]
+
+    Returns
+    -------
+    array of bool, (circumference,)
+        True in a groove.
+
+    Examples
+    --------
+    >>> covered([Groove(np.pi)], np.radians([0.0, 90.0, 180.0, 270.0]))
+    array([False, False,  True, False])
+    """
+    inside = np.zeros(angles.shape, dtype=bool)
+    for groove in grooves:
+        off = np.abs((angles - groove.angle + np.pi) % (2 * np.pi) - np.pi)
+        inside |= off < groove.width / 2
+        inside[np.argmin(off)] = True
+    return inside
