@@ -1,0 +1,424 @@
+"""One implicit step: pressure, void and the position of the pin, solved together.
+
+In every cell what flows in equals the change of the oil in it. A cell is either full, with a
+pressure above that of cavitation, or at the cavitation pressure and partly void (Jakobsson and
+Floberg 1957, Olsson 1965). Which cell is which follows from the primal-dual active set method
+(Hintermueller, Ito and Kunisch 2002): solve with a guess, then change the cells with a negative
+pressure or a negative void. The displacements of a body that carries a load are unknowns of the
+same Newton step.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ModelError
+from erlif.models.reynolds.band import Stencil, solve_ring
+from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
+from erlif.models.reynolds.flow import Fluid
+
+SWITCH_TOLERANCE = 1e-7
+"""Relative size below zero from which a cell changes; rounding alone would change it for ever."""
+
+RESIDUAL_TOLERANCE = 1e-7
+"""Largest error of the balance of a cell or of a force, relative. One more step squares it."""
+
+LARGEST_APPROACH = 0.7
+"""Share of the remaining film by which a Newton step may reduce it anywhere."""
+
+MOST_ITERATIONS = 60
+"""Newton steps until a solution is given up; three or four are usual."""
+
+
+class NoConvergenceError(ModelError):
+    """A step whose equations were not solved; a shorter one may be."""
+
+
+@dataclass(frozen=True)
+class Medium:
+    """What does not change from step to step.
+
+    Attributes
+    ----------
+    grid : Grid
+        The cells.
+    fluid : Fluid
+        The oil.
+    cavitation_pressure : float
+        Pressure of a partly void cell, relative to ambient. [Pa]
+    foundation : float or None
+        Pressure over deflection of the walls. [Pa/m]
+    images : int
+        2 where the cells cover half of a symmetric film, else 1.
+    """
+
+    grid: Grid
+    fluid: Fluid
+    cavitation_pressure: float
+    foundation: float | None = None
+    images: int = 1
+
+    @property
+    def outside(self) -> float:
+        """Reduced ambient pressure above that of cavitation. [Pa]"""
+        return -self.fluid.reduced(float(self.cavitation_pressure))
+
+    def pressure(self, reduced: Array) -> tuple[Array, Array | float]:
+        """Pressure relative to ambient, and its derivative by the reduced pressure."""
+        return self.fluid.pressure(reduced - self.outside)
+
+
+@dataclass(frozen=True)
+class State:
+    """The film at one time.
+
+    Attributes
+    ----------
+    position : Array
+        Displacements of the body along its free directions, (free,). [m]
+    reduced : Array
+        Reduced pressure above that of cavitation, (along, across). [Pa]
+    void : Array
+        Height of the void, (along, across). [m]
+    full : Mask
+        Cells without void.
+    content : Array
+        Height of the oil: film less void, as conserved by the flow. [m]
+    walls : Walls
+        The film.
+    iterations : int
+        Newton steps that it took.
+    supply : float
+        Flow that supplied cells needed to stay full. [m3/s]
+    """
+
+    position: Array
+    reduced: Array
+    void: Array
+    full: Mask
+    content: Array
+    walls: Walls
+    iterations: int = 0
+    supply: float = 0.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """What drives one step.
+
+    Attributes
+    ----------
+    base : Walls
+        Film at zero displacement. [m]
+    directions : sequence of Walls
+        Decrease of the film for a unit displacement, for each free direction; also the weight of
+        the pressure in the force. [1]
+    load : Array
+        Force along each free direction that the film and the springs carry. [N]
+    stiffness : Array
+        Stiffness of a spring along each direction. [N/m]
+    rest : Array
+        Position at which that spring is without force. [m]
+    rate : float
+        One over the time step; zero for a steady film. [1/s]
+    speed : float
+        Mean speed of both surfaces along the cells. [m/s]
+    supplied : Mask
+        Cells at ambient pressure, full of oil.
+    """
+
+    base: Walls
+    directions: Sequence[Walls]
+    load: Array
+    stiffness: Array
+    rest: Array
+    rate: float
+    speed: float
+    supplied: Mask
+
+
+def start_state(medium: Medium, step: Step, position: Array) -> State:
+    """A film full of oil at ambient pressure."""
+    walls = displaced(step, position)
+    shape = walls.centre.shape
+    return State(
+        position=position,
+        reduced=np.full(shape, medium.outside),
+        void=np.zeros(shape),
+        full=np.ones(shape, dtype=bool),
+        content=walls.centre.copy(),
+        walls=walls,
+    )
+
+
+def displaced(step: Step, position: Array) -> Walls:
+    """Film between rigid walls at a position."""
+    walls = step.base
+    for shift, direction in zip(position, step.directions, strict=True):
+        walls = walls.moved(direction, shift)
+    return walls
+
+
+def forces(medium: Medium, directions: Sequence[Walls], pressure: Array) -> Array:
+    """Force of a pressure along each direction. [N]"""
+    weight = medium.images * medium.grid.area
+    return np.array([weight * np.vdot(pressure, each.centre) for each in directions])
+
+
+def advance(medium: Medium, step: Step, before: State, guess: State | None = None) -> State:
+    """Solve one step.
+
+    Parameters
+    ----------
+    medium : Medium
+        Cells and oil.
+    step : Step
+        Gap, load and motion at the end of the step.
+    before : State
+        Film at its beginning.
+    guess : State, optional
+        Where the Newton steps begin; `before` by default.
+
+    Returns
+    -------
+    State
+        Film at the end of the step.
+
+    Raises
+    ------
+    NoConvergenceError
+        Equations that were not solved within the iterations allowed.
+    """
+    guess = guess or before
+    newton = _Newton(medium, step, before.content, guess)
+    for iteration in range(MOST_ITERATIONS):
+        newton.evaluate()
+        changed = newton.switch()
+        if not changed and newton.is_solved():
+            return newton.state(iteration)
+        if changed:
+            newton.evaluate()
+        newton.move()
+    raise NoConvergenceError(
+        f"The film was not solved in {MOST_ITERATIONS} iterations. A load that the film does not "
+        "carry is the usual reason; shorter steps help where load or speed change quickly."
+    )
+
+
+class _Newton:
+    """The iterate of one step, and what it leaves unbalanced."""
+
+    def __init__(self, medium: Medium, step: Step, content: Array, guess: State) -> None:
+        self.medium, self.step, self.before = medium, step, content
+        self.position = guess.position.copy()
+        self.reduced, self.void = guess.reduced.copy(), guess.void.copy()
+        self.full = guess.full.copy()
+        self.full[step.supplied] = True
+        self.reduced[step.supplied] = medium.outside
+        self.void[step.supplied] = 0.0
+        self.storage = medium.grid.area * step.rate
+        self.steady = step.rate == 0
+        self.still = step.speed == 0
+        self.crossing = step.speed * medium.grid.dz
+
+    def evaluate(self) -> None:
+        """Film, flow and the errors of all balances at the present iterate."""
+        medium, step = self.medium, self.step
+        self.walls = displaced(step, self.position)
+        self.pressure, self.slope = medium.pressure(self.reduced)
+        if medium.foundation is not None:
+            self.walls = deflected(self.walls, self.pressure / medium.foundation, medium.grid)
+        if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
+            raise NoConvergenceError("The film vanished between the walls.")
+        self.faces = Faces(medium.grid, medium.fluid, self.walls, outside=medium.outside)
+        self.steps = self.faces.steps(self.reduced)
+        self.inflow = self.faces.inflow(self.steps)
+        if not self.still:
+            self.inflow -= self.carried()
+
+        # without entrainment the void of a cell follows from its own balance
+        if self.still:
+            oil = self.before + self.inflow / self.storage
+            self.void = np.where(self.full, 0.0, self.walls.centre - oil)
+        kept = self.walls.centre - self.void - self.before
+        self.error = self.inflow - self.storage * kept
+        self.error[step.supplied] = 0.0
+        self.carries = forces(medium, step.directions, self.pressure)
+        spring = step.stiffness * (self.position - step.rest)
+        self.missing = step.load - self.carries - spring
+
+    def carried(self) -> Array:
+        """Net flow out of each cell with the surfaces."""
+        along = self.crossing * self.walls.along
+        upwind = self.crossing * self.void
+        closed = self.medium.grid.closed
+        if self.crossing > 0:
+            along[1:] -= upwind
+            along[0] -= upwind[-1] if closed else 0.0
+        else:
+            along[:-1] -= upwind
+            along[-1] -= upwind[0] if closed else 0.0
+        return np.diff(along, axis=0)
+
+    def switch(self) -> bool:
+        """Exchange cells with a negative pressure or void; whether any were."""
+        scale = max(float(self.reduced.max()), self.medium.outside, 1.0)
+        empty = self.full & (self.reduced < -SWITCH_TOLERANCE * scale)
+        fill = ~self.full & (self.void < -SWITCH_TOLERANCE * self.walls.centre)
+        if not (empty.any() or fill.any()):
+            return False
+        self.full = (self.full & ~empty) | fill
+        self.reduced[empty] = 0.0
+        self.void[fill] = 0.0
+        return True
+
+    def is_solved(self) -> bool:
+        """Whether all balances hold."""
+        turnover = (self.storage + abs(self.crossing)) * self.walls.centre
+        unknown = self.full if self.still else slice(None)
+        if (np.abs(self.error) > RESIDUAL_TOLERANCE * turnover)[unknown].any():
+            return False
+        if not self.missing.size:
+            return True
+        # an unloaded film has no scale but its own pressure
+        size = max(float(np.linalg.norm(self.step.load)), 1e-3 * float(np.abs(self.carries).max()))
+        return float(np.abs(self.missing).max()) <= RESIDUAL_TOLERANCE * max(size, 1e-9)
+
+    def move(self) -> None:
+        """One Newton step of pressures, voids and displacements."""
+        step, grid = self.step, self.medium.grid
+        right = np.empty((1 + len(step.directions), grid.along, grid.across))
+        np.negative(self.error, out=right[0])
+        for k, direction in enumerate(step.directions):
+            # a displacement takes film away, so all changes have the opposite sign
+            change = self.faces.inflow_change(self.steps, direction.along, direction.across)
+            if not self.still:
+                change -= self.crossing * np.diff(direction.along, axis=0)
+            change -= self.storage * direction.centre
+            right[k + 1] = change
+        unknown = (self.full & ~step.supplied) if self.still else ~step.supplied
+        stencil = self.coefficients(unknown)
+        right[:, ~unknown] = 0.0
+        found = solve_ring(stencil, right)
+
+        # displacements that restore the forces, with the change of pressure that follows
+        delta = found[0]
+        shift = np.zeros(len(step.directions))
+        if shift.size:
+            shift = self.shift(found)
+            delta = delta + np.tensordot(shift, found[1:], axes=1)
+        share = self.allowed(shift)
+        self.position = self.position + share * shift
+        if self.still:
+            self.reduced += share * delta
+        else:
+            self.reduced += share * np.where(self.full, delta, 0.0)
+            self.void += share * np.where(self.full, 0.0, delta)
+
+    def shift(self, found: Array) -> Array:
+        """Displacements for which the forces balance to first order."""
+        medium, step = self.medium, self.step
+        pressures = (np.where(self.full, each, 0.0) * self.slope for each in found)
+        changes = [forces(medium, step.directions, each) for each in pressures]
+        matrix = np.array(changes[1:]).T + np.diag(step.stiffness)
+        try:
+            return np.asarray(np.linalg.solve(matrix, self.missing - changes[0]))
+        except np.linalg.LinAlgError as error:
+            raise NoConvergenceError(
+                "The film carries no load in its present position: its pressure does not change "
+                "with the position of the body."
+            ) from error
+
+    def allowed(self, shift: Array) -> float:
+        """Share of a Newton step that leaves enough film everywhere."""
+        if not shift.size:
+            return 1.0
+        moved = displaced(self.step, self.position + shift)
+        now = displaced(self.step, self.position)
+        share = 1.0
+        for was, becomes in ((now.centre, moved.centre), (now.along, moved.along)):
+            nearer = was - becomes
+            worst = float((nearer / was).max())
+            if worst > LARGEST_APPROACH:
+                share = min(share, LARGEST_APPROACH / worst)
+        return share
+
+    def coefficients(self, unknown: Mask) -> Stencil:
+        """Derivatives of the balances by the unknown of each cell and its neighbours."""
+        stencil = self.faces.stencil()
+        if self.medium.foundation is not None:
+            self.add_deflection(stencil)
+        if not self.still:
+            self.add_voids(stencil)
+        link_only(stencil, unknown)
+        return stencil
+
+    def add_deflection(self, stencil: Stencil) -> None:
+        """Derivatives by the film, which grows with the pressure in it."""
+        grid, faces = self.medium.grid, self.faces
+        soft = np.broadcast_to(self.slope, self.reduced.shape) / self.medium.foundation
+        along = 0.5 * faces.along_slope * self.steps[0]
+        across = 0.5 * faces.across_slope * self.steps[1]
+        if not self.still:
+            along = along - 0.5 * self.crossing
+        stencil.centre[...] += (np.diff(along, axis=0) + np.diff(across, axis=1)) * soft
+        stencil.centre[...] -= self.storage * soft
+        stencil.following[:-1] += along[1:-1] * soft[1:]
+        stencil.previous[1:] -= along[1:-1] * soft[:-1]
+        if grid.closed:
+            stencil.following[-1] += along[-1] * soft[0]
+            stencil.previous[0] -= along[0] * soft[-1]
+        stencil.upper[:, :-1] += across[:, 1:-1] * soft[:, 1:]
+        stencil.lower[:, 1:] -= across[:, 1:-1] * soft[:, :-1]
+
+    def add_voids(self, stencil: Stencil) -> None:
+        """In the columns of void cells, derivatives by the void in place of the pressure."""
+        empty = ~self.full
+        closed = self.medium.grid.closed
+        ahead, behind = np.roll(empty, -1, axis=0), np.roll(empty, 1, axis=0)
+        if not closed:
+            ahead[-1] = behind[0] = False
+        stencil.centre[empty] = self.storage + abs(self.crossing)
+        stencil.following[ahead] = min(self.crossing, 0.0)
+        stencil.previous[behind] = -max(self.crossing, 0.0)
+        stencil.lower[:, 1:][empty[:, :-1]] = 0.0
+        stencil.upper[:, :-1][empty[:, 1:]] = 0.0
+
+    def state(self, iterations: int) -> State:
+        """The solved film; its content is what the flow has left in each cell."""
+        supplied = self.step.supplied
+        if self.steady:
+            content = self.walls.centre - self.void
+        else:
+            content = self.before + self.inflow / self.storage
+        given = self.storage * (self.walls.centre - self.before) - self.inflow
+        content[supplied] = self.walls.centre[supplied]
+        return State(
+            position=self.position,
+            reduced=np.where(self.full, self.reduced, 0.0),
+            void=self.void,
+            full=self.full,
+            content=content,
+            walls=self.walls,
+            iterations=iterations,
+            supply=self.medium.images * float(given[supplied].sum()),
+        )
+
+
+def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:
+    """Walls moved apart by a deflection of the cells, half of each neighbour at a face."""
+    along = walls.along.copy()
+    along[1:-1] += 0.5 * (deflection[1:] + deflection[:-1])
+    if grid.closed:
+        along[0] += 0.5 * (deflection[0] + deflection[-1])
+        along[-1] = along[0]
+    else:
+        along[0] += 0.5 * deflection[0]
+        along[-1] += 0.5 * deflection[-1]
+    across = walls.across.copy()
+    across[:, 1:-1] += 0.5 * (deflection[:, 1:] + deflection[:, :-1])
+    across[:, 0] += 0.5 * deflection[:, 0]
+    across[:, -1] += 0.5 * deflection[:, -1]
+    return Walls(walls.centre + deflection, along, across)
