@@ -1,0 +1,513 @@
+"""The pin in the swinging bushing, step by step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.reynolds.balance import (
+    Medium,
+    NoConvergenceError,
+    State,
+    Step,
+    advance,
+    displaced,
+    start_state,
+)
+from erlif.models.reynolds.cells import Faces, Grid, Walls
+from erlif.models.reynolds.journal import Groove, Journal, Motion, Mount, as_mount, covered
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+THINNEST_FILM = 1e-9
+"""Film below which oil is no continuum: the size of its molecules. [m]"""
+
+MOST_HALVINGS = 8
+"""How often a step that does not converge is cut in half."""
+
+
+def solve_journal(
+    journal: Journal,
+    motion: Motion,
+    *,
+    start: tuple[float, float] = (0.0, 0.0),
+    sideways: str | float | Mount = "free",
+    cells: tuple[int, int] = (256, 8),
+    maps: Sequence[int] | None = None,
+    grooves: Sequence[Groove] | None = None,
+    frame: str = "half-angle",
+) -> "xr.Dataset":
+    """Solve the transient Reynolds equation of a journal bearing with cavitation.
+
+    div(h^3 / (12 eta) grad p) = d[h (1 - th)] / dt in the frame that turns with the mean of both
+    surfaces, where nothing is entrained (Booker 1965); the load turns there instead. Pressure and
+    void fraction th are complementary, so that mass is conserved where the film ruptures and forms
+    again. Implicit Euler in time, finite volumes in space.
+
+    Parameters
+    ----------
+    journal : Journal
+        The joint and its oil.
+    motion : Motion
+        Rotation of the bushing and load at each time.
+    start : (float, float)
+        Displacement of the pin along the load line and sideways at the first time; the gap is then
+        full of oil. [m]
+    sideways : str, float or Mount
+        "free", "guided" (no sideways motion), a stiffness [N/m], or a mount with a direction.
+    cells : (int, int)
+        Cells round the joint, an even number, and along half of its length.
+    maps : sequence of int, optional
+        Steps at which film, pressure and void fraction are returned as maps.
+    grooves : sequence of Groove, optional
+        Supplies of oil at ambient pressure, at rest in the image. By default one line opposite to
+        the load line: the unloaded side is flooded. An infinitely long bearing needs one.
+    frame : str
+        "half-angle" for the frame above. "laboratory" keeps the entrainment and its numerical
+        diffusion, for comparison: an oscillating joint then shows a film that does not exist.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `time` (the first value is the start): `displacement_load`, `displacement_side`,
+        `film_min` [m], `eccentricity` (over the clearance), `attitude` [rad], `peak_pressure` [Pa],
+        `reaction_load`, `reaction_side` (force of the film on the pin against the load and towards
+        negative phi) [N], `friction_torque` on the bushing [N m], `side_flow` out of both ends,
+        `supply_flow` out of the grooves [m3/s], `oil_volume` [m3], `power` dissipated in the film
+        [W], `iterations`. With `maps`, over `time_of_map`, `circumference` (distance from the load
+        line) and `axial`: `film` [m], `pressure` [Pa], `void_fraction`.
+
+    Raises
+    ------
+    ModelError
+        A start outside the clearance, a held pin without a direction, a load that no film carries,
+        a step that does not converge.
+
+    Examples
+    --------
+    A long joint at rest sinks as the closed form of pure squeeze, eps / sqrt(1 - eps^2) = t W / K:
+
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+    >>> time = np.linspace(0.0, 5.0, 501)
+    >>> sunk = solve_journal(joint, Motion(time, angle=0 * time, load=222.4), cells=(64, 1))
+    >>> ratio = 5.0 * 222.4 / joint.squeeze_constant
+    >>> print(f"{float(sunk.eccentricity[-1]):.3f} {ratio / np.hypot(1, ratio):.3f}")
+    0.825 0.826
+    """
+    bearing = Bearing.of(journal, cells, grooves)
+    mount = as_mount(sideways)
+    ride = Ride(bearing, motion, mount, np.asarray(start, dtype=float), frame)
+    wanted = _wanted(maps, motion.time.size)
+
+    rows, pictures = [ride.row(0)], []
+    for k in range(1, motion.time.size):
+        ride.go_to(k)
+        rows.append(ride.row(k))
+        if k in wanted:
+            pictures.append((k, *ride.picture(k)))
+    if 0 in wanted:
+        pictures.insert(0, (0, *ride.first_picture))
+    return _dataset(bearing, motion, rows, pictures)
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """The cells of a joint and what they hold constant.
+
+    Attributes
+    ----------
+    journal : Journal
+        The joint.
+    medium : Medium
+        Cells and oil.
+    angles : Array
+        Angles of the cells in their own frame, (circumference,). [rad]
+    axial_shape : Array
+        Height added to the gap, (axial,) of the cells. [m]
+    grooves : tuple of Groove
+        Supplies of oil.
+    """
+
+    journal: Journal
+    medium: Medium
+    angles: Array
+    axial_shape: Array
+    grooves: tuple[Groove, ...]
+
+    @classmethod
+    def of(
+        cls, journal: Journal, cells: tuple[int, int], grooves: Sequence[Groove] | None
+    ) -> "Bearing":
+        """Cells for a joint: half of the length where both halves are alike."""
+        around, along_half = (int(number) for number in cells)
+        if around < 8 or around % 2 or along_half < 1:
+            raise ModelError(
+                "cells must be an even number of 8 or more round the joint and 1 or more along the "
+                f"axis, got {tuple(cells)}."
+            )
+        shape, halved = np.zeros(1 if journal.long else along_half), not journal.long
+        if journal.axial_shape is not None:
+            shape, halved = _axial_shape(journal, along_half)
+        length = journal.length / 2 if halved else journal.length
+        grid = Grid(
+            along=around,
+            across=shape.size,
+            dx=2 * np.pi * journal.radius / around,
+            dz=length / shape.size,
+            closed=True,
+            open_sides=(False, False, not journal.long and not halved, not journal.long),
+        )
+        medium = Medium(
+            grid,
+            journal.fluid,
+            journal.cavitation_pressure,
+            journal.foundation,
+            images=2 if halved else 1,
+        )
+        grooves = (Groove(np.pi),) if grooves is None else grooves
+        angles = np.arange(float(around)) * (2 * np.pi / around)
+        return cls(journal, medium, np.asarray(angles), shape, tuple(grooves))
+
+    def directions(self, turned: float, toward: float) -> list[Walls]:
+        """Decrease of the gap for a displacement towards a direction and a right angle ahead."""
+        grid = self.medium.grid
+        centre = self.angles + (turned - toward)
+        face = np.append(centre, centre[0]) - np.pi / grid.along
+        face[-1] = face[0]
+        found = []
+        for shape in (np.cos, np.sin):
+            middle, edge = shape(centre)[:, np.newaxis], shape(face)[:, np.newaxis]
+            ones = np.ones((1, grid.across))
+            found.append(Walls(middle * ones, edge * ones, middle * np.ones((1, grid.across + 1))))
+        return found
+
+    def rigid(self) -> Walls:
+        """The gap of a centred pin."""
+        grid, clearance = self.medium.grid, self.journal.clearance
+        shape = self.axial_shape
+        edge = np.empty(shape.size + 1)
+        edge[1:-1] = 0.5 * (shape[1:] + shape[:-1])
+        edge[0], edge[-1] = shape[0], shape[-1]
+        if shape.size > 1:
+            edge[-1] = 1.5 * shape[-1] - 0.5 * shape[-2]
+            edge[0] = 1.5 * shape[0] - 0.5 * shape[1] if self.medium.images == 1 else shape[0]
+        return Walls(
+            np.broadcast_to(clearance + shape, (grid.along, grid.across)),
+            np.broadcast_to(clearance + shape, (grid.along + 1, grid.across)),
+            np.broadcast_to(clearance + edge, (grid.along, grid.across + 1)),
+        )
+
+
+def _axial_shape(journal: Journal, along_half: int) -> tuple[Array, bool]:
+    """Shape at the cells that are solved, and whether they cover half of the length."""
+    shape = np.asarray(journal.axial_shape, dtype=float)
+    if journal.long:
+        raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
+    if shape.shape != (2 * along_half,) or not np.isfinite(shape).all():
+        raise ModelError(
+            f"axial_shape must hold {2 * along_half} finite heights, one for each axial cell from "
+            f"end to end, got shape {shape.shape}."
+        )
+    if np.array_equal(shape, shape[::-1]):
+        return shape[along_half:], True
+    return shape, False
+
+
+def _wanted(maps: Sequence[int] | None, steps: int) -> set[int]:
+    """Steps of the maps as numbers from zero."""
+    wanted = {int(k) for k in (() if maps is None else maps)}
+    outside = [k for k in wanted if not -steps <= k < steps]
+    if outside:
+        raise ModelError(f"maps must be steps from 0 to {steps - 1}, got {outside[0]}.")
+    return {k % steps for k in wanted}
+
+
+class _Moment(NamedTuple):
+    """Time, angle of the bushing, load and its direction."""
+
+    time: float
+    angle: float
+    load: float
+    direction: float
+
+
+class Ride:
+    """The film on its way through a motion."""
+
+    def __init__(
+        self, bearing: Bearing, motion: Motion, mount: Mount, start: Array, frame: str
+    ) -> None:
+        if frame not in ("half-angle", "laboratory"):
+            raise ModelError(f'frame must be "half-angle" or "laboratory", got {frame!r}.')
+        self.bearing, self.motion, self.mount = bearing, motion, mount
+        self.turning = frame == "half-angle"
+        self.toward = mount.direction_for(motion)
+        if start.shape != (2,) or not np.isfinite(start).all():
+            raise ModelError("start must be two displacements, along the load line and sideways.")
+        self.held = _turned(start, -self.toward)
+        if mount.rest is not None:
+            self.held[1] = mount.rest if mount.guided else self.held[1]
+        self.rest = self.held[1] if mount.rest is None else mount.rest
+        self.speed = np.gradient(motion.angle, motion.time)
+
+        # the film of the start
+        self.instant = self.moment(0, 1.0)
+        step = self.step(self.instant, None)
+        self.state = start_state(bearing.medium, step, self.free(self.held))
+        self.earlier: tuple[float, Array] | None = None
+        self.supply = 0.0
+        if self.state.walls.centre.min() <= 0 or self.state.walls.along.min() <= 0:
+            raise ModelError(
+                f"start lies outside the clearance: displacements of {start[0] * 1e6:.4g} and "
+                f"{start[1] * 1e6:.4g} um leave no film in a clearance of "
+                f"{bearing.journal.clearance * 1e6:.4g} um."
+            )
+        self.first_picture = self.picture(0)
+
+    def moment(self, k: int, part: float) -> "_Moment":
+        """The motion at a part of the way to a step."""
+        motion, before = self.motion, max(k - 1, 0)
+        series = (motion.time, motion.angle, motion.load, motion.load_direction)
+        return _Moment(*(float(one[before] + part * (one[k] - one[before])) for one in series))
+
+    def turned(self, now: "_Moment") -> float:
+        """Angle by which the cells have turned. [rad]"""
+        return now.angle / 2 if self.turning else 0.0
+
+    def free(self, held: Array) -> Array:
+        """The displacements that are unknown."""
+        return held[:1] if self.mount.guided else held
+
+    def step(self, now: "_Moment", before: "_Moment | None") -> Step:
+        """What drives the film to a moment from the one before; none before the start."""
+        bearing = self.bearing
+        turned = self.turned(now)
+        directions = bearing.directions(turned, self.toward)
+        base = bearing.rigid()
+        apart = now.direction - self.toward
+        target = now.load * np.array([np.cos(apart), np.sin(apart)])
+        stiffness, rest = np.array([0.0, self.mount.stiffness]), np.array([0.0, self.rest])
+        if self.mount.guided:
+            base = base.moved(directions.pop(), self.held[1])
+            target, stiffness, rest = target[:1], stiffness[:1], rest[:1]
+
+        duration = np.inf if before is None else now.time - before.time
+        speed = 0.0
+        if before is not None and not self.turning:
+            speed = bearing.journal.radius * (now.angle - before.angle) / (2 * duration)
+        grid = bearing.medium.grid
+        supplied = np.zeros((grid.along, grid.across), dtype=bool)
+        supplied[covered(bearing.grooves, bearing.angles + turned)] = True
+        return Step(base, directions, target, stiffness, rest, 1 / duration, speed, supplied)
+
+    def go_to(self, k: int) -> None:
+        """Advance to a step of the motion, in parts where the whole does not converge."""
+        motion = self.motion
+        iterations, supply = 0, 0.0  # the supply as a volume
+        done, share, halvings = 0.0, 1.0, 0
+        while done < 1.0:
+            part = min(done + share, 1.0)
+            now = self.moment(k, part)
+            step = self.step(now, self.instant)
+            try:
+                state = advance(self.bearing.medium, step, self.state, self.guess(step))
+            except NoConvergenceError as error:
+                halvings += 1
+                share /= 2
+                if halvings > MOST_HALVINGS:
+                    raise ModelError(
+                        f"No film was found at {motion.time[k]:.6g} s (step {k}): {error}"
+                    ) from error
+                continue
+            supply += state.supply / step.rate
+            self.earlier = (now.time - self.instant.time, self.state.position)
+            self.instant, self.state = now, state
+            iterations += state.iterations
+            done = part
+            if state.walls.centre.min() < THINNEST_FILM:
+                raise ModelError(
+                    f"No film carries the load at {now.time:.6g} s (step {k}): under "
+                    f"{now.load:.4g} N it is thinner than {THINNEST_FILM * 1e9:.0f} nm. "
+                    "Check load and viscosity, or end the motion earlier."
+                )
+        self.iterations = iterations
+        self.supply = supply / (motion.time[k] - motion.time[k - 1])
+
+    def guess(self, step: Step) -> State:
+        """Where the Newton steps begin: the last film, moved on as it moved before."""
+        state = self.state
+        if self.earlier is None:
+            return state
+        duration, position = self.earlier
+        ahead = state.position + (state.position - position) / (duration * step.rate)
+        film = displaced(step, ahead).centre
+        if film.min() < 0.3 * state.walls.centre.min():
+            return state
+        return State(ahead, state.reduced, state.void, state.full, state.content, state.walls)
+
+    def pin(self) -> Array:
+        """Displacement along the load line and sideways."""
+        held = self.held.copy()
+        held[: self.state.position.size] = self.state.position
+        return _turned(held, self.toward)
+
+    def row(self, k: int) -> dict[str, float]:
+        """Numbers of one step."""
+        bearing, state = self.bearing, self.state
+        medium, journal = bearing.medium, bearing.journal
+        load, side = self.pin()
+        row = {
+            "displacement_load": load,
+            "displacement_side": side,
+            "film_min": float(state.walls.centre.min()),
+            "eccentricity": float(np.hypot(load, side)) / journal.clearance,
+            "attitude": float(np.arctan2(side, load)),
+            "oil_volume": medium.images * medium.grid.area * float(state.content.sum()),
+        }
+        if journal.foundation is None and journal.axial_shape is None:
+            row["film_min"] = journal.clearance * (1 - row["eccentricity"])
+        if k == 0:
+            return row
+        pressure, _ = medium.pressure(state.reduced)
+        turned = self.turned(self.instant)
+        along, across = (
+            medium.images * medium.grid.area * float(np.vdot(pressure, each.centre))
+            for each in bearing.directions(turned, 0.0)
+        )
+        return {
+            **row,
+            "peak_pressure": float(pressure.max()),
+            "reaction_load": along,
+            "reaction_side": across,
+            **losses(medium, state, self.speed[k] * journal.radius, journal.radius),
+            "supply_flow": self.supply,
+            "iterations": float(self.iterations),
+        }
+
+    def picture(self, k: int) -> tuple[Array, Array, Array]:
+        """Film, pressure and void fraction at places at rest in the image, whole length."""
+        bearing, state = self.bearing, self.state
+        pressure, _ = bearing.medium.pressure(state.reduced)
+        fraction = np.clip(state.void / state.walls.centre, 0.0, 1.0)
+        turned = self.turned(self.instant)
+        maps = []
+        for values in (state.walls.centre, np.broadcast_to(pressure, fraction.shape), fraction):
+            whole = (
+                np.concatenate([values[:, ::-1], values], 1)
+                if bearing.medium.images == 2
+                else values
+            )
+            maps.append(at_rest(whole, turned))
+        return maps[0], maps[1], maps[2]
+
+
+def at_rest(values: Array, turned: float) -> Array:
+    """Values of turned cells at the angles from -pi of cells at rest, linear between them."""
+    columns = values.shape[0]
+    place = np.arange(columns) - columns // 2 - turned * columns / (2 * np.pi)
+    before = np.floor(place).astype(int)
+    share = (place - before)[:, np.newaxis]
+    return np.asarray(
+        values[before % columns] * (1 - share) + values[(before + 1) % columns] * share
+    )
+
+
+def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[str, float]:
+    """Torque on the moving surface, flow out of the ends and heat. [N m; m3/s; W]
+
+    The shear stress at that surface is eta U / h + h/2 dp/dx; a partly void cell has the share of
+    its oil (Elrod 1981).
+    """
+    grid, walls = medium.grid, state.walls
+    pressure, _ = medium.pressure(state.reduced)
+    viscosity = medium.fluid.viscosity_at(pressure)
+    filled = 1 - np.clip(state.void / walls.centre, 0.0, 1.0)
+    shear = speed * medium.images * grid.area * float((viscosity * filled / walls.centre).sum())
+    faces = Faces(grid, medium.fluid, walls, outside=medium.outside)
+    steps = faces.steps(state.reduced)
+
+    # the pressures on both sides of each face; ambient beyond the sides
+    ends = Faces.steps(faces, pressure + medium.outside)
+    along = ends[0][:-1] if grid.closed else ends[0]
+    drag = 0.5 * medium.images * grid.dz * float((walls.along[: along.shape[0]] * along).sum())
+    heat = float((faces.along[: along.shape[0]] * steps[0][: along.shape[0]] * along).sum())
+    heat += float((faces.across * steps[1] * ends[1]).sum())
+    return {
+        "friction_torque": radius * (shear + drag),
+        "side_flow": medium.images * faces.outflow(steps),
+        "power": medium.images * heat + speed * shear,
+    }
+
+
+def _turned(vector: Array, angle: float) -> Array:
+    """A vector (along, sideways) after a rotation."""
+    along, side = vector
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([along * cosine - side * sine, along * sine + side * cosine])
+
+
+UNITS = {
+    "displacement_load": ("m", "displacement of the pin along the load line"),
+    "displacement_side": ("m", "displacement of the pin sideways, towards positive phi"),
+    "film_min": ("m", "minimum film thickness"),
+    "eccentricity": ("1", "displacement of the pin over the radial clearance"),
+    "attitude": ("rad", "angle from the load line to the displacement"),
+    "peak_pressure": ("Pa", "highest pressure above ambient"),
+    "reaction_load": ("N", "force of the film along the load line"),
+    "reaction_side": ("N", "force of the film sideways"),
+    "friction_torque": ("N m", "torque that turns the bushing against the film"),
+    "side_flow": ("m3 s-1", "flow out of both ends"),
+    "supply_flow": ("m3 s-1", "flow out of the grooves"),
+    "oil_volume": ("m3", "oil in the gap"),
+    "power": ("W", "heat in the film"),
+    "iterations": ("1", "Newton steps"),
+    "film": ("m", "film thickness"),
+    "pressure": ("Pa", "pressure above ambient"),
+    "void_fraction": ("1", "share of the gap without oil"),
+    "time": ("s", "time"),
+    "time_of_map": ("s", "time of a map"),
+    "circumference": ("m", "distance from the load line along sliding"),
+    "axial": ("m", "distance from the middle along the axis"),
+}
+"""Unit and name of each variable."""
+
+
+def describe(found: "xr.Dataset") -> "xr.Dataset":
+    """Write unit and name on every variable, in place."""
+    for name, variable in found.variables.items():
+        unit, text = UNITS[str(name)]
+        variable.attrs.update(units=unit, long_name=text)
+    return found
+
+
+def _dataset(
+    bearing: Bearing,
+    motion: Motion,
+    rows: list[dict[str, float]],
+    pictures: list[tuple[int, Array, Array, Array]],
+) -> "xr.Dataset":
+    """The results with dimensions, coordinates and units."""
+    import xarray as xr  # only here, because models load without it
+
+    variables: dict[str, Any] = {
+        name: ("time", np.array([row.get(name, np.nan) for row in rows]))
+        for name in UNITS
+        if name in rows[-1]
+    }
+    coordinates: dict[str, Any] = {"time": motion.time}
+    if pictures:
+        dims = ("time_of_map", "circumference", "axial")
+        for place, name in enumerate(("film", "pressure", "void_fraction"), start=1):
+            variables[name] = (dims, np.stack([picture[place] for picture in pictures]))
+        columns, across = pictures[0][1].shape
+        turn = (np.arange(columns) - columns // 2) * (2 * np.pi / columns)
+        length = bearing.journal.length
+        coordinates["time_of_map"] = motion.time[[picture[0] for picture in pictures]]
+        coordinates["circumference"] = bearing.journal.radius * turn
+        coordinates["axial"] = length * ((np.arange(across) + 0.5) / across - 0.5)
+    found = xr.Dataset(variables, coordinates)
+    return describe(found)

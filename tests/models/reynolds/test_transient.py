@@ -1,0 +1,174 @@
+"""The pin in the swinging bushing against closed forms and conservation laws."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scipy.integrate import solve_ivp
+
+from erlif.core.errors import ModelError
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, Motion, Mount, crank_motion, solve_journal
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+LOAD = 50 * 4.4482216152605  # N
+SPEED = 114 * 2 * np.pi / 60
+FULL = -1e9  # cavitation pressure of a film that never ruptures [Pa]
+
+
+def joint(**changes):
+    return Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, **changes)
+
+
+def rig_motion(cycles, steps=100, load=LOAD):
+    return crank_motion(RIG, crank_speed=SPEED, load=load, cycles=cycles, steps_per_cycle=steps)
+
+
+def test_pure_squeeze_of_a_long_full_film():
+    """t = (K / W) eps / sqrt(1 - eps^2), Booker (1965)."""
+    long = joint(long=True, cavitation_pressure=FULL)
+    eccentricity = np.linspace(0.0, 0.95, 400)
+    time = long.squeeze_constant / LOAD * eccentricity / np.sqrt(1 - eccentricity**2)
+    found = solve_journal(long, Motion(time, 0 * time, LOAD), cells=(256, 1))
+    npt.assert_allclose(found.eccentricity, eccentricity, atol=2e-3)
+    npt.assert_allclose(found.attitude[1:], 0.0, atol=1e-9)
+
+
+def orbit(long, motion, start):
+    """Full film of an infinitely long bearing: two ordinary differential equations.
+
+    d eps/dt = W cos(phi) (1 - eps^2)^1.5 / K and
+    2 d phi/dt = omega - W sin(phi) (2 + eps^2) sqrt(1 - eps^2) / (K eps) (Booker 1965).
+    """
+    omega = np.gradient(motion.angle, motion.time, edge_order=2)
+
+    def rate(time, place):
+        eccentricity, attitude = place
+        root = np.sqrt(1 - eccentricity**2)
+        pull = LOAD / long.squeeze_constant
+        turn = np.interp(time, motion.time, omega)
+        turn -= pull * np.sin(attitude) * (2 + eccentricity**2) * root / eccentricity
+        return pull * np.cos(attitude) * root**3, turn / 2
+
+    span = motion.time[[0, -1]]
+    return solve_ivp(rate, span, start, t_eval=motion.time, rtol=1e-9, atol=1e-12).y
+
+
+def test_swinging_long_bearing_follows_the_orbit_equations():
+    long = joint(long=True, cavitation_pressure=FULL)
+    motion = rig_motion(3, steps=200)
+    start = np.array([0.3 * long.clearance, 0.1 * long.clearance])
+    found = solve_journal(long, motion, start=tuple(start), cells=(128, 1))
+    eccentricity, attitude = orbit(
+        long, motion, (np.hypot(*start) / long.clearance, np.arctan2(start[1], start[0]))
+    )
+    npt.assert_allclose(found.film_min, long.clearance * (1 - eccentricity), rtol=4e-3)
+    npt.assert_allclose(found.attitude, attitude, atol=2e-3)
+
+
+def test_oil_is_conserved_over_a_cycle_with_cavities():
+    found = solve_journal(
+        joint(),
+        rig_motion(1.5),
+        sideways="guided",
+        start=(2.1e-4, 0.0),
+        cells=(64, 4),
+        grooves=[],
+        maps=[130],
+    )
+    assert float(found.void_fraction.max()) > 0.01
+    lost = float((found.side_flow[1:] * np.diff(found.time)).sum())
+    gained = float(found.oil_volume[-1] - found.oil_volume[0])
+    npt.assert_allclose(gained, -lost, atol=1e-10 * float(found.oil_volume[0]))
+
+
+def test_groove_supplies_what_leaves_the_ends():
+    found = solve_journal(joint(), rig_motion(1), cells=(64, 4))
+    change = (found.supply_flow - found.side_flow)[1:] * np.diff(found.time)
+    npt.assert_allclose(np.diff(found.oil_volume), change, atol=1e-12 * float(found.oil_volume[0]))
+
+
+def test_film_balances_load_and_mount():
+    spring = solve_journal(joint(), rig_motion(0.5), sideways=3e6, cells=(64, 4))
+    npt.assert_allclose(spring.reaction_load[1:], LOAD, rtol=1e-6)
+    npt.assert_allclose(
+        spring.reaction_side[1:], -3e6 * spring.displacement_side[1:], atol=1e-6 * LOAD
+    )
+    free = solve_journal(joint(), rig_motion(0.5), cells=(64, 4))
+    npt.assert_allclose(free.reaction_side[1:], 0.0, atol=1e-6 * LOAD)
+    assert abs(spring.displacement_side).max() < abs(free.displacement_side).max()
+
+
+def test_stiff_mount_is_a_guided_one():
+    case = {"start": (1.8e-4, 1e-5), "cells": (64, 2)}
+    stiff = solve_journal(joint(), rig_motion(0.5), sideways=1e12, **case)
+    guided = solve_journal(joint(), rig_motion(0.5), sideways="guided", **case)
+    npt.assert_allclose(guided.displacement_side, 1e-5)
+    npt.assert_allclose(stiff.film_min, guided.film_min, rtol=1e-5)
+
+
+def test_turned_load_line_turns_the_orbit():
+    motion = rig_motion(0.5)
+    aside = Motion(motion.time, motion.angle, LOAD, load_direction=np.pi / 4)
+    straight = solve_journal(joint(), motion, cells=(64, 2), grooves=[])
+    turned = solve_journal(joint(), aside, cells=(64, 2), grooves=[])
+    npt.assert_allclose(turned.film_min, straight.film_min, rtol=1e-9)
+    npt.assert_allclose(turned.attitude[1:], straight.attitude[1:] + np.pi / 4, atol=1e-9)
+    held = solve_journal(joint(), aside, cells=(64, 2), grooves=[], sideways="guided")
+    npt.assert_allclose(held.attitude[1:], np.pi / 4, atol=1e-12)
+
+
+def test_work_of_load_and_drive_is_the_heat_of_a_full_film():
+    full = joint(cavitation_pressure=FULL)
+    motion = rig_motion(1, steps=400)
+    found = solve_journal(full, motion, cells=(96, 6), start=(1e-4, 0.0), grooves=[])
+    middle = slice(2, -2)
+    speed = np.gradient(motion.angle, motion.time)
+    sinking = np.gradient(found.displacement_load.values, motion.time)
+    work = found.friction_torque * speed + LOAD * sinking
+    npt.assert_allclose(found.power[middle], work[middle], rtol=0.02)
+
+
+def test_map_shows_the_gap_round_the_load_line():
+    found = solve_journal(joint(), rig_motion(0.4), cells=(128, 3), maps=[0, 30], grooves=[])
+    assert found.film.dims == ("time_of_map", "circumference", "axial")
+    assert found.film.shape == (2, 128, 6)
+    moved, angle = found.isel(time=30), found.circumference / joint().radius
+    gap = joint().clearance - moved.displacement_load * np.cos(angle)
+    gap = gap - moved.displacement_side * np.sin(angle)
+    npt.assert_allclose(found.film[1, :, 0], gap, atol=1e-7)  # linear between turned cells
+    npt.assert_allclose(found.film[0], joint().clearance)
+    npt.assert_allclose(found.pressure[1], found.pressure[1, :, ::-1])
+    assert float(found.pressure[1].max()) <= float(moved.peak_pressure)
+    assert abs(float(found.pressure[1, :, 2].idxmax())) < 0.01
+    assert found.pressure.attrs["units"] == "Pa"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"start": (2.4e-4, 0.0)}, "start lies outside the clearance"),
+        ({"start": (np.nan, 0.0)}, "two displacements"),
+        ({"cells": (63, 4)}, "even number"),
+        ({"frame": "crank"}, 'frame must be "half-angle" or "laboratory"'),
+        ({"maps": [99]}, "steps from 0 to 50"),
+        ({"sideways": "held"}, "'held'"),
+    ],
+)
+def test_bad_input_is_refused_with_one_message(change, message):
+    case = {"cells": (64, 2), **change}
+    with pytest.raises(ModelError, match=message):
+        solve_journal(joint(), rig_motion(0.5), **case)
+
+
+def test_held_pin_without_a_direction_is_refused():
+    time = np.linspace(0.0, 1.0, 5)
+    turning = Motion(time, 0 * time, LOAD, load_direction=time)
+    with pytest.raises(ModelError, match="needs a direction"):
+        solve_journal(joint(), turning, sideways="guided", cells=(64, 2))
+    solve_journal(joint(), turning, sideways=Mount(np.inf, direction=0.0), cells=(64, 2))
+
+
+def test_load_that_no_film_carries_is_refused():
+    motion = Motion([0.0, 1.0, 2.0], [0.0, 0.0, 0.0], load=1e8)
+    with pytest.raises(ModelError, match="No film"):
+        solve_journal(joint(), motion, cells=(64, 2))
