@@ -139,6 +139,7 @@ MODELS = (
     "mechanism",
     "oil",
     "reaction",
+    "reynolds",
     "wear",
 )
 

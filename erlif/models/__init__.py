@@ -28,18 +28,31 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 __all__ = [
+    "Groove",
+    "Journal",
+    "Motion",
+    "Mount",
     "arguments",
     "bearing",
     "contact",
+    "crank_motion",
     "film",
     "fluorescence",
     "friction",
     "mechanism",
     "oil",
     "reaction",
+    "reynolds",
+    "solve_journal",
     "sources",
+    "steady_journal",
     "wear",
 ]
+
+_REYNOLDS = frozenset(
+    ["Groove", "Journal", "Motion", "Mount", "crank_motion", "solve_journal", "steady_journal"]
+)
+"""Names of `erlif.models.reynolds` that are names of the models too."""
 
 if TYPE_CHECKING:
     from erlif.models import (
@@ -52,13 +65,25 @@ if TYPE_CHECKING:
         mechanism,
         oil,
         reaction,
+        reynolds,
         sources,
         wear,
+    )
+    from erlif.models.reynolds import (
+        Groove,
+        Journal,
+        Motion,
+        Mount,
+        crank_motion,
+        solve_journal,
+        steady_journal,
     )
 
 
 def __getattr__(name: str) -> Any:
     """Load a module when it is first used, so that ``import erlif`` stays quick."""
+    if name in _REYNOLDS:
+        return getattr(import_module("erlif.models.reynolds"), name)
     if name in __all__:
         return import_module(f"erlif.models.{name}")
     raise AttributeError(f"module 'erlif.models' has no attribute {name!r}")

@@ -1,0 +1,15 @@
+"""Transient Reynolds equation with mass-conserving cavitation: the film of an oscillating joint."""
+
+from erlif.models.reynolds.journal import Groove, Journal, Motion, Mount, crank_motion
+from erlif.models.reynolds.steady import steady_journal
+from erlif.models.reynolds.transient import solve_journal
+
+__all__ = [
+    "Groove",
+    "Journal",
+    "Motion",
+    "Mount",
+    "crank_motion",
+    "solve_journal",
+    "steady_journal",
+]

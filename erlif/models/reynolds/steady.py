@@ -1,0 +1,190 @@
+"""The pin under steady rotation, where entrainment and load keep it at one place."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import brentq
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import require_finite, require_positive, require_single
+from erlif.models.reynolds.balance import (
+    NoConvergenceError,
+    State,
+    Step,
+    advance,
+    forces,
+    start_state,
+)
+from erlif.models.reynolds.journal import Groove, Journal, covered
+from erlif.models.reynolds.transient import Bearing, describe, losses
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LARGEST_ECCENTRICITY = 0.9999
+"""Eccentricity above which a film is not resolved by any grid in use. [1]"""
+
+SLOWING = 0.25
+"""Factor between the rates of the steps that approach the steady film."""
+
+TINY_LOAD = 1e-12
+"""Share of the load that keeps the logarithm of a vanishing force finite. [1]"""
+
+LOWEST_RATE = 1e-6
+"""Rate over the speed of rotation at which the next step is the steady film. [1]"""
+
+
+def steady_journal(
+    journal: Journal,
+    *,
+    speed: float,
+    load: float,
+    grooves: Sequence[Groove] | None = None,
+    cells: tuple[int, int] = (256, 8),
+) -> "xr.Dataset":
+    """Find the position of the pin under constant rotation and load.
+
+    Parameters
+    ----------
+    journal : Journal
+        The joint and its oil.
+    speed : float
+        Speed of the bushing about the resting pin, of either sign. [rad/s]
+    load : float
+        Load along the load line. [N]
+    grooves : sequence of Groove, optional
+        Supplies of oil at ambient pressure, at angles from the load line. By default one line at
+        the largest gap, as in the charts of Raimondi and Boyd (1958).
+    cells : (int, int)
+        Cells round the joint and along half of its length.
+
+    Returns
+    -------
+    xarray.Dataset
+        `displacement_load`, `displacement_side`, `film_min` [m], `eccentricity`, `attitude` [rad],
+        `peak_pressure` [Pa], `reaction_load`, `reaction_side` [N], `friction_torque` [N m],
+        `side_flow` [m3/s], `power` [W].
+
+    Raises
+    ------
+    ModelError
+        A bushing at rest, or a load that no film carries.
+
+    Examples
+    --------
+    The joint of Farzaneh (2002) turning steadily would float on a thick film:
+
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, cavitation_pressure=0.0)
+    >>> found = steady_journal(joint, speed=2.54, load=222.4)
+    >>> print(f"{float(found.film_min) * 1e6:.0f} um")
+    124 um
+    """
+    require_single(speed=speed, load=load)
+    require_finite(speed=speed)
+    require_positive(load=load)
+    if speed == 0:
+        raise ModelError("speed must not be zero: a bushing at rest carries no steady load.")
+    bearing = Bearing.of(journal, cells, [Groove(np.pi)] if grooves is None else grooves)
+    case = _Rotation(bearing, speed)
+    if grooves is None:
+        state, position = case.along_the_gap(load)
+    else:
+        state, position = case.beside_grooves(load)
+    return _describe(bearing, state, position, speed)
+
+
+class _Rotation:
+    """A joint under steady rotation, in the frame at rest."""
+
+    def __init__(self, bearing: Bearing, speed: float) -> None:
+        self.bearing, self.speed = bearing, speed
+        self.rigid = bearing.rigid()
+        self.axes = bearing.directions(0.0, 0.0)
+        grid = bearing.medium.grid
+        self.supplied = np.zeros((grid.along, grid.across), dtype=bool)
+        self.supplied[covered(bearing.grooves, bearing.angles)] = True
+
+    def step(self, load: Array, rate: float) -> Step:
+        """A free pin under a load, or a held one without."""
+        none = np.zeros(load.size)
+        entrained = self.bearing.journal.radius * self.speed / 2
+        axes = self.axes[: load.size]
+        return Step(self.rigid, axes, load, none, none, rate, entrained, self.supplied)
+
+    def held_at(self, displacement: float) -> tuple[State, Array]:
+        """Film and force of a pin that is held at a displacement along the first axis."""
+        medium = self.bearing.medium
+        base = self.rigid.moved(self.axes[0], displacement)
+        held = replace(self.step(np.zeros(0), 0.0), base=base)
+        state = self.settle(held, np.zeros(0))
+        pressure, _ = medium.pressure(state.reduced)
+        return state, forces(medium, self.axes, pressure)
+
+    def settle(self, step: Step, position: Array) -> State:
+        """The steady film, approached by ever longer time steps."""
+        medium = self.bearing.medium
+        state = start_state(medium, step, position)
+        rate = abs(self.speed)
+        while True:
+            rate = rate * SLOWING if rate > LOWEST_RATE * abs(self.speed) else 0.0
+            state = advance(medium, replace(step, rate=rate), state)
+            if rate == 0:
+                return state
+
+    def along_the_gap(self, load: float) -> tuple[State, Array]:
+        """Displacement whose force is the load, with the supply at the largest gap."""
+        clearance = self.bearing.journal.clearance
+
+        def surplus(eccentricity: float) -> float:
+            _, force = self.held_at(eccentricity * clearance)
+            return float(np.log((np.hypot(*force) + TINY_LOAD * load) / load))
+
+        if surplus(LARGEST_ECCENTRICITY) < 0:
+            raise ModelError(
+                f"No film carries {load:g} N at {self.speed:g} rad/s: even at an eccentricity of "
+                f"{LARGEST_ECCENTRICITY} it carries less."
+            )
+        found = brentq(surplus, 1e-9, LARGEST_ECCENTRICITY, xtol=1e-9, rtol=1e-9)
+        state, force = self.held_at(found * clearance)
+        ahead = -float(np.arctan2(force[1], force[0]))
+        return state, found * clearance * np.array([np.cos(ahead), np.sin(ahead)])
+
+    def beside_grooves(self, load: float) -> tuple[State, Array]:
+        """Position of a free pin between grooves at rest."""
+        start = 0.3 * self.bearing.journal.clearance * np.array([1.0, np.sign(self.speed)])
+        step = self.step(np.array([load, 0.0]), 0.0)
+        try:
+            state = self.settle(step, start)
+        except NoConvergenceError as error:
+            raise ModelError(f"No film was found for {load:g} N: {error}") from error
+        return state, state.position
+
+
+def _describe(bearing: Bearing, state: State, position: Array, speed: float) -> "xr.Dataset":
+    """The results with units."""
+    import xarray as xr  # only here, because models load without it
+
+    journal, medium = bearing.journal, bearing.medium
+    pressure, _ = medium.pressure(state.reduced)
+    force = forces(medium, bearing.directions(0.0, 0.0), pressure)
+    size = float(np.hypot(*position))
+    if state.position.size == 0:
+        force = np.array([np.hypot(*force), 0.0])  # the load line follows the force
+    values = {
+        "displacement_load": position[0],
+        "displacement_side": position[1],
+        "film_min": float(state.walls.centre.min()),
+        "eccentricity": size / journal.clearance,
+        "attitude": float(np.arctan2(position[1], position[0])),
+        "peak_pressure": float(pressure.max()),
+        "reaction_load": force[0],
+        "reaction_side": force[1],
+        **losses(medium, state, speed * journal.radius, journal.radius),
+    }
+    if journal.foundation is None and journal.axial_shape is None:
+        values["film_min"] = journal.clearance - size
+    found = xr.Dataset({name: ((), value) for name, value in values.items()})
+    return describe(found)
