@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.bounded import read_bounded
+from erlif.core.hdf5 import open_hdf5
 
 LARGEST_READ = 2**30
 """Largest size of what is read at once: a map, or a variable of the triggers. [byte]"""
@@ -45,7 +46,7 @@ def check_netcdf(path: Path) -> None:
     """
     import h5py
 
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         for name, entry in _netcdf_entries(file, h5py):
             if not isinstance(entry, h5py.Dataset):
                 continue

@@ -8,6 +8,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
+from erlif.core.hdf5 import check_heaps, open_hdf5
+
 
 def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     """Open a netCDF-4 file or one of its groups with xarray.
@@ -28,6 +30,8 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     ------
     OSError
         If the file is missing, damaged or of another format.
+    ValueError
+        As `open_hdf5` and `check_heaps`.
 
     Examples
     --------
@@ -39,10 +43,9 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     ...         float(dataset["load"][0])
     220.0
     """
-    import h5py
-
     # A damaged file fails here. Within h5netcdf the failure would print a message of its own.
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
+        check_heaps(file)
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
     return xr.open_dataset(path, engine="h5netcdf", group=group)
@@ -114,7 +117,7 @@ def has_group(path: Path, group: str) -> bool:
     """
     import h5py
 
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         return isinstance(file.get(group), h5py.Group)
 
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from erlif.core.errors import OutputError
+from erlif.core.hdf5 import open_hdf5
 
 MARK = b"erlif"
 """Name of the program, which figures and pages hold among their first or last bytes."""
@@ -82,10 +83,8 @@ def _is_own(output: Path, holds: str) -> bool:
 
 
 def _is_own_netcdf(output: Path, holds: str) -> bool:
-    import h5py
-
     try:
-        with h5py.File(output, "r") as file:
+        with open_hdf5(output) as file:
             return "erlif_version" in file.attrs and (not holds or holds in file)
     except Exception:  # damaged bytes make HDF5 raise errors of any kind
         return False

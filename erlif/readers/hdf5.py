@@ -12,9 +12,8 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
+from erlif.core.hdf5 import SIGNATURE, open_hdf5
 from erlif.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
-
-_START = b"\x89HDF\r\n\x1a\n"
 
 _DENSEST = 1100
 """Decoded bytes per byte of a file that deflate can reach."""
@@ -36,11 +35,9 @@ class Hdf5Frames(FrameFile):
     """The frames of one dataset, (frame, y, x) or (y, x)."""
 
     def __init__(self, path: Path, dataset: str = "") -> None:
-        import h5py  # takes a tenth of a second to load
-
         self._lock = threading.Lock()
         try:
-            self._file = h5py.File(path, "r")
+            self._file = open_hdf5(path)
         except Exception as error:  # h5py raises several types on damaged bytes
             raise FrameError(f"the file is damaged or not HDF5 ({_first_line(error)})") from error
         try:
@@ -140,12 +137,11 @@ def list_datasets(path: Path) -> list[str]:
     []
     """
     with path.open("rb") as file:
-        if file.read(8) != _START:
+        if file.read(8) != SIGNATURE:
             return []
-    import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        with open_hdf5(path) as file:
             return _candidates(file, 3) or _candidates(file, 2)
     except Exception:  # h5py raises several types on damaged bytes
         return []
@@ -284,7 +280,7 @@ def _open_dataset(path: Path, dataset: str) -> FrameFile:
 HDF5 = Format(
     "HDF5, netCDF-4",
     (".h5", ".hdf5", ".he5", ".nc", ".nc4"),
-    lambda path, head: head[:8] == _START,
+    lambda path, head: head[:8] == SIGNATURE,
     Hdf5Frames,
     open_dataset=_open_dataset,
 )

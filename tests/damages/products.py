@@ -2,6 +2,7 @@
 
 import json
 import os
+import struct
 
 import h5py
 import numpy as np
@@ -37,6 +38,19 @@ def _bytes(name, path, content, command, *words):
 
 def _state(name, change, command, *words, status=2):
     return Damage(name, change, command, words, status)
+
+
+def claim_driver(content):
+    """The superblock names a block of a driver at the end, which claims 1 GB (section II.A)."""
+    assert content[8] == 0, "version of the superblock"
+    block = bytes(4) + struct.pack("<I", 2**30) + bytes(8)
+    return content[:48] + struct.pack("<Q", len(content)) + content[56:] + block
+
+
+def empty_heap(content):
+    """The first object of the first heap is free space of no size (section III.E)."""
+    first = content.index(b"GCOL\x01\0\0\0") + 16
+    return content[:first] + bytes(16) + content[first + 16 :]
 
 
 def _set(name, value):
@@ -77,6 +91,26 @@ CALIBRATIONS = [
     _calibration("no error", _set("covariance", 0.0), "variance of 0"),
     _calibration("NaN error", _set("covariance", np.nan), "not finite"),
     _calibration("negative variance", _set("covariance", -np.eye(3)), "variance of -1"),
+    _calibration(
+        "half a camera map",
+        _without("registration/displacement_y"),
+        "calibration.nc",
+        "displacement_y",
+    ),
+    _bytes(
+        "a driver that claims a gigabyte",
+        "fixture/calibration.nc",
+        claim_driver,
+        "process run",
+        *("calibration.nc", "driver", "erlif calibrate"),
+    ),
+    _bytes(
+        "a heap without end",
+        "fixture/calibration.nc",
+        empty_heap,
+        "process run",
+        *("calibration.nc", "heap", "erlif calibrate"),
+    ),
     _calibration("range to 1e9 um", _set("thickness_range", [0.1, 1e9]), "thickness_range"),
     _calibration("range in reverse", _set("thickness_range", [12.0, 0.1]), "thickness_range"),
     _calibration("later format", _attribute("format_version", 99), "later version of erlif"),
@@ -97,6 +131,14 @@ CALIBRATIONS = [
 ]
 
 FILMS = [
+    _bytes(
+        "a driver that claims a gigabyte",
+        "films/film.nc",
+        claim_driver,
+        "figures films/film.nc",
+        "driver",
+    ),
+    _bytes("a heap without end", "films/film.nc", empty_heap, "report films/film.nc", "heap"),
     _film("no thickness", _without("thickness"), "it has no variable thickness"),
     _film("no errors", _without("thickness_std"), "it has no variable thickness_std"),
     _film("no flags", _without("flags"), "flags", command="report"),

@@ -13,6 +13,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
+from erlif.core.hdf5 import SIGNATURE, check_heaps, open_hdf5
 from erlif.ingest.logs.matlab import read_matlab
 from erlif.ingest.logs.table import (
     LARGEST_FILE,
@@ -24,13 +25,15 @@ from erlif.ingest.logs.table import (
 
 _TDMS = b"TDSm"
 _MATLAB_5 = b"MATLAB 5.0 MAT-file"
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 _HDF5_PLACES = (0, 512)
 """Where the signature of HDF5 may stand; MATLAB 7.3 has a header of 512 bytes. [byte]"""
 
 _UNIT_NAMES = ("units", "unit", "Unit", "unit_string", "NI_UnitDescription")
 """Attributes that hold the unit of a column."""
+
+_LONGEST_UNIT = 80
+"""Length of a unit that is kept; a message shows it. [character]"""
 
 _Found = Iterator[tuple[str, str, AnyArray]]
 """Name, unit and numbers of each column."""
@@ -112,12 +115,12 @@ def _kind(path: Path) -> str | None:
         if not stat.S_ISREG(path.stat().st_mode):
             return None
         with path.open("rb") as file:
-            head = file.read(max(_HDF5_PLACES) + len(_HDF5))
+            head = file.read(max(_HDF5_PLACES) + len(SIGNATURE))
     except OSError:
         return None
     if head.startswith(_TDMS):
         return "TDMS"
-    if any(head[place:].startswith(_HDF5) for place in _HDF5_PLACES):
+    if any(head[place:].startswith(SIGNATURE) for place in _HDF5_PLACES):
         return "HDF5"
     return "MATLAB" if head.startswith(_MATLAB_5) else None
 
@@ -197,7 +200,8 @@ def _read_tdms(path: Path) -> _Found:
     try:
         for logger in loggers:
             logger.handlers, logger.propagate = [faults], False
-        with TdmsFile.open(path) as file:
+        # the package leaves a file open that it refuses
+        with path.open("rb") as raw, TdmsFile.open(raw) as file:
             found = list(_list_channels(file, path))
     finally:
         for logger, handlers in zip(loggers, kept, strict=True):
@@ -254,7 +258,8 @@ def _read_hdf5(path: Path) -> _Found:
     """Datasets of numbers in an HDF5 or MATLAB 7.3 file, by their paths."""
     import h5py
 
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
+        check_heaps(file)
         datasets: list[Any] = []
 
         def collect(name: str, item: object) -> None:
@@ -273,5 +278,6 @@ def _unit(attributes: Mapping[str, Any]) -> str:
     for name in _UNIT_NAMES:
         if name in attributes:
             value = attributes[name]
-            return value.decode() if isinstance(value, bytes) else str(value)
+            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+            return text[:_LONGEST_UNIT]
     return ""

@@ -1,11 +1,13 @@
 """Binary logs, written by the packages of their makers or by scipy and h5py."""
 
+import gc
 import subprocess
 import sys
 
 import h5py
 import numpy as np
 import pytest
+from damages.products import empty_heap
 from scipy.io import savemat
 
 from erlif.core.errors import EncoderError
@@ -140,3 +142,30 @@ def test_a_truncated_tdms_file_is_refused_and_its_package_prints_nothing(tmp_pat
     assert done.stderr == ""
     assert "Expected log.tdms to be a TDMS file; it cannot be read" in done.stdout
     assert "less data than expected" in done.stdout
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_damaged_file_of_tdms_does_not_stay_open(tmp_path):
+    path = tmp_path / "log.tdms"
+    path.write_bytes(b"TDSm" + b"\xff" * 24)
+    with pytest.raises(EncoderError, match=r"log\.tdms to be a TDMS file"):
+        read_binary_table(path)
+    gc.collect()  # a file left open is reported here
+
+
+def test_a_heap_without_end_is_refused(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = ANGLE
+        file["angle"].attrs["units"] = "deg"
+    path.write_bytes(empty_heap(path.read_bytes()))
+    with pytest.raises(EncoderError, match="heap"):
+        read_binary_table(path)
+
+
+def test_a_unit_of_a_damaged_file_is_kept_in_part(tmp_path):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["angle"] = ANGLE
+        file["angle"].attrs["units"] = "x" * 60_000
+    assert len(columns(path)["angle"][0]) == 80
