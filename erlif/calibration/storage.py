@@ -21,7 +21,7 @@ from erlif.calibration.soundness import (
     check_rise,
     places,
 )
-from erlif.core.errors import CalibrationError, ErlifError, OutputError
+from erlif.core.errors import CalibrationError, ErlifError, OutputError, RegistrationError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
 from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, write_dataset
@@ -144,7 +144,11 @@ def _read(path: Path) -> Calibration:
         return calibration
     with open_netcdf(path, group="registration") as dataset:
         check_file(dataset)
-        camera_map = CameraMap.from_dataset(dataset.load())
+        try:
+            camera_map = CameraMap.from_dataset(dataset.load())
+        except RegistrationError as error:
+            reason, _, _ = str(error).partition(";")
+            raise ValueError(reason) from error
     check_displacements(camera_map.displacement_x, camera_map.displacement_y)
     return replace(calibration, camera_map=camera_map)
 

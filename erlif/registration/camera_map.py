@@ -179,9 +179,9 @@ def _read_model(text: str) -> dict[str, Any]:
     parts = _MODEL.fullmatch(text)
     if parts is None or parts["kind"] not in {kind.value for kind in MapKind}:
         raise RegistrationError(
-            f"The stored camera map is described as {text!r}, which is not a kind of map that this "
-            f"version knows ({', '.join(kind.value for kind in MapKind)}); register the cameras "
-            "again."
+            f"The stored camera map is described as {text[:80]!r}, which is not a kind of map that "
+            f"this version knows ({', '.join(kind.value for kind in MapKind)}); register the "
+            "cameras again."
         )
     return {
         "kind": MapKind(parts["kind"]),
