@@ -70,9 +70,9 @@ def write_npy(path: Path) -> Path:
     return path
 
 
-def write_hdf5(path: Path, **options: Any) -> Path:
-    """A dataset by h5py."""
-    with h5py.File(path, "w") as file:
+def write_hdf5(path: Path, *, libver: str = "earliest", **options: Any) -> Path:
+    """A dataset by h5py; the latest form of HDF5 has checksums in its headers."""
+    with h5py.File(path, "w", libver=libver) as file:
         file.create_dataset("camera1/counts", data=FRAMES, **options)
     return path
 
@@ -126,6 +126,14 @@ SAMPLES: dict[str, tuple[Callable[[Path], Path], str]] = {
     "avi": (lambda d: write_avi(d / "a.avi", (FRAMES >> 4).astype(np.uint8)), "a.avi"),
     "hdf5": (lambda d: write_hdf5(d / "a.h5"), "a.h5"),
     "hdf5 gzip": (lambda d: write_hdf5(d / "a.h5", chunks=(1, 5, 7), compression="gzip"), "a.h5"),
+    "hdf5 latest": (
+        lambda d: write_hdf5(d / "a.h5", libver="latest", chunks=(1, 5, 7), compression="gzip"),
+        "a.h5",
+    ),
+    "hdf5 checked": (
+        lambda d: write_hdf5(d / "a.h5", libver="latest", chunks=(1, 3, 7), fletcher32=True),
+        "a.h5",
+    ),
     "netcdf": (lambda d: write_netcdf(d / "a.nc"), "a.nc"),
 }
 """For each format its writer, and the file that is damaged."""
