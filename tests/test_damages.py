@@ -4,6 +4,7 @@ Each ends with one message that holds the words expected and what to do, status 
 half-written; none takes 20 s or 1.5 GB.
 """
 
+import os
 import re
 import resource
 import shutil
@@ -18,7 +19,9 @@ from damages.products import CALIBRATIONS, FILMS, OUTPUTS, TABLES, USAGE
 from damages.settings import SETTINGS
 from scenes.film import make_film
 from scenes.messages import STEPS
+from scenes.stores import contents
 
+import erlif
 from erlif.commands.main import main
 
 CATALOGUE = [
@@ -62,6 +65,57 @@ def test_the_catalogue_is_large_and_each_damage_has_a_name_of_its_own():
     names = [damage.name for damage in CATALOGUE]
     assert len(set(names)) == len(names) >= 150
     assert all(damage.words for damage in CATALOGUE)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-1000])
+
+
+def overwrite_middle(path):
+    content = bytearray(path.read_bytes())
+    place = len(content) // 2
+    content[place : place + 8] = bytes(255 - byte for byte in content[place : place + 8])
+    path.write_bytes(content)
+
+
+def make_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+def link_without_end(path):
+    path.unlink()
+    path.symlink_to("/dev/zero")
+
+
+@pytest.fixture(scope="module")
+def interrupted(originals, tmp_path_factory):
+    """A film of which three triggers are finished, and the whole film; never to be changed."""
+    directory = tmp_path_factory.mktemp("interrupted")
+
+    def stop(what, number, total):
+        if (what, number) == ("film", 3):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        erlif.process(originals / "run", output=directory / "film.nc", workers=1, progress=stop)
+    erlif.process(originals / "run", output=directory / "whole.nc", workers=1)
+    return directory
+
+
+@pytest.mark.parametrize("change", [cut, overwrite_middle, make_pipe, link_without_end])
+@pytest.mark.parametrize("name", ["journal", "maps_0.nc"])
+def test_damaged_work_in_progress_is_made_again(
+    change, name, originals, interrupted, tmp_path, monkeypatch
+):
+    """The film is that of a run without interruption."""
+    partial = shutil.copytree(interrupted / "film.nc.partial", tmp_path / "film.nc.partial")
+    change(partial / name)
+    monkeypatch.chdir(originals)
+    result = CliRunner().invoke(main, ["process", "run", "-o", str(tmp_path / "film.nc")])
+    assert result.exit_code == 0, result.output
+    assert contents(tmp_path / "film.nc") == contents(interrupted / "whole.nc")
+    assert [path.name for path in tmp_path.iterdir()] == ["film.nc"]
 
 
 @pytest.mark.parametrize("damage", CATALOGUE, ids=lambda damage: damage.name)

@@ -70,7 +70,10 @@ class _Commands(click.Group):
             ctx.exit(1)
         except OSError as error:
             reason = f"{error.strerror or error}: {error.filename or ''}"
-            echo_aside(f"erlif: {reason}. The previous output is intact.")
+            echo_aside(
+                f"erlif: {reason}. The previous output is intact. Check that the file may be read "
+                "and written and that the disk has room, and start again."
+            )
             ctx.exit(BAD_INPUT)
         except Exception:
             echo_aside(traceback.format_exc())

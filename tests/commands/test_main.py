@@ -90,6 +90,16 @@ def test_a_defect_of_ours_ends_with_status_1(lab, monkeypatch):
     assert "please report it" in result.stderr
 
 
+def test_a_refusal_of_the_system_has_a_next_step(lab, monkeypatch):
+    def refuse(*arguments, **options):
+        raise PermissionError(13, "Permission denied", "film.nc")
+
+    monkeypatch.setattr(erlif.pipeline, "process", refuse)
+    result = CliRunner().invoke(main, ["process", str(lab.run)])
+    assert result.exit_code == 2
+    assert "Permission denied: film.nc. The previous output is intact. Check" in result.stderr
+
+
 @pytest.mark.parametrize(("given", "used"), [(None, "1"), ("4", "4")])
 def test_linear_algebra_has_one_thread_unless_the_user_chooses(monkeypatch, given, used):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "unset")  # restored after the test

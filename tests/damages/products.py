@@ -260,7 +260,49 @@ OUTPUTS = [
     ),
 ]
 
+NOWHERE = "/proc/1"
+"""Folder in which nobody may write, root included."""
+
+OUTPUTS += [
+    _state(f"output: no place to write, {name}", _nothing, f"{command} -o {NOWHERE}/{file}", *words)
+    for name, command, file, words in [
+        ("film", "process run", "film.nc", ("film.nc could not be written", "another place")),
+        ("zarr", "process run", "film.zarr", ("film.zarr could not be written", "another place")),
+        ("calibration", "calibrate fixture", "a.nc", ("a.nc could not be written", "place")),
+        ("figures", "figures films/film.nc", "figures", ("could not be written", "another place")),
+        ("report", "report films/film.nc", "a.html", ("a.html could not be written", "place")),
+    ]
+]
+OUTPUTS += [
+    _state(
+        "output: no place to write, rig",
+        _nothing,
+        f"simulate {NOWHERE}/rig --size 96x80",
+        "could not be written",
+        "Choose another directory",
+    ),
+]
+
+
+def _simulate(options, *words):
+    return _state(f"usage: simulate {options}", _nothing, f"simulate out {options}", *words)
+
+
 USAGE = [
+    _simulate("--size 9x9", "width", "got 9"),
+    _simulate("--pictures 0", "pictures", "got 0"),
+    _simulate("--pulses-per-cycle nan", "pulses_per_cycle", "got nan"),
+    _simulate("--bleaching 2 2", "bleaching"),
+    _simulate("--mechanism planetary", "planetary"),
+    _state("usage: simulate in the place of a film", _nothing, "simulate films/film.nc", "film.nc"),
+    _state("usage: simulate over the run", _nothing, "simulate .", "--overwrite"),
+    _state("usage: page of check with another suffix", _nothing, "check run --html a.txt", ".html"),
+    _state(
+        "usage: page of check over a report",
+        lambda b: b.write(b.directory / "a.html", "<p>mine</p>"),
+        "check run --html a.html",
+        "--overwrite",
+    ),
     _state("usage: no such directory", _nothing, "process nowhere", "nowhere", "directory"),
     _state("usage: a file as directory", _nothing, "process run/encoder.csv", "directory"),
     _state("usage: fixture processed", _nothing, "process fixture", "fixture.toml"),
