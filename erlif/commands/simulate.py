@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -164,6 +165,7 @@ class FilmChoice(click.ParamType["float | str"]):
 )
 @click.option(
     "--zero/--no-zero",
+    "write_zero",
     default=True,
     show_default=True,
     help="Write the encoder's zero into run.toml.",
@@ -231,32 +233,9 @@ def simulate(
     out: Path,
     seed: int,
     size: tuple[int, int],
-    mechanism: str,
-    pictures: int,
-    spacing: float,
-    cycles: int,
     film: float | str,
-    elapsed: float,
-    viscosity: float,
-    stated_viscosity: float,
-    exponent: float,
-    marks: float,
-    bubbles: int,
-    light: float,
-    vibration: float,
-    fixture_frames: int,
-    cmm_noise: float,
-    zero: bool,
-    encoder: str,
-    reading: str,
-    pulses_per_cycle: float,
-    log: str,
-    background: float,
-    background_beam: float,
-    background_pages: int,
-    bleaching: tuple[float, float],
-    reference: float,
     overwrite: bool,
+    **options: Any,
 ) -> None:
     """Photograph a known film with a virtual rig.
 
@@ -277,33 +256,10 @@ def simulate(
     rig = RigSettings(
         width=size[0],
         height=size[1],
-        mechanism=mechanism,
-        pictures=pictures,
-        spacing=spacing,
-        cycles=cycles,
         film="reynolds" if theory else "law",
         film_reference=DEFAULT.film_reference if theory else float(film),
         tilt=0.0 if theory else DEFAULT.tilt,
-        elapsed=elapsed,
-        viscosity=viscosity,
-        stated_viscosity=stated_viscosity,
-        exponent=exponent,
-        marks=marks,
-        bubbles=bubbles,
-        light=light,
-        vibration=vibration,
-        fixture_frames=fixture_frames,
-        cmm_noise=cmm_noise,
-        write_zero=zero,
-        encoder=encoder,
-        reading=reading,
-        pulses_per_cycle=pulses_per_cycle,
-        log=log,
-        background=background,
-        background_beam=background_beam,
-        background_pages=background_pages,
-        bleaching=bleaching,
-        reference=reference,
+        **options,  # each is the field of its name
     )
     with tqdm(unit="frame", disable=None) as bar:
 
