@@ -53,6 +53,8 @@ T, F, YX = ("trigger",), ("frame",), ("y", "x")
 MAP = ("trigger", "y", "x")
 THEORY = "[joint] and [oil] are given, and speed and load are known"
 TREND = "speed and load are known"
+JOINT = "[joint] is given"
+POSITION = ("trigger", "parameter", "parameter_other")
 
 FILM = (
     Variable("trigger", T, "int64", "", "Number of the encoder trigger within the cycle, from 0."),
@@ -189,6 +191,92 @@ FILM = (
     Variable(
         "film_min_std", T, "float64", "um", "Its standard deviation, random and shared parts."
     ),
+    Variable("axis", ("axis",), "text", "", "Directions of the displacement: load, side.", JOINT),
+    Variable(
+        "pin_displacement",
+        ("trigger", "axis"),
+        "float64",
+        "um",
+        "Displacement of the axis of the pin from that of the bore, at the axial origin: towards "
+        "the load, and sideways in the direction of rising positions along sliding. Its attributes "
+        "are the clearance [um], the load line and the axial origin [mm].",
+        JOINT,
+    ),
+    Variable(
+        "pin_tilt",
+        ("trigger", "axis"),
+        "float64",
+        "um mm-1",
+        "Change of both displacements with the position along the axis.",
+        JOINT,
+    ),
+    Variable(
+        "parameter",
+        ("parameter",),
+        "text",
+        "",
+        "Numbers of the position: displacement_load, displacement_side, tilt_load, tilt_side.",
+        JOINT,
+    ),
+    Variable(
+        "pin_position_cov",
+        POSITION,
+        "float64",
+        "",
+        "Covariance of the four numbers, in um and um mm-1: noise, surfaces and calibration. "
+        "Dimension parameter_other has the order of parameter.",
+        JOINT,
+    ),
+    Variable(
+        "pin_position_cov_random",
+        POSITION,
+        "float64",
+        "",
+        "Part of it that is new at every trigger: the noise of the ratio.",
+        JOINT,
+    ),
+    Variable(
+        "pin_position_gradient",
+        ("trigger", "parameter", "calibration_parameter"),
+        "float64",
+        "",
+        "Change of the four numbers with the parameters of the calibration, in the order of their "
+        "covariance: the part of the error that all triggers share.",
+        JOINT,
+    ),
+    Variable(
+        "film_curvature",
+        T,
+        "float64",
+        "um mm-2",
+        "Second derivative of the gap along sliding where it is left free; its attribute expected "
+        "is that of circles with the radii of [joint].",
+        JOINT,
+    ),
+    Variable(
+        "film_curvature_std",
+        T,
+        "float64",
+        "um mm-2",
+        "Its standard deviation, random and shared parts.",
+        JOINT,
+    ),
+    Variable(
+        "film_curvature_axial",
+        T,
+        "float64",
+        "um mm-2",
+        "Second derivative of the gap along the axis, zero for a straight pin.",
+        JOINT,
+    ),
+    Variable(
+        "film_curvature_axial_std",
+        T,
+        "float64",
+        "um mm-2",
+        "Its standard deviation, random and shared parts.",
+        JOINT,
+    ),
     Variable(
         "film_hamrock_dowson",
         T,
@@ -319,6 +407,10 @@ VARIABLE_ATTRIBUTES = (
         "share_beyond_range",
         "Of film_mean: share of the region that is too thin or too thick, for each trigger.",
     ),
+    Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
+    Attribute("load_line", "Of displacement and tilt: load line along sliding [mm]."),
+    Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
+    Attribute("expected", "Of film_curvature: that of circles, for each trigger [um/mm2]."),
     Attribute("regime", "Of film_theory: the lubrication regime of most triggers."),
     Attribute("regimes_by_trigger", "Of film_theory: the regime of each trigger."),
     Attribute("reason", "Of film_theory: why this regime was selected."),

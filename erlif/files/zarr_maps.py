@@ -252,5 +252,5 @@ class ZarrMaps:
 
 def _free_text(dataset: xr.Dataset) -> xr.Dataset:
     """Text of any length: format 3 of zarr has no text of a fixed length."""
-    fixed = [name for name in dataset if dataset[name].dtype.kind == "U"]
+    fixed = [name for name in dataset.variables if dataset[name].dtype.kind == "U"]
     return dataset.assign({name: dataset[name].astype(object) for name in fixed})

@@ -20,6 +20,7 @@ from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
+from erlif.pipeline.position import choose_view, describe_positions
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
@@ -222,6 +223,8 @@ def describe_film(
     )
     film = film.assign(count_pixels(results)).assign(describe_statistics(results))
     settings = run.settings
+    view = choose_view(settings, run.pairs.shape)
+    film = film.assign(describe_positions(results, calibration, view))
     film = film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
 

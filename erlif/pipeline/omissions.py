@@ -10,6 +10,7 @@ from erlif.core.notes import Level, Note
 from erlif.settings import RotationSettings, RunSettings, SinusoidalSettings
 
 _THEORY = ("film_hamrock_dowson", "film_theory")
+_POSITION = ("pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial")
 _EXPONENTS = ("speed_exponent", "speed_exponent_mean")
 
 
@@ -71,7 +72,7 @@ def _lacking(
         speed = ("sliding_speed",) if settings.linkage is not None else ()
         theory = _THEORY if moving else ()
         cure = "Add [joint] for a pin in a bushing; its line contact describes no other one."
-        yield "[joint]", (*speed, *theory, "film_parameter"), cure
+        yield "[joint]", (*speed, *theory, "film_parameter", *_POSITION), cure
     elif settings.oil is None and moving:
         yield "[oil]", _THEORY, "Add [oil] for the theory."
 

@@ -35,6 +35,7 @@ from erlif.pipeline.light import (
     run_patch,
     widen_errors,
 )
+from erlif.pipeline.position import choose_view
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import check_pulses
 from erlif.pipeline.pulses import read_energies
@@ -194,6 +195,7 @@ def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> Trigg
         smoothing=settings.thickness.smoothing,
         sampled=choose_frames(run.pairs),
         patch=run_patch(run),
+        view=choose_view(settings, run.pairs.shape),
     )
 
 

@@ -15,7 +15,7 @@ from erlif.core.products import RatioImages
 from erlif.ingest import FramePairs, depth_warning
 from erlif.ratio import NO_CELLS, NO_PULSE, LightCells, PulseSample
 from erlif.thickness import NO_PATCH, PatchMean
-from erlif.trend import FilmStatistics
+from erlif.trend import FilmStatistics, PinPosition
 
 _COLUMNS = ("frame", "drift", "peaks", "pulse_energy", "digests", "pulse", "cells", "patch")
 """Arrays of a trigger with one row for each frame pair."""
@@ -91,11 +91,14 @@ class TriggerResult:
         What is kept of its frame pairs.
     pixels : tuple[int, ...]
         Valid pixels of its map, then those with each flag, as `count_flags` gives them.
+    position : PinPosition | None
+        Position of the pin; None without a joint.
     """
 
     statistics: FilmStatistics
     frames: tuple[FrameResult, ...]
     pixels: tuple[int, ...]
+    position: PinPosition | None = None
 
     def to_arrays(self) -> dict[str, AnyArray]:
         """Arrays by name, for a file."""
@@ -103,6 +106,11 @@ class TriggerResult:
             f"film_{one.name}": np.asarray(getattr(self.statistics, one.name))
             for one in fields(FilmStatistics)
         }
+        if self.position is not None:
+            arrays |= {
+                f"pin_{one.name}": np.asarray(getattr(self.position, one.name))
+                for one in fields(PinPosition)
+            }
         return arrays | {
             "pixels": np.array(self.pixels, np.int64),
             "frame": np.array([one.frame for one in self.frames], np.int64),
@@ -142,7 +150,12 @@ class TriggerResult:
                 *(arrays[name] for name in _COLUMNS), strict=True
             )
         )
-        return cls(statistics, frames, tuple(arrays["pixels"].tolist()))
+        position = None
+        if "pin_value" in arrays:
+            position = PinPosition(
+                **{one.name: arrays[f"pin_{one.name}"] for one in fields(PinPosition)}
+            )
+        return cls(statistics, frames, tuple(arrays["pixels"].tolist()), position)
 
 
 def frames_in(results: Iterable[TriggerResult]) -> list[FrameResult]:

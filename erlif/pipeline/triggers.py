@@ -26,7 +26,7 @@ from erlif.pipeline.light import FrameLight, sample_light, sample_reference
 from erlif.pipeline.results import FrameResult, TriggerResult
 from erlif.ratio import NO_CELLS, sample_pulse, smooth_ratio
 from erlif.thickness import measure_pulse_energy, measure_thickness
-from erlif.trend import FilmCurve, Region, summarise_blocks
+from erlif.trend import FilmCurve, PinView, Region, find_pin_in_blocks, summarise_blocks
 
 EARLY = 24
 """Triggers after which a run is inspected for the first time."""
@@ -52,6 +52,8 @@ class TriggerTask(PickledByFields):
         Frame pairs whose light is kept in coarse cells.
     patch : Region | None
         Rows and columns of the reference patch.
+    view : PinView | None
+        The joint as the camera sees it; None where no position of the pin is measured.
     """
 
     chain: FrameChain
@@ -61,6 +63,7 @@ class TriggerTask(PickledByFields):
     smoothing: int | None = None
     sampled: frozenset[int] = frozenset()
     patch: Region | None = None
+    view: PinView | None = None
 
     def __call__(self, frames: Sequence[int]) -> tuple[dict[str, AnyArray], TriggerResult]:
         """Maps and numbers of a trigger.
@@ -108,6 +111,9 @@ class TriggerTask(PickledByFields):
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
             film = measure_film(ratio, self.tables, self.region)
         statistics = summarise_blocks(film.sums, self.curve, sliding_along_x=self.sliding_along_x)
+        position = None
+        if self.view is not None:
+            position = find_pin_in_blocks(film.sums, self.curve, region=self.region, view=self.view)
 
         # the statistics above need pixels with independent noise, so smoothing comes last
         if self.smoothing is None:
@@ -117,7 +123,8 @@ class TriggerTask(PickledByFields):
             smooth = smooth_ratio(images, resolution=self.smoothing)
             measured = measure_thickness(smooth, self.calibration)
             maps = {variable.name: measured[variable.name].values for variable in MAPS}
-        return maps, TriggerResult(statistics, tuple(kept), tuple(count_flags(maps["flags"])))
+        pixels = tuple(count_flags(maps["flags"]))
+        return maps, TriggerResult(statistics, tuple(kept), pixels, position)
 
     def _sample(self, frame: int, pair: PairRatio) -> FrameLight:
         """Light of a frame in the cells of the image and in the reference patch."""

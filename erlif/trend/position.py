@@ -74,6 +74,11 @@ class PinView:
         """Second derivative 1/R of the gap of touching circles along sliding. [um/mm2]"""
         return 1 / float(conformal_radius(self.pin_radius, bushing_radius=self.bushing_radius))
 
+    def sees(self, first: float, last: float) -> bool:
+        """Whether positions along sliding [mm] lie within a quarter of a turn of the load line."""
+        far = max(abs(first - self.load_line), abs(last - self.load_line))
+        return far < 0.5 * np.pi * self.radius
+
 
 @dataclass(frozen=True)
 class PinPosition:
@@ -247,7 +252,7 @@ def find_pin_in_blocks(
     # positions in mm; blocks have the means of x and of its square
     centre, half = _span(sliding, view.pitch)
     offset = centre - view.load_line
-    if abs(offset) + half >= 0.5 * np.pi * view.radius:
+    if not view.sees(centre - half, centre + half):
         raise ConfigError(
             f"Expected a load line within {0.5 * np.pi * view.radius:.0f} mm of all of the region, "
             f"a quarter of a turn; it is at {view.load_line:.2f} mm, the region lies at "

@@ -41,6 +41,17 @@ ROOT = {
     "film_mean_std": (("trigger",), "um"),
     "film_min": (("trigger",), "um"),
     "film_min_std": (("trigger",), "um"),
+    "axis": (("axis",), None),
+    "parameter": (("parameter",), None),
+    "pin_displacement": (("trigger", "axis"), "um"),
+    "pin_tilt": (("trigger", "axis"), "um mm-1"),
+    "pin_position_cov": (("trigger", "parameter", "parameter_other"), None),
+    "pin_position_cov_random": (("trigger", "parameter", "parameter_other"), None),
+    "pin_position_gradient": (("trigger", "parameter", "calibration_parameter"), None),
+    "film_curvature": (("trigger",), "um mm-2"),
+    "film_curvature_std": (("trigger",), "um mm-2"),
+    "film_curvature_axial": (("trigger",), "um mm-2"),
+    "film_curvature_axial_std": (("trigger",), "um mm-2"),
     "film_hamrock_dowson": (("trigger",), "um"),
     "film_theory": (("trigger",), "um"),
     "film_parameter": (("trigger",), "1"),
@@ -54,13 +65,14 @@ ROOT = {
 }
 LEFT_OUT = {
     "mechanism": {"stroke", "crank_angle", "rocker_speed", "sliding_speed", "theory", "exponents"},
-    "joint": {"sliding_speed", "theory", "film_parameter"},
+    "joint": {"sliding_speed", "theory", "film_parameter", "position"},
     "oil": {"theory"},
 }
 """What a film of this run lacks without a table of run.toml; maps and statistics need none."""
 GROUPS = {
     "theory": {"film_hamrock_dowson", "film_theory"},
     "exponents": {name for name in ROOT if name.startswith("speed_exponent")},
+    "position": {"pin_displacement", "pin_tilt", "film_curvature", "film_curvature_axial"},
 }
 FRAMES = {
     "frame": None,
@@ -90,7 +102,9 @@ def test_film_has_the_documented_variables(opened):
         assert opened[name].attrs.get("units") == unit, name
     assert opened.thickness.dtype == np.float32
     assert opened.flags.dtype == np.uint8
-    assert dict(opened.sizes) == {"trigger": 6, "y": 96, "x": 128, "flag": 8}
+    maps = {"trigger": 6, "y": 96, "x": 128, "flag": 8}
+    position = {"axis": 2, "parameter": 4, "parameter_other": 4, "calibration_parameter": 3}
+    assert dict(opened.sizes) == maps | position
 
 
 @pytest.mark.parametrize("missing", LEFT_OUT)

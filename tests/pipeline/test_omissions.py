@@ -33,7 +33,7 @@ def test_a_static_film_names_motion_and_joint():
     assert list(found) == ["[mechanism]", "[joint]"]
     assert "crank_angle, sliding_speed, speed_exponent" in found["[mechanism]"]
     assert "A static film needs none" in found["[mechanism]"]
-    assert "left out: film_parameter." in found["[joint]"]
+    assert "left out: film_parameter, pin_displacement, pin_tilt, " in found["[joint]"]
 
 
 def test_a_disc_without_angle_and_load_names_both_columns():

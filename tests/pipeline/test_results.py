@@ -1,13 +1,13 @@
 """Results of triggers and frames: stored by name, summed up in notes."""
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
 import xarray as xr
-from scenes.results import make_result
+from scenes.results import make_position, make_result
 
 from erlif.core.notes import Level
 from erlif.core.products import RatioImages
@@ -45,6 +45,12 @@ def test_arrays_have_the_names_of_the_statistics():
     assert arrays["film_mean_gradient"].tolist() == [1.0, 2.0, 3.0]
     assert arrays["drift"].tolist() == [[0.1 * 3, -0.2 * 3]]
     assert arrays["peaks"].tolist() == [[3003, 2003]]
+
+
+def test_position_of_the_pin_survives_the_way_through_arrays():
+    result = replace(make_result(3), position=make_position((0.01, 0.02)))
+    assert_same(TriggerResult.from_arrays(result.to_arrays()), result)
+    assert result.to_arrays()["pin_gradient"].shape == (4, 3)
 
 
 def test_result_survives_a_file(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from erlif.pipeline.results import FrameResult, TriggerResult
-from erlif.trend import FilmStatistics
+from erlif.trend import FilmStatistics, PinPosition
 
 
 def make_statistics(**changes) -> FilmStatistics:
@@ -21,6 +21,22 @@ def make_statistics(**changes) -> FilmStatistics:
         "beyond_range": 0.007,
     }
     return FilmStatistics(**(values | changes))
+
+
+def make_position(
+    form: tuple[float, float] = (0.0, 0.0), *, film: float = 3.0, std: float = 0.001
+) -> PinPosition:
+    """Position of a pin at a film, with a form [um/mm2] of this standard deviation."""
+    return PinPosition(
+        value=np.array([230.0 - film, 1.0, 0.01, 0.1]),
+        random_cov=np.diag([1e-5, 1e-3, 1e-6, 1e-4]),
+        surface_cov=np.diag([2e-5, 2e-3, 2e-6, 2e-4]),
+        gradient=np.arange(12.0).reshape(4, 3),
+        form=np.array(form),
+        form_random_cov=std**2 * np.eye(2),
+        form_surface_cov=np.zeros((2, 2)),
+        form_gradient=np.zeros((2, 3)),
+    )
 
 
 def make_result(*frames: int, **changes) -> TriggerResult:

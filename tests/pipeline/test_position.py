@@ -1,0 +1,113 @@
+"""The position of the pin of a run: against its true film, and as variables of the film."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.results import make_position, make_result
+
+import erlif
+from erlif.ingest import open_run
+from erlif.pipeline.position import choose_view, describe_positions
+
+SHAPE = (96, 128)
+
+
+@pytest.fixture(scope="module")
+def opened(film):
+    with erlif.open_film(film) as dataset:
+        return dataset.load()
+
+
+def fit_true_film(film: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Displacements and tilts of the formula that are nearest to a true film, by least squares."""
+    phi = (x - x.mean()) / np.sqrt(33.36 * 33.59)
+    z = (y - y.mean())[:, None]
+    cos, sin = np.cos(phi) + 0 * z, np.sin(phi) + 0 * z
+    design = np.stack([cos, sin, z * cos, z * sin], axis=-1).reshape(-1, 4)
+    return np.linalg.lstsq(design, 230.0 - film.ravel(), rcond=None)[0]
+
+
+def test_position_follows_the_true_film(opened, truth):
+    """Marks included, so that noise and calibration remain; the region is that of the run."""
+    x, y = opened.x.values, opened.y.values
+    inside_x, inside_y = (x >= 4) & (x <= 15), (y >= 2) & (y <= 13)
+    pulls = []
+    for k in range(6):
+        film = truth.film.values[k][np.ix_(inside_y, inside_x)].astype(float)
+        centre = np.array([x[inside_x].mean() - x.mean(), y[inside_y].mean() - y.mean()])
+        true = fit_true_film(film, x[inside_x], y[inside_y])
+        # from the middle of the region to that of the image
+        turn = -centre[0] / np.sqrt(33.36 * 33.59)
+        cos, sin = np.cos(turn), np.sin(turn)
+        turned = np.array([[cos, sin], [-sin, cos]]) @ true.reshape(2, 2).T
+        turned[:, 0] -= centre[1] * turned[:, 1]
+        found = np.concatenate([opened.pin_displacement.values[k], opened.pin_tilt.values[k]])
+        std = np.sqrt(np.diag(opened.pin_position_cov.values[k]))
+        pulls.append((found - turned.T.ravel()) / std)
+    assert np.sqrt(np.mean(np.square(pulls), axis=0)).max() < 2
+    assert np.abs(pulls).max() < 4
+
+
+def test_covariance_has_the_stored_parts(opened, calibration):
+    """Whole = noise + calibration + surfaces, and the rest has no negative variance."""
+    for whole, random, gradient in zip(
+        opened.pin_position_cov.values,
+        opened.pin_position_cov_random.values,
+        opened.pin_position_gradient.values,
+        strict=True,
+    ):
+        rest = whole - random - gradient @ calibration.full_covariance @ gradient.T
+        scale = 1 / np.sqrt(np.diag(whole))
+        assert np.linalg.eigvalsh(rest * scale * scale[:, None]).min() > -1e-9
+
+
+def test_places_stand_on_the_film(opened):
+    attrs = opened.pin_displacement.attrs
+    npt.assert_allclose(attrs["clearance"], 230.0)
+    npt.assert_allclose([attrs["load_line"], attrs["axial_origin"]], [63.5 * 0.15, 47.5 * 0.15])
+    assert opened.axis.values.tolist() == ["load", "side"]
+
+
+def test_view_is_that_of_the_settings(small_rig):
+    settings = open_run(small_rig.run).settings
+    view = choose_view(settings, SHAPE)
+    assert (view.pin_radius, view.bushing_radius) == (0.03336, 0.03359)
+    turned = settings.model_copy(
+        update={"optics": settings.optics.model_copy(update={"x_axis": "axial"})}
+    )
+    assert choose_view(turned, SHAPE).load_line == view.axial_origin
+    assert not choose_view(turned, SHAPE).sliding_along_x
+
+
+def test_no_position_without_a_joint_or_of_a_pin_smaller_than_the_image(small_rig):
+    settings = open_run(small_rig.run).settings
+    assert choose_view(settings.model_copy(update={"joint": None}), SHAPE) is None
+    small = settings.joint.model_copy(update={"pin_radius": 5.9e-3, "bushing_radius": 6e-3})
+    assert choose_view(settings.model_copy(update={"joint": small}), SHAPE) is None
+
+
+def test_results_without_a_position_leave_the_variables_out(small_rig, calibration):
+    view = choose_view(open_run(small_rig.run).settings, SHAPE)
+    results = [replace(make_result(0), position=make_position()), make_result(1)]
+    assert describe_positions(results, calibration, view) == {}
+    assert describe_positions(results[:1], calibration, None) == {}
+
+
+def test_variables_are_those_of_the_results(small_rig, calibration):
+    view = choose_view(open_run(small_rig.run).settings, SHAPE)
+    results = [
+        replace(make_result(k), position=make_position((0.01, 0.02), film=film))
+        for k, film in enumerate((2.0, 5.0))
+    ]
+    film = xr.Dataset(describe_positions(results, calibration, view))
+    npt.assert_array_equal(film.pin_displacement, [[228.0, 1.0], [225.0, 1.0]])
+    npt.assert_array_equal(film.pin_tilt, [[0.01, 0.1]] * 2)
+    # e/(R1 R2), mm2
+    expected = np.array([228.0, 225.0]) / (33.36 * 33.59)
+    npt.assert_allclose(film.film_curvature.attrs["expected"], expected)
+    npt.assert_allclose(film.film_curvature, expected + 0.01)
+    npt.assert_allclose(film.film_curvature_axial, 0.02)
+    npt.assert_allclose(film.film_curvature_std, 0.001)
