@@ -341,7 +341,7 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
     Yields
     ------
     Note
-        An error where all frames are copies of one.
+        An error where all frames of a camera are copies of one.
     """
     # images of both cameras that agree to the last count are one image
     same = [one.frame for one in survey.frames if one.digest[0] == one.digest[1]]
@@ -352,13 +352,17 @@ def note_copies(survey: CountSurvey) -> Iterator[Note]:
             f"both cameras show the same image in frame pairs {list_numbers(same)}. Correct "
             "files in [camera1] or [camera2], or export the cameras again",
         )
+    stuck = [
+        f"camera{n + 1}" for n in range(2) if len({one.digest[n] for one in survey.frames}) == 1
+    ]
     for frames in find_copies(survey):
         if len(frames) == len(survey.frames):
+            which = "frame pairs" if len(stuck) == 2 else f"frames of {stuck[0]}"
             yield Note(
                 Level.ERROR,
                 "pairs",
-                f"all {len(frames)} frame pairs that were read show the same image. Export the "
-                "recording again, one frame for each pulse",
+                f"all {len(frames)} {which} that were read show the same image: the camera or its "
+                "export was stuck. Export the recording again, one frame for each pulse",
             )
         else:
             yield Note(

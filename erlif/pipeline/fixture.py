@@ -32,7 +32,7 @@ from erlif.ingest import (
 )
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import check_pulses
+from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
 from erlif.pipeline.results import (
     FrameResult,
     describe_frame_notes,
@@ -87,6 +87,7 @@ def calibrate(
     )
     settings, stamps = fixture.settings, stamp_inputs(fixture)
     profile = read_profile(fixture.directory / settings.fixture.profile)
+    refuse_stuck_cameras(fixture.pairs)
     prepared = prepare_chain(fixture, progress, tables_only=True)
 
     with stage("ratio", _logger):

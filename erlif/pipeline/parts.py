@@ -37,7 +37,7 @@ from erlif.pipeline.light import (
 )
 from erlif.pipeline.position import choose_view
 from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import check_pulses
+from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.register import stored_map
 from erlif.pipeline.results import TriggerResult, describe_frame_notes, frames_in, mean_drift
@@ -121,8 +121,9 @@ def prepare_run(
     Raises
     ------
     FrameError, RegistrationError
-        If references or frames cannot be used, or the cameras are exchanged.
+        If references or frames cannot be used, a camera was stuck, or the cameras are exchanged.
     """
+    refuse_stuck_cameras(run.pairs)
     options = run.settings.light
     correct = "correct" in (options.background, options.bleaching)
     prepared = prepare_chain(run, progress, stored=known.stored, tables_only=not correct)

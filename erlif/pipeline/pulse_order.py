@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note, list_numbers
-from erlif.ingest import FramePairs
+from erlif.ingest import FramePairs, read_pair
 from erlif.pipeline.results import FrameResult
 from erlif.ratio import PulseFault, find_pulse_faults
 
@@ -16,6 +18,42 @@ _LISTED = 10
 
 class PulseError(FrameError):
     """A recording whose cameras show different laser pulses."""
+
+
+def refuse_stuck_cameras(pairs: FramePairs) -> None:
+    """Refuse a recording in which a camera has one image for all pulses.
+
+    Two exposures never agree to the last count. The ratio of a stuck camera may look like that of
+    exchanged cameras, so that this comes first; where all is well, it reads two frame pairs.
+
+    Parameters
+    ----------
+    pairs : FramePairs
+
+    Raises
+    ------
+    PulseError
+        Names the camera.
+    """
+    first, *others = pairs.usable
+    known = read_pair(pairs, first).counts
+    stuck = [True, True] if others else [False, False]
+
+    # the last one first: a camera may hang for some pulses and go on
+    for frame in reversed(others):
+        found = read_pair(pairs, frame).counts
+        stuck = [
+            one and np.array_equal(*two) for one, *two in zip(stuck, known, found, strict=True)
+        ]
+        if not any(stuck):
+            return
+    if all(stuck) and others:
+        raise PulseError(
+            _one_image(len(pairs.usable), [pairs.pages[0][k].name for k in pairs.usable])
+        )
+    for camera in (1, 2):
+        if stuck[camera - 1]:
+            raise PulseError(_one_camera(camera, len(pairs.usable), pairs))
 
 
 def check_pulses(
@@ -91,11 +129,7 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
         if copies < 1:
             continue
         if len(set(known)) == 1 and len(known) == len(ordered):
-            raise PulseError(
-                f"Expected a new exposure in every frame; all {len(known)} files of "
-                f"camera{camera + 1} are the same ({pairs.pages[camera][0].name}, "
-                f"{pairs.pages[camera][1].name}, ...). Record the run again, or export it again."
-            )
+            raise PulseError(_one_camera(camera + 1, len(known), pairs))
         notes.append(
             Note(
                 Level.WARNING,
@@ -107,13 +141,26 @@ def _check_stuck(ordered: Sequence[FrameResult], pairs: FramePairs) -> list[Note
     return notes
 
 
+def _one_camera(camera: int, count: int, pairs: FramePairs) -> str:
+    pages = pairs.pages[camera - 1]
+    return (
+        f"Expected a new exposure in every frame; all {count} frames of camera{camera} are the "
+        f"same ({pages[0].name}, {pages[1].name}, ...): the camera or its export was stuck. Record "
+        "the run again, or export it again."
+    )
+
+
+def _one_image(count: int, names: Sequence[str]) -> str:
+    return (
+        f"Expected a new exposure in every frame pair; all {count} pairs show the same image "
+        f"({names[0]}, {names[1]}, ...). Export the recording again, one frame for each pulse."
+    )
+
+
 def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note:
     names = [pairs.pages[0][k].name for k in frames]
     if len(frames) == count > 1:
-        raise PulseError(
-            f"Expected a new exposure in every frame pair; all {count} pairs show the same image "
-            f"({names[0]}, {names[1]}, ...). Export the recording again, one frame for each pulse."
-        )
+        raise PulseError(_one_image(count, names))
     return Note(
         Level.WARNING,
         f"frame pairs {list_numbers(frames)}",

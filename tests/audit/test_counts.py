@@ -84,6 +84,14 @@ def test_one_image_for_all_pairs_is_an_error():
     assert "all 3 frame pairs" in note.text
 
 
+@pytest.mark.parametrize("camera", [1, 2])
+def test_one_image_for_all_frames_of_a_camera_is_an_error_that_names_it(camera):
+    digests = [("one", f"two {n}") if camera == 1 else (f"one {n}", "two") for n in range(3)]
+    (note,) = note_copies(survey(*(frame(n, digest=one) for n, one in enumerate(digests))))
+    assert note.level == "error"
+    assert f"all 3 frames of camera{camera} that were read" in note.text
+
+
 def test_one_image_in_both_cameras_is_an_error():
     first, *_ = note_copies(survey(frame(0, digest=("same", "same")), frame(1)))
     assert first.level == "error"

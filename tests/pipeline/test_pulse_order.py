@@ -2,11 +2,13 @@
 
 import shutil
 
+import numpy as np
 import pytest
+import tifffile
 from conftest import SMALL, Laboratory
 
 import erlif
-from erlif.pipeline.pulse_order import PulseError
+from erlif.pipeline.pulse_order import PulseError, refuse_stuck_cameras
 from erlif.rig import RigSettings, simulate
 
 
@@ -96,12 +98,32 @@ def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
     assert ("film", 6, 6) not in seen
 
 
-def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused):
-    first, *others = lab.frames(1)
+@pytest.mark.parametrize("camera", [1, 2])
+def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused, camera):
+    """The first image of camera 2 had looked like one of exchanged cameras."""
+    first, *others = lab.frames(camera)
     for path in others:
         path.write_bytes(first.read_bytes())
     message = refused("process", lab.run)
-    assert "all 6 files of camera1 are the same" in message
+    assert f"all 6 frames of camera{camera} are the same" in message
+    assert "was stuck. Record the run again" in message
+
+
+def test_one_image_in_all_pages_of_a_file_is_refused(lab, refused):
+    """The hash of a file reveals nothing here."""
+    frames = lab.frames(2)
+    image = tifffile.imread(frames[2])
+    for path in frames[1:]:
+        path.unlink()
+    tifffile.imwrite(frames[0], np.stack([image] * 6), photometric="minisblack")
+    assert "all 6 frames of camera2 are the same" in refused("process", lab.run)
+
+
+def test_a_camera_that_hung_for_some_pulses_is_not_stuck(lab):
+    frames = lab.frames(2)
+    for path in frames[2:]:
+        path.write_bytes(frames[2].read_bytes())
+    refuse_stuck_cameras(erlif.ingest.open_run(lab.run).pairs)
 
 
 def test_a_frame_of_one_camera_that_is_a_copy_has_a_note(lab, command):
