@@ -26,6 +26,9 @@ from erlif.registration import CameraMap
 DIRECTION = "camera2/camera1"
 """Direction of the ratio, the one that rises with thickness; the inverse is refused."""
 
+FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_residual")
+"""Variables of the fitted points, which every file has."""
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -270,6 +273,10 @@ class Calibration:
                     "band on camera 1."
                 )
 
+            # figures and the comparison of two calibrations need the fitted points
+            for name in FITTED_POINTS:
+                if name not in dataset:
+                    raise KeyError(name)
             names = [name for name in dataset.variables if str(name).startswith("curve_")]
             low, high = (float(bound) for bound in dataset.thickness_range.values)
             pose = FoundPose.from_record(json.loads(attrs["pose"])) if "pose" in attrs else None

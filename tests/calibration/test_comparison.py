@@ -145,7 +145,7 @@ def test_calibrate_reports_drift_from_the_named_and_from_the_replaced_calibratio
         replace(
             stored,
             ratio_at_zero=0.98 * stored.ratio_at_zero,
-            curve=stored.curve[["curve_thickness"]],
+            curve=stored.curve.drop_vars("curve_x"),
         ),
         tmp_path / "other.nc",
     )

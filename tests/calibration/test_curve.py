@@ -18,7 +18,15 @@ from erlif.core.notes import Level, Note
 def exact():
     """The true curve, with a covariance in which K and p are correlated."""
     covariance = np.array([[4e-6, 1e-6, 0], [1e-6, 4e-6, 0], [0, 0, 1e-6]])
-    curve = xr.Dataset({"curve_thickness": ("bin", [0.2, 9.0, 17.0])})
+    points = np.array([0.2, 9.0, 17.0])
+    curve = xr.Dataset(
+        {
+            "curve_thickness": ("bin", points),
+            "curve_ratio": ("bin", np.exp(log_ratio(points))),
+            "curve_ratio_std": ("bin", np.full(3, 1e-3)),
+            "curve_residual": ("bin", np.zeros(3)),
+        }
+    )
     return Calibration(K, P, Q, covariance, (0.3, 14.0), (580.0, 610.0), curve, 1.0, "wedge")
 
 
@@ -177,7 +185,9 @@ def test_ratio_the_other_way_round_is_refused(exact):
         Calibration.from_dataset(dataset)
 
 
-@pytest.mark.parametrize("name", ["covariance", "thickness_range", "ratio_at_zero"])
+@pytest.mark.parametrize(
+    "name", ["covariance", "thickness_range", "ratio_at_zero", "curve_ratio", "curve_residual"]
+)
 def test_missing_variable_is_named(exact, name):
     with pytest.raises(CalibrationError, match=f"{name}.* is missing from this file"):
         Calibration.from_dataset(stored(exact).drop_vars(name))

@@ -100,6 +100,8 @@ def swell(file):
         (attribute("format_version", 1.5), "no whole number"),
         (lambda file: file.attrs.__delitem__("fixture"), "fixture"),
         (lambda file: file.__delitem__("covariance"), "covariance"),
+        (lambda file: file.__delitem__("curve_ratio"), "'curve_ratio' is missing"),
+        (lambda file: file.__delitem__("curve_residual"), "'curve_residual' is missing"),
     ],
 )
 def test_a_number_that_no_fit_gives_is_named(saved, tmp_path, change, words):

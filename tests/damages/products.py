@@ -117,6 +117,7 @@ CALIBRATIONS = [
     _calibration("inverse ratio", _attribute("ratio_direction", "camera1/camera2"), "again"),
     _calibration("no covariance", _without("covariance"), "erlif calibrate"),
     _calibration("no range", _without("thickness_range"), "erlif calibrate"),
+    _calibration("no fitted points", _without("curve_ratio"), "curve_ratio", "erlif calibrate"),
     _calibration("curve with NaN", _first("curve_ratio", np.nan), "not finite"),
     _bytes("cut", "fixture/calibration.nc", lambda d: d[:4000], INTO, "erlif calibrate"),
     _bytes("empty", "fixture/calibration.nc", b"", INTO, "erlif calibrate"),
