@@ -39,6 +39,8 @@ class FramePairs:
         Other files of camera 1 and camera 2 that hold a part of the recording.
     warnings : tuple[str, str]
         Why the format of camera 1 and camera 2 is doubtful; empty where it is not.
+    stated_bits : tuple[int | None, int | None]
+        Significant bits of a count after the headers; None where they state none.
     """
 
     directory: Path
@@ -49,6 +51,7 @@ class FramePairs:
     times: Array | None = field(default=None, compare=False)
     companions: tuple[tuple[Path, ...], tuple[Path, ...]] = ((), ())
     warnings: tuple[str, str] = ("", "")
+    stated_bits: tuple[int | None, int | None] = (None, None)
 
     @property
     def usable(self) -> list[int]:
@@ -203,7 +206,7 @@ def skipped_notes(pairs: FramePairs) -> list[Note]:
 
 
 def format_notes(pairs: FramePairs) -> list[Note]:
-    """Warnings of formats in which counts are doubtful.
+    """Warnings of formats in which counts are doubtful, and of headers with fewer bits.
 
     Parameters
     ----------
@@ -219,8 +222,21 @@ def format_notes(pairs: FramePairs) -> list[Note]:
     >>> print(*format_notes(pairs))
     camera2: AVI stores 8 bits
     """
-    return [
+    notes = [
         Note(Level.WARNING, f"camera{camera}", warning)
         for camera, warning in enumerate(pairs.warnings, 1)
         if warning
     ]
+
+    # a header may state the bits of a word in place of those of a count; the depth is then lower
+    for camera, (stated, declared) in enumerate(
+        zip(pairs.stated_bits, pairs.bit_depths, strict=True), 1
+    ):
+        if stated is not None and stated < declared:
+            text = (
+                f"the headers of the files state {stated} bits, run.toml or fixture.toml has "
+                f"bit_depth = {declared}: counts at {(1 << stated) - 1} would be saturated and not "
+                f"flagged. Set bit_depth = {stated}, if that is the camera's"
+            )
+            notes.append(Note(Level.WARNING, f"camera{camera}", text))
+    return notes

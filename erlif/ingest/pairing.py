@@ -107,6 +107,7 @@ def pair_cameras(
         times=next((times for times in known if len(times) == len(one.pages)), None),
         companions=(tuple(one.companions), tuple(two.companions)),
         warnings=(one.warning, two.warning),
+        stated_bits=(one.bits, two.bits),
     )
 
 

@@ -36,24 +36,19 @@ def refuse_stuck_cameras(pairs: FramePairs) -> None:
         Names the camera.
     """
     first, *others = pairs.usable
-    known = read_pair(pairs, first).counts
-    stuck = [True, True] if others else [False, False]
+    if not others:
+        return
+    known, stuck = read_pair(pairs, first).counts, {1, 2}
 
     # the last one first: a camera may hang for some pulses and go on
     for frame in reversed(others):
         found = read_pair(pairs, frame).counts
-        stuck = [
-            one and np.array_equal(*two) for one, *two in zip(stuck, known, found, strict=True)
-        ]
-        if not any(stuck):
+        stuck -= {n + 1 for n in range(2) if not np.array_equal(known[n], found[n])}
+        if not stuck:
             return
-    if all(stuck) and others:
-        raise PulseError(
-            _one_image(len(pairs.usable), [pairs.pages[0][k].name for k in pairs.usable])
-        )
-    for camera in (1, 2):
-        if stuck[camera - 1]:
-            raise PulseError(_one_camera(camera, len(pairs.usable), pairs))
+    if len(stuck) == 2:
+        raise PulseError(_one_image(len(pairs.usable), [page.name for page in pairs.pages[0]]))
+    raise PulseError(_one_camera(stuck.pop(), len(pairs.usable), pairs))
 
 
 def check_pulses(

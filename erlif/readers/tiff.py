@@ -6,6 +6,7 @@ import importlib.util
 import logging
 import math
 import threading
+from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
 
@@ -148,6 +149,7 @@ class TiffFrames(FrameFile):
             self.kinds = [_kind_of(page, self._source.size) for page in pages]
             order = self._file.byteorder
             self._pages = [_segments_of(page, order) or page for page in pages]
+            self.bits = _packed_bits(self._pages)
             text = pages[0].description
         except (OSError, FrameError):
             raise
@@ -265,6 +267,12 @@ def _segments_of(page: tifffile.TiffPage, order: str) -> Segments | None:
         tuple(int(n) for n in page.databytecounts),
     )
     return found if min(found.part) > 0 and found.decodable else None
+
+
+def _packed_bits(pages: Sequence[Segments | tifffile.TiffPage]) -> int | None:
+    """Bits of packed counts; None where counts take whole bytes, which may hold fewer bits."""
+    depths = {page.bits if isinstance(page, Segments) else 0 for page in pages}
+    return depths.pop() if len(depths) == 1 and not depths & {0, 8, 16, 32, 64} else None
 
 
 def _contiguous(page: object) -> tuple[FrameLayout, int] | None:

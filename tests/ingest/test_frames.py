@@ -1,6 +1,7 @@
 """Frame pairs, chosen and read, against the counts that were written."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,15 @@ import tifffile
 
 from erlif.core.errors import FrameError
 from erlif.core.notes import Level
-from erlif.ingest import FramePairs, Page, open_run, read_frames, read_pair, skipped_notes
+from erlif.ingest import (
+    FramePairs,
+    Page,
+    format_notes,
+    open_run,
+    read_frames,
+    read_pair,
+    skipped_notes,
+)
 
 
 def make_pairs(count, skipped=(), bit_depths=(12, 12)):
@@ -26,6 +35,24 @@ def test_frames_that_are_left_out_are_not_usable():
 def test_full_scale_is_the_largest_number_of_so_many_bits():
     assert make_pairs(1, bit_depths=(8, 12)).full_scales == (255, 4095)
     assert make_pairs(1, bit_depths=(16, 14)).full_scales == (65535, 16383)
+
+
+@pytest.mark.parametrize(
+    ("stated", "subjects"),
+    [
+        ((None, None), []),
+        ((12, 16), []),
+        ((10, None), ["camera1"]),
+        ((8, 11), ["camera1", "camera2"]),
+    ],
+)
+def test_a_header_with_fewer_bits_than_the_settings_is_reported(stated, subjects):
+    """Full scale would be missed: no pixel at 1023 is flagged where 4095 is expected."""
+    notes = format_notes(replace(make_pairs(1), stated_bits=stated))
+    assert [note.subject for note in notes] == subjects
+    for note in notes:
+        assert note.level == Level.WARNING
+        assert "bit_depth = 12: counts at" in note.text
 
 
 @pytest.mark.parametrize(

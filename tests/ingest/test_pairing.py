@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tifffile
+from readers.writers import write_genicam
 
 from erlif.core.errors import FrameError
 from erlif.ingest import Page, format_notes, read_frames
@@ -381,3 +382,12 @@ def test_times_of_a_cut_recording_are_those_of_the_other_camera(tmp_path, cut):
     pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"), skip_bad_frames=True)
     assert sorted(pairs.skipped) == [3, 4]
     np.testing.assert_allclose(number_frames(pairs).time, np.arange(5) / 100)
+
+
+def test_bits_of_the_headers_come_with_the_pairs(tmp_path):
+    for name, kind in (("camera1", "Mono10"), ("camera2", "Mono16")):
+        write_genicam(tmp_path / f"{name}.raw", np.stack([GREY] * 2), kind)
+    pairs = pair(tmp_path, patterns=("camera1.raw", "camera2.raw"))
+    assert pairs.stated_bits == (10, 16)
+    (note,) = format_notes(pairs)
+    assert "the headers of the files state 10 bits" in note.text

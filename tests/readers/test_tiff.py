@@ -94,6 +94,9 @@ def test_12_bit_counts_are_read_without_another_package(tmp_path, order):
     mark = b"II" if order == "<" else b"MM"
     (tmp_path / "a.tif").write_bytes(mark + start + data + directory + bytes(4))
     np.testing.assert_array_equal(read(tmp_path / "a.tif"), GREY[:1])
+    file = TIFF.open(tmp_path / "a.tif")
+    assert file.bits == 12
+    file.close()
 
 
 @pytest.mark.parametrize(
