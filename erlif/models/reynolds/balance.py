@@ -9,7 +9,7 @@ same Newton step.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
 from erlif.models.reynolds.band import Stencil, solve_ring
 from erlif.models.reynolds.cells import Faces, Grid, Walls, link_only
-from erlif.models.reynolds.flow import Fluid
+from erlif.models.reynolds.flow import SMALLEST_FLUIDITY, Fluid
 
 SWITCH_TOLERANCE = 1e-7
 """Relative size below zero from which a cell changes; rounding alone would change it for ever."""
@@ -28,8 +28,14 @@ RESIDUAL_TOLERANCE = 1e-7
 LARGEST_APPROACH = 0.7
 """Share of the remaining film by which a Newton step may reduce it anywhere."""
 
+SLOWING = 0.25
+"""Factor between the rates of the steps that approach a steady film."""
+
+LOWEST_RATE = 1e-6
+"""Rate over that of the first step at which the next step is the steady film. [1]"""
+
 MOST_ITERATIONS = 60
-"""Newton steps until a solution is given up; three or four are usual."""
+"""Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual."""
 
 
 class NoConvergenceError(ModelError):
@@ -61,13 +67,13 @@ class Medium:
     images: int = 1
 
     @property
-    def outside(self) -> float:
-        """Reduced ambient pressure above that of cavitation. [Pa]"""
-        return -self.fluid.reduced(float(self.cavitation_pressure))
+    def floor(self) -> float:
+        """Reduced pressure of a partly void cell. [Pa]"""
+        return self.fluid.reduced(float(self.cavitation_pressure))
 
     def pressure(self, reduced: Array) -> tuple[Array, Array | float]:
         """Pressure relative to ambient, and its derivative by the reduced pressure."""
-        return self.fluid.pressure(reduced - self.outside)
+        return self.fluid.pressure(reduced)
 
 
 @dataclass(frozen=True)
@@ -79,7 +85,7 @@ class State:
     position : Array
         Displacements of the body along its free directions, (free,). [m]
     reduced : Array
-        Reduced pressure above that of cavitation, (along, across). [Pa]
+        Reduced pressure relative to ambient, (along, across). [Pa]
     void : Array
         Height of the void, (along, across). [m]
     full : Mask
@@ -145,7 +151,7 @@ def start_state(medium: Medium, step: Step, position: Array) -> State:
     shape = walls.centre.shape
     return State(
         position=position,
-        reduced=np.full(shape, medium.outside),
+        reduced=np.zeros(shape),
         void=np.zeros(shape),
         full=np.ones(shape, dtype=bool),
         content=walls.centre.copy(),
@@ -193,18 +199,54 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
     """
     guess = guess or before
     newton = _Newton(medium, step, before.content, guess)
-    for iteration in range(MOST_ITERATIONS):
+
+    # an edge of a cavity may have to move cell by cell through the film
+    most = MOST_ITERATIONS + medium.grid.along + medium.grid.across
+    for iteration in range(most):
         newton.evaluate()
         changed = newton.switch()
         if not changed and newton.is_solved():
+            newton.require_pressure()
             return newton.state(iteration)
         if changed:
             newton.evaluate()
         newton.move()
     raise NoConvergenceError(
-        f"The film was not solved in {MOST_ITERATIONS} iterations. A load that the film does not "
+        f"The film was not solved in {most} iterations. A load that the film does not "
         "carry is the usual reason; shorter steps help where load or speed change quickly."
     )
+
+
+def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State:
+    """The steady film, approached from a full one by ever longer time steps.
+
+    Parameters
+    ----------
+    medium : Medium
+        Cells and oil.
+    step : Step
+        Gap, load and speed; its own rate is not used.
+    position : array, (free,)
+        Displacements at the start. [m]
+    rate : float
+        One over the time in which the film is exchanged. [1/s]
+
+    Returns
+    -------
+    State
+        The steady film.
+
+    Raises
+    ------
+    NoConvergenceError
+        A step that is not solved.
+    """
+    state = start_state(medium, step, position)
+    present = rate
+    while present > 0:
+        present = present * SLOWING if present > LOWEST_RATE * rate else 0.0
+        state = advance(medium, replace(step, rate=present), state)
+    return state
 
 
 class _Newton:
@@ -216,7 +258,7 @@ class _Newton:
         self.reduced, self.void = guess.reduced.copy(), guess.void.copy()
         self.full = guess.full.copy()
         self.full[step.supplied] = True
-        self.reduced[step.supplied] = medium.outside
+        self.reduced[step.supplied] = 0.0
         self.void[step.supplied] = 0.0
         self.storage = medium.grid.area * step.rate
         self.steady = step.rate == 0
@@ -232,7 +274,7 @@ class _Newton:
             self.walls = deflected(self.walls, self.pressure / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
             raise NoConvergenceError("The film vanished between the walls.")
-        self.faces = Faces(medium.grid, medium.fluid, self.walls, outside=medium.outside)
+        self.faces = Faces(medium.grid, medium.fluid, self.walls)
         self.steps = self.faces.steps(self.reduced)
         self.inflow = self.faces.inflow(self.steps)
         if not self.still:
@@ -264,13 +306,14 @@ class _Newton:
 
     def switch(self) -> bool:
         """Exchange cells with a negative pressure or void; whether any were."""
-        scale = max(float(self.reduced.max()), self.medium.outside, 1.0)
-        empty = self.full & (self.reduced < -SWITCH_TOLERANCE * scale)
+        floor = self.medium.floor
+        scale = max(float(np.abs(self.reduced).max()), 1.0)
+        empty = self.full & (self.reduced < floor - SWITCH_TOLERANCE * scale)
         fill = ~self.full & (self.void < -SWITCH_TOLERANCE * self.walls.centre)
         if not (empty.any() or fill.any()):
             return False
         self.full = (self.full & ~empty) | fill
-        self.reduced[empty] = 0.0
+        self.reduced[empty] = floor
         self.void[fill] = 0.0
         return True
 
@@ -285,6 +328,16 @@ class _Newton:
         # an unloaded film has no scale but its own pressure
         size = max(float(np.linalg.norm(self.step.load)), 1e-3 * float(np.abs(self.carries).max()))
         return float(np.abs(self.missing).max()) <= RESIDUAL_TOLERANCE * max(size, 1e-9)
+
+    def require_pressure(self) -> None:
+        """Refuse a reduced pressure that no pressure has."""
+        highest = self.medium.fluid.pressure_viscosity * float(self.reduced.max())
+        if highest >= 1 - SMALLEST_FLUIDITY:
+            raise NoConvergenceError(
+                "With Barus' law the pressure grows without bound in this film: its viscosity "
+                f"would rise by more than {1 / SMALLEST_FLUIDITY:.0e}. The law holds to about 0.5 "
+                "GPa; take a smaller pressure_viscosity or a foundation."
+            )
 
     def move(self) -> None:
         """One Newton step of pressures, voids and displacements."""
@@ -397,7 +450,7 @@ class _Newton:
         content[supplied] = self.walls.centre[supplied]
         return State(
             position=self.position,
-            reduced=np.where(self.full, self.reduced, 0.0),
+            reduced=self.reduced,
             void=self.void,
             full=self.full,
             content=content,

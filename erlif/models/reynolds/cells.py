@@ -99,8 +99,8 @@ class Faces:
     A conductance is the flow in m3/s over the difference of the reduced pressures on both sides.
     """
 
-    def __init__(self, grid: Grid, fluid: Fluid, walls: Walls, *, outside: float) -> None:
-        self.grid, self.outside = grid, outside
+    def __init__(self, grid: Grid, fluid: Fluid, walls: Walls) -> None:
+        self.grid = grid
         mobility, slope = fluid.mobility(walls.along)
         self.along, self.along_slope = mobility * (grid.dz / grid.dx), slope * (grid.dz / grid.dx)
         start, end, lower, upper = grid.open_sides
@@ -118,20 +118,19 @@ class Faces:
         _close_sides(self.across.T, self.across_slope.T, lower, upper)
 
     def steps(self, reduced: Array) -> tuple[Array, Array]:
-        """Differences of the reduced pressure over the faces along and across."""
+        """Differences of the reduced pressure over the faces along and across; ambient is zero."""
         grid = self.grid
         along = np.empty((grid.along + 1, grid.across))
         np.subtract(reduced[1:], reduced[:-1], out=along[1:-1])
         if grid.closed:
             along[0] = along[-1] = reduced[0] - reduced[-1]
         else:
-            along[0], along[-1] = reduced[0] - self.outside, self.outside - reduced[-1]
+            along[0], along[-1] = reduced[0], -reduced[-1]
         if self.flat:
             return along, np.zeros((grid.along, grid.across + 1))
         across = np.empty((grid.along, grid.across + 1))
         np.subtract(reduced[:, 1:], reduced[:, :-1], out=across[:, 1:-1])
-        across[:, 0] = reduced[:, 0] - self.outside
-        across[:, -1] = self.outside - reduced[:, -1]
+        across[:, 0], across[:, -1] = reduced[:, 0], -reduced[:, -1]
         return along, across
 
     def inflow(self, steps: tuple[Array, Array]) -> Array:

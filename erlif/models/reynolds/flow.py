@@ -13,6 +13,10 @@ ROUGHNESS_DECAY = 0.56
 """Decay of that reduction with film over roughness. Patir and Cheng (1978). [1]"""
 
 
+SMALLEST_FLUIDITY = 1e-6
+"""Ambient over local viscosity at a pressure of 14 / alpha, beyond any use of Barus' law. [1]"""
+
+
 @dataclass(frozen=True)
 class Fluid:
     """Viscosity of the film, its change with pressure, and the roughness of its walls.
@@ -47,7 +51,7 @@ class Fluid:
             return reduced, 1.0
 
         # no pressure has a reduced pressure beyond 1/alpha; a Newton step may pass it
-        rest = np.maximum(1 - self.pressure_viscosity * reduced, 1e-6)  # 14 / alpha, 0.7 GPa
+        rest = np.maximum(1 - self.pressure_viscosity * reduced, SMALLEST_FLUIDITY)
         return -np.log(rest) / self.pressure_viscosity, 1 / rest
 
     def mobility(self, film: Array) -> tuple[Array, Array]:

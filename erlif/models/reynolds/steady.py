@@ -14,9 +14,8 @@ from erlif.models.reynolds.balance import (
     NoConvergenceError,
     State,
     Step,
-    advance,
     forces,
-    start_state,
+    settle,
 )
 from erlif.models.reynolds.journal import Groove, Journal, covered
 from erlif.models.reynolds.transient import Bearing, describe, losses
@@ -27,14 +26,8 @@ if TYPE_CHECKING:
 LARGEST_ECCENTRICITY = 0.9999
 """Eccentricity above which a film is not resolved by any grid in use. [1]"""
 
-SLOWING = 0.25
-"""Factor between the rates of the steps that approach the steady film."""
-
 TINY_LOAD = 1e-12
 """Share of the load that keeps the logarithm of a vanishing force finite. [1]"""
-
-LOWEST_RATE = 1e-6
-"""Rate over the speed of rotation at which the next step is the steady film. [1]"""
 
 
 def steady_journal(
@@ -119,20 +112,9 @@ class _Rotation:
         medium = self.bearing.medium
         base = self.rigid.moved(self.axes[0], displacement)
         held = replace(self.step(np.zeros(0), 0.0), base=base)
-        state = self.settle(held, np.zeros(0))
+        state = settle(medium, held, np.zeros(0), rate=abs(self.speed))
         pressure, _ = medium.pressure(state.reduced)
         return state, forces(medium, self.axes, pressure)
-
-    def settle(self, step: Step, position: Array) -> State:
-        """The steady film, approached by ever longer time steps."""
-        medium = self.bearing.medium
-        state = start_state(medium, step, position)
-        rate = abs(self.speed)
-        while True:
-            rate = rate * SLOWING if rate > LOWEST_RATE * abs(self.speed) else 0.0
-            state = advance(medium, replace(step, rate=rate), state)
-            if rate == 0:
-                return state
 
     def along_the_gap(self, load: float) -> tuple[State, Array]:
         """Displacement whose force is the load, with the supply at the largest gap."""
@@ -157,7 +139,7 @@ class _Rotation:
         start = 0.3 * self.bearing.journal.clearance * np.array([1.0, np.sign(self.speed)])
         step = self.step(np.array([load, 0.0]), 0.0)
         try:
-            state = self.settle(step, start)
+            state = settle(self.bearing.medium, step, start, rate=abs(self.speed))
         except NoConvergenceError as error:
             raise ModelError(f"No film was found for {load:g} N: {error}") from error
         return state, state.position

@@ -427,11 +427,11 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     viscosity = medium.fluid.viscosity_at(pressure)
     filled = 1 - np.clip(state.void / walls.centre, 0.0, 1.0)
     shear = speed * medium.images * grid.area * float((viscosity * filled / walls.centre).sum())
-    faces = Faces(grid, medium.fluid, walls, outside=medium.outside)
+    faces = Faces(grid, medium.fluid, walls)
     steps = faces.steps(state.reduced)
 
     # the pressures on both sides of each face; ambient beyond the sides
-    ends = Faces.steps(faces, pressure + medium.outside)
+    ends = faces.steps(pressure)
     along = ends[0][:-1] if grid.closed else ends[0]
     drag = 0.5 * medium.images * grid.dz * float((walls.along[: along.shape[0]] * along).sum())
     heat = float((faces.along[: along.shape[0]] * steps[0][: along.shape[0]] * along).sum())
@@ -468,6 +468,12 @@ UNITS = {
     "film": ("m", "film thickness"),
     "pressure": ("Pa", "pressure above ambient"),
     "void_fraction": ("1", "share of the gap without oil"),
+    "force": ("N", "force of the pressure above ambient"),
+    "force_position": ("m", "place at which that force acts"),
+    "approach": ("m", "approach of the surfaces from the given shape"),
+    "friction_force": ("N", "force that moves the moving surface against the film"),
+    "x": ("m", "distance along sliding"),
+    "z": ("m", "distance across sliding"),
     "time": ("s", "time"),
     "time_of_map": ("s", "time of a map"),
     "circumference": ("m", "distance from the load line along sliding"),

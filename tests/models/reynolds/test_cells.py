@@ -20,7 +20,7 @@ def film(grid):
 def test_flow_between_plates_under_a_linear_pressure():
     """Poiseuille: h^3 / (12 eta) times gradient times width."""
     walls = average_walls(np.full((8, 6), 1e-5), OPEN)
-    faces = Faces(OPEN, FLUID, walls, outside=0.0)
+    faces = Faces(OPEN, FLUID, walls)
     pressure = np.repeat(np.arange(8)[:, np.newaxis] * 1e5, 6, axis=1)
     steps = faces.steps(pressure)
     flow = (1e-5) ** 3 / (12 * 0.1) * (1e5 / 1e-3) * 2e-3
@@ -29,7 +29,7 @@ def test_flow_between_plates_under_a_linear_pressure():
 
 def test_what_flows_into_all_cells_comes_through_the_open_sides():
     for grid in (OPEN, CLOSED):
-        faces = Faces(grid, FLUID, film(grid), outside=3e4)
+        faces = Faces(grid, FLUID, film(grid))
         steps = faces.steps(np.random.default_rng(4).random((8, 6)) * 1e5)
         npt.assert_allclose(faces.inflow(steps).sum(), -faces.outflow(steps), rtol=1e-12)
 
@@ -37,7 +37,7 @@ def test_what_flows_into_all_cells_comes_through_the_open_sides():
 def test_stencil_holds_the_derivatives_of_the_inflow():
     pressure = np.random.default_rng(4).random((8, 6)) * 1e5
     for grid in (OPEN, CLOSED):
-        faces = Faces(grid, FLUID, film(grid), outside=0.0)
+        faces = Faces(grid, FLUID, film(grid))
         links = faces.stencil()
         rows = links.centre * pressure
         rows += links.previous * np.roll(pressure, 1, axis=0)
