@@ -1,0 +1,175 @@
+"""Films of given shape against closed forms and published values."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import pin_shape, roller_shape, solve_film
+
+VISCOSITY = 0.1  # Pa s
+
+
+def cells(number):
+    """Middles of equal cells from 0 to 1."""
+    return (np.arange(number) + 0.5) / number
+
+
+def test_parabolic_slider_with_conserved_oil():
+    """Closed form with Jakobsson, Floberg and Olsson's rupture, inlet and outlet at ambient."""
+    film = 25.4e-6 * (1 + (2 * cells(400) - 1) ** 2)
+    found = solve_film(
+        film, length=0.0762, viscosity=0.039, entrainment=4.57 / 2, cavitation_pressure=0.0
+    )
+    npt.assert_allclose(found.peak_pressure, 3.591787e6, rtol=5e-5)
+    npt.assert_allclose(found.force, 101.3495e3, rtol=5e-5)
+    npt.assert_allclose(float(found.pressure.idxmax()) / 0.0762, 0.3210656, atol=1 / 400)
+    rupture = float(found.x[found.void_fraction > 0][0]) / 0.0762
+    npt.assert_allclose(rupture, 0.6789344, atol=1 / 400)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_motion_the_other_way_gives_the_mirror_image(sign):
+    film = 25.4e-6 * (1 + (2 * cells(60) - 1) ** 2 + 0.3 * cells(60))[::sign]
+    case = {"length": 0.0762, "viscosity": 0.039, "cavitation_pressure": 0.0}
+    found = solve_film(film, entrainment=sign * 2.0, **case)
+    mirror = solve_film(film[::-1], entrainment=-sign * 2.0, **case)
+    npt.assert_allclose(found.pressure, mirror.pressure[::-1], rtol=1e-9, atol=1e-3)
+    npt.assert_allclose(found.void_fraction, mirror.void_fraction[::-1], atol=1e-9)
+
+
+def test_oscillating_plates_open_and_close_a_cavity():
+    """h = 20 + 15 (1 - cos 2 pi t/T) um: rupture, largest cavity and its end, closed form."""
+    number, steps, period = 200, 800, 0.05
+    time = np.linspace(0.0, 0.9, int(0.9 * steps) + 1) * period
+    film = 20e-6 + 15e-6 * (1 - np.cos(2 * np.pi * time / period))
+    found = solve_film(
+        film[:, np.newaxis] * np.ones(number), length=0.02, viscosity=VISCOSITY, time=time
+    )
+    share = (found.void_fraction > 0).mean("x").values
+    npt.assert_allclose(time[share > 0][0] / period, 0.00112586, atol=1.5 / steps)
+    npt.assert_allclose(share.max(), 0.866324, atol=1.5 * 2 / number)
+    npt.assert_allclose(time[share > 0][-1] / period, 0.87412, atol=1.5 / steps)
+    lost = float((found.side_flow[1:] * np.diff(time)).sum())
+    gained = float(found.oil_volume[-1] - found.oil_volume[0])
+    npt.assert_allclose(gained, -lost, atol=1e-10 * float(found.oil_volume[0]))
+
+
+def test_roller_on_flat_carries_martins_load():
+    """Martin (1916): W = 4.894968 eta u R / h0 per length, flooded, rupture at p = dp/dx = 0."""
+    radius, least, reach = 0.01, 1e-6, 40
+    length = 2 * reach * np.sqrt(2 * radius * least)
+    x = (cells(6400) - 0.5) * length
+    found = solve_film(
+        least + roller_shape(x, radius=radius),
+        length=length,
+        viscosity=VISCOSITY,
+        entrainment=0.5,
+        cavitation_pressure=0.0,
+    )
+    # the inlet at 40 sqrt(2 R h0) in place of infinity takes 0.1 % of the load
+    load = float(found.force) * least / (VISCOSITY * 0.5 * radius)
+    npt.assert_allclose(load, 4.894968, rtol=2e-3)
+    edge = float(x[found.void_fraction.values > 0][0]) / np.sqrt(2 * radius * least)
+    npt.assert_allclose(edge, 0.475129920, atol=0.02)
+
+
+def test_roller_under_load_finds_its_film():
+    radius, load = 0.01, 2e3
+    film = 4.894968 * VISCOSITY * 0.5 * radius / load
+    length = 2 * 40 * np.sqrt(2 * radius * film)
+    shape = roller_shape((cells(2000) - 0.5) * length, radius=radius)
+    found = solve_film(
+        shape + 1e-5,
+        length=length,
+        viscosity=VISCOSITY,
+        entrainment=0.5,
+        load=load,
+        cavitation_pressure=0.0,
+    )
+    npt.assert_allclose(found.force, load, rtol=1e-6)
+    npt.assert_allclose(found.film.min(), film, rtol=3e-3)
+    npt.assert_allclose(found.approach, 1e-5 - found.film.min(), atol=1e-9)
+
+
+def test_ball_on_disc_without_rupture():
+    """p = -12/5 eta u x / h^2 solves the full film between a ball and a flat (Kapitza 1955)."""
+    radius, least, reach = 0.01, 1e-6, 12
+    length = 2 * reach * np.sqrt(2 * radius * least)
+    x = (cells(96) - 0.5) * length
+    film = least + pin_shape(x[:, np.newaxis], x, radius=radius, cross_radius=radius)
+    found = solve_film(
+        film,
+        length=length,
+        width=length,
+        viscosity=VISCOSITY,
+        entrainment=0.5,
+        cavitation_pressure=-1e12,
+    )
+    wanted = -12 / 5 * VISCOSITY * 0.5 * x[:, np.newaxis] / film**2
+    npt.assert_allclose(found.pressure, wanted, atol=0.015 * wanted.max())
+
+
+def test_square_plates_squeezed_and_drawn_apart():
+    """W = 0.421732 eta L^4 V / h^3, from the torsion constant of a square."""
+    film, size, speed = np.full((40, 40), 1e-5), 0.01, 1e-4
+    case = {"length": size, "width": size, "viscosity": VISCOSITY}
+    found = solve_film(film, film_rate=np.full((40, 40), -speed), **case)
+    npt.assert_allclose(found.force, 0.421732 * VISCOSITY * size**4 * speed / 1e-15, rtol=3e-3)
+    apart = solve_film(film, film_rate=np.full((40, 40), speed), cavitation_pressure=-3e3, **case)
+    npt.assert_allclose(apart.pressure.min(), -3e3)
+    assert float(apart.force) > -float(found.force)
+
+
+def test_wide_plates_approach_under_a_load():
+    """1/h^2 = 1/h0^2 + 2 W t / (eta L^3) per width."""
+    time, load, length = np.linspace(0.0, 1.0, 401), 1e3, 0.01
+    found = solve_film(
+        np.full((401, 40), 2e-5), length=length, viscosity=VISCOSITY, time=time, load=load
+    )
+    wanted = (2e-5**-2 + 2 * load * time / (VISCOSITY * length**3)) ** -0.5
+    npt.assert_allclose(found.film[:, 0], wanted, rtol=4e-3)
+
+
+def test_plane_slider_has_petroffs_limit_and_balances_its_work():
+    film = 1e-5 * (1.2 - 0.2 * cells(100))
+    found = solve_film(film, length=0.1, viscosity=VISCOSITY, entrainment=0.5)
+    # h0 = 1.1e-5 on average: friction of parallel plates plus a small part of the wedge
+    npt.assert_allclose(found.friction_force, VISCOSITY * 1.0 * 0.1 / 1.1e-5, rtol=0.02)
+    npt.assert_allclose(found.power, found.friction_force * 1.0, rtol=1e-3)
+
+
+def test_piezoviscous_slider_follows_the_reduced_pressure():
+    """Pressure rises to -ln(1 - alpha q) / alpha of the isoviscous pressure q (Grubin 1949)."""
+    film = 4e-6 * (2.2 - 1.2 * cells(100))
+    case = {"length": 0.01, "viscosity": VISCOSITY, "entrainment": 0.5}
+    thin = solve_film(film, **case)
+    thick = solve_film(film, pressure_viscosity=2e-8, **case)
+    wanted = -np.log1p(-2e-8 * thin.pressure) / 2e-8
+    npt.assert_allclose(thick.pressure, wanted, rtol=1e-6)
+    assert float(thick.peak_pressure) > 1.1 * float(thin.peak_pressure)
+    with pytest.raises(ModelError, match="without bound"):
+        solve_film(film / 2, pressure_viscosity=2e-8, **case)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"film": [1e-6, 1e-6, -1e-6, 1e-6]}, "positive and finite"),
+        ({"film": [1e-6, 1e-6, np.nan, 1e-6]}, "positive and finite"),
+        ({"film": 1e-6}, "array"),
+        ({"film": np.full((4, 4), 1e-6)}, "needs a width"),
+        ({"entrainment": 0.0}, "needs an entrainment"),
+        ({"viscosity": -1.0}, "viscosity must be positive"),
+        ({"time": [0.0, 1.0]}, "with time"),
+        ({"film_rate": np.zeros(4), "load": 5.0}, "give no load"),
+        ({"cavitation_pressure": 1.0}, "at most 0"),
+        ({"load": -5.0}, "load must be positive"),
+    ],
+)
+def test_bad_input_is_refused(change, message):
+    case = {"film": np.full(4, 1e-6), "length": 0.01, "viscosity": 0.1, "entrainment": 1.0}
+    film = {**case, **change}.pop("film")
+    rest = {name: value for name, value in {**case, **change}.items() if name != "film"}
+    with pytest.raises(ModelError, match=message):
+        solve_film(film, **rest)
