@@ -39,10 +39,14 @@ __all__ = [
     "film",
     "fluorescence",
     "friction",
+    "lobe_shape",
     "mechanism",
     "oil",
+    "pin_shape",
     "reaction",
     "reynolds",
+    "roller_shape",
+    "solve_film",
     "solve_journal",
     "sources",
     "steady_journal",
@@ -50,7 +54,19 @@ __all__ = [
 ]
 
 _REYNOLDS = frozenset(
-    ["Groove", "Journal", "Motion", "Mount", "crank_motion", "solve_journal", "steady_journal"]
+    [
+        "Groove",
+        "Journal",
+        "Motion",
+        "Mount",
+        "crank_motion",
+        "lobe_shape",
+        "pin_shape",
+        "roller_shape",
+        "solve_film",
+        "solve_journal",
+        "steady_journal",
+    ]
 )
 """Names of `erlif.models.reynolds` that are names of the models too."""
 
@@ -75,6 +91,10 @@ if TYPE_CHECKING:
         Motion,
         Mount,
         crank_motion,
+        lobe_shape,
+        pin_shape,
+        roller_shape,
+        solve_film,
         solve_journal,
         steady_journal,
     )

@@ -1,0 +1,119 @@
+"""Gaps of rigid bodies: rollers, the pin of a pin on disc, the lobes of a bushing.
+
+`solve_film` takes them as films or, with a load, as shapes; `Journal` takes the lobes as its axial
+shape.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
+
+
+@broadcasting
+def roller_shape(x: Values, *, radius: Values) -> Values:
+    """Height of the gap between a cylinder and a flat above its minimum: x^2 / (2 R).
+
+    Parameters
+    ----------
+    x : float or array
+        Distance from the line of contact. [m]
+    radius : float or array
+        Radius R of the cylinder, or the reduced radius of two. [m]
+
+    Returns
+    -------
+    float or array
+        Height. [m]
+
+    Raises
+    ------
+    ModelError
+        A radius that is not positive, an infinite distance.
+
+    Examples
+    --------
+    >>> print(f"{roller_shape(1e-3, radius=0.05) * 1e6:.1f} um")
+    10.0 um
+    """
+    require_finite(x=x)
+    require_positive(radius=radius)
+    return x**2 / (2 * radius)
+
+
+@broadcasting
+def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> Values:
+    """Height of the gap between a crowned pin and a flat above its minimum.
+
+    x^2 / (2 R_x) + z^2 / (2 R_z).
+
+    Parameters
+    ----------
+    x, z : float or array
+        Distances from the point of contact along sliding and across. [m]
+    radius, cross_radius : float or array
+        Radii of the pin along sliding and across. [m]
+
+    Returns
+    -------
+    float or array
+        Height. [m]
+
+    Raises
+    ------
+    ModelError
+        A radius that is not positive, an infinite distance.
+
+    Examples
+    --------
+    >>> print(f"{pin_shape(1e-3, 2e-3, radius=0.05, cross_radius=0.1) * 1e6:.1f} um")
+    30.0 um
+    """
+    return roller_shape(x, radius=radius) + roller_shape(z, radius=cross_radius)
+
+
+@broadcasting
+def lobe_shape(axial: Values, *, centres: Sequence[float], radius: float, height: float) -> Values:
+    """Height that crowned lobes inside a bushing add to its gap: zero beside them, else negative.
+
+    Farzaneh (2002), chapter 3: two lobes of 200 mm radius along the axis reduce the clearance of
+    the bore. -(height - (z - z_k)^2 / (2 R)) where that is negative.
+
+    Parameters
+    ----------
+    axial : float or array
+        Distance z from the middle of the bushing. [m]
+    centres : sequence of float
+        Places z_k of the lobes. [m]
+    radius : float
+        Radius R of a lobe along the axis. [m]
+    height : float
+        Height of a lobe above the bore. [m]
+
+    Returns
+    -------
+    float or array
+        Height added to the gap, at most zero. [m]
+
+    Raises
+    ------
+    ModelError
+        A radius that is not positive, a negative height.
+
+    Examples
+    --------
+    >>> lobe_shape([0.0, 0.05], centres=[-0.05, 0.05], radius=0.2, height=2e-4)
+    array([-0.    , -0.0002])
+    """
+    require_finite(axial=axial)
+    require_positive(radius=radius)
+    require_not_negative(height=height)
+    off = np.min([(axial - centre) ** 2 for centre in centres], axis=0)
+    return -np.maximum(height - off / (2 * radius), 0.0)
