@@ -253,7 +253,7 @@ def complete_film(
         kept_lights(frames, run.pairs), calibration, cycle.trigger.values, ready.energies
     )
     found = ready.light.complete(remaining, options)
-    light, notes_on_light = describe_light(found, results, run, calibration)
+    light, notes_on_light = describe_light(found, results, run, ready.measuring)
 
     film = describe_film(
         run,

@@ -37,6 +37,7 @@ def corrected(lab):
     copy = shutil.copytree(lab / "run", lab / "corrected")
     with (copy / "run.toml").open("a") as settings:
         settings.write('\n[light]\nbackground = "correct"\n')
+        settings.write('[reference]\nregion = { x = [4, 8], y = [4, 8] }\nthickness = "3 um"\n')
     return erlif.process(copy, workers=1)
 
 
@@ -83,6 +84,16 @@ def test_error_of_the_subtracted_background_is_in_the_shared_part(reported, corr
         np.median(film.thickness_std_shared.values[both]) for film in (reported, corrected)
     )
     assert after > 1.3 * before
+
+
+def test_error_of_the_subtracted_background_is_in_that_of_the_patch(reported, corrected):
+    """The pixels of its film have the same shared error, and that of the registration besides."""
+    film, std = corrected.reference_film.values, corrected.reference_film_std.values
+    assert np.isfinite(film).sum() > 20
+    for k in np.flatnonzero(np.isfinite(film)):
+        alike = np.abs(corrected.thickness.values[k] / film[k] - 1) < 0.02
+        if alike.any():
+            assert std[k] > 0.9 * np.median(corrected.thickness_std_shared.values[k][alike])
 
 
 def test_the_film_does_not_depend_on_the_number_of_threads(lab, corrected):
