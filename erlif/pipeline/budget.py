@@ -332,7 +332,7 @@ def _pixel_columns(
         }
         terms["registration"] = float(np.median(displaced[near] * rate[near]))
         gradient = calibration.gradient(wanted) / calibration.slope(wanted)
-        terms |= _by_calibration(gradient, calibration)
+        terms |= split_calibration(gradient, calibration)
         columns.append(_Column(f"pixel of {wanted:g} um", wanted, terms))
     return columns
 
@@ -362,7 +362,7 @@ def _mean_column(
     # what the noise of the mean holds beyond these terms is the registration
     known = sum(value**2 for value in terms.values())
     terms["registration"] = float(np.sqrt(max(statistics.mean_random_std**2 - known, 0.0)))
-    terms |= _by_calibration(statistics.mean_gradient, calibration)
+    terms |= split_calibration(statistics.mean_gradient, calibration)
     return _Column("mean film", statistics.mean, terms)
 
 
@@ -371,20 +371,21 @@ def _minimum_column(statistics: FilmStatistics, calibration: Calibration) -> _Co
     terms = {
         _ALL_NOISE: statistics.minimum_random_std,
         "marks of the surfaces": statistics.minimum_surface_std,
-        **_by_calibration(statistics.minimum_gradient, calibration),
+        **split_calibration(statistics.minimum_gradient, calibration),
     }
     return _Column("minimum film", statistics.minimum, terms)
 
 
-def _by_calibration(gradient: Array, calibration: Calibration) -> dict[str, float]:
+def split_calibration(gradient: Array, calibration: Calibration) -> dict[str, float]:
     """The error of the fixture, and what the subtraction of a background adds to it."""
     total = float(gradient @ calibration.full_covariance @ gradient)
     if calibration.background is None:
         return {"calibration": math.sqrt(total)}
     covariance = replace(calibration, background=None).full_covariance
     own = gradient[: len(covariance)]
-    alone = float(own @ covariance @ own)
-    return {"calibration": math.sqrt(alone), "background": math.sqrt(max(total - alone, 0.0))}
+    # where both errors compensate each other, the terms still add up to the total
+    alone = min(float(own @ covariance @ own), total)
+    return {"calibration": math.sqrt(alone), "background": math.sqrt(total - alone)}
 
 
 def _as_dataset(columns: Sequence[_Column], name: str, trigger: int, frames: int) -> xr.Dataset:

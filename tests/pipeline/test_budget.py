@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ import tifffile
 from click.testing import CliRunner
 
 import erlif
+from erlif.calibration import BackgroundError
 from erlif.commands.main import main
+from erlif.pipeline.budget import split_calibration
+from erlif.plots import example_calibration
 from erlif.report import render_budget
 from erlif.rig import RigSettings, simulate
 
@@ -132,3 +136,20 @@ def test_budget_prints_nanometres(lab):
     assert "| **total** |" in table
     total = float(budget["std"].sel(term="total", quantity="minimum film"))
     assert f"**{1000 * total:.0f}**" in table or f"**{1000 * total:.1f}**" in table
+
+
+@pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.9])
+@pytest.mark.parametrize("size", [0.01, 0.1])
+def test_calibration_and_background_add_up_however_they_are_correlated(correlation, size):
+    """A background that is found with the calibration may compensate a part of its error."""
+    plain = example_calibration()
+    shares = size**2 * np.diag([1e-2, 1e-2])
+    empty = BackgroundError(1000.0, (3000.0, 2000.0), shares, np.zeros((3, 2)))
+    gradient = replace(plain, background=empty).gradient(3.0)
+    own, other = plain.full_covariance @ gradient[:3], shares @ gradient[3:]
+    scale = correlation / np.sqrt((gradient[:3] @ own) * (gradient[3:] @ other))
+    both = replace(plain, background=replace(empty, cross=scale * np.outer(own, other)))
+
+    terms = split_calibration(gradient, both)
+    total = gradient @ both.full_covariance @ gradient
+    npt.assert_allclose(terms["calibration"] ** 2 + terms["background"] ** 2, total)
