@@ -176,7 +176,8 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
         film["crank_angle"] = ("trigger", np.degrees(np.angle(circle)) % 360, attrs)
 
     # frames that are averaged over cycles have no common time
-    if "time" in run.log and not cycle.cycle.any():
+    apart = all(len(frames) == 1 for frames in every)
+    if "time" in run.log and (apart or not cycle.cycle.any()):
         time = np.array([float(run.log.time.values[frames].mean()) for frames in every])
         film["time"] = ("trigger", time, {"units": "s", "long_name": "time of the trigger"})
 

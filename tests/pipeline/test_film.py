@@ -112,6 +112,14 @@ def test_trigger_has_the_mean_of_the_frames_that_are_left(cycles, logged):
     npt.assert_allclose(load[2], (logged["load_N"][2] + logged["load_N"][8]) / 2)
 
 
+def test_triggers_that_do_not_repeat_have_their_times(cycles, logged):
+    """Frames that are averaged over cycles have none; frames of several cycles, each for itself."""
+    run, cycle = cycles
+    assert "time" not in describe_triggers(run, cycle)
+    each = cycle.assign(trigger=cycle.trigger.copy(data=np.arange(12)))
+    npt.assert_allclose(describe_triggers(run, each).time, logged["time_s"])
+
+
 def test_mean_crank_angle_passes_through_zero(cycles):
     """359 and 3 degree have a mean of 1 degree."""
     run, cycle = cycles
