@@ -114,7 +114,8 @@ def histogram_figure(survey: CountSurvey) -> Figure:
         padded[: histogram.size] = histogram
         ax.stairs(padded.reshape(-1, width).sum(axis=1), edges, color=colour, label=f"{number}")
     ax.set(xlabel="count [DN]", ylabel="pixels [1]", yscale="symlog")
-    ax.axvline(survey.histograms[0].size - 1, color=MUTED, linewidth=0.6, linestyle=":")
+    for full_scale in sorted({histogram.size - 1 for histogram in survey.histograms}):
+        ax.axvline(full_scale, color=MUTED, linewidth=0.6, linestyle=":")
     ax.legend(title="camera")
     return figure
 

@@ -60,6 +60,12 @@ def test_bars_hold_all_pixels(survey):
     assert steps[1].get_data().values[-1] == 50
 
 
+def test_full_scale_is_marked_for_either_depth(survey):
+    deeper = CountSurvey(survey.frames, (survey.histograms[0], np.ones(65536, np.int64)))
+    marks = [line.get_xdata()[0] for line in histogram_figure(deeper).axes[0].lines]
+    assert sorted(marks) == [4095, 65535]
+
+
 def test_light_is_drawn_above_the_dark_level(survey):
     upper, lower = light_figure(survey, (64.0, 60.0)).axes
     npt.assert_allclose(upper.lines[0].get_ydata(), 100 + np.arange(5))
