@@ -228,7 +228,7 @@ def format_notes(pairs: FramePairs) -> list[Note]:
         if warning
     ]
 
-    # a header may state the bits of a word in place of those of a count; the depth is then lower
+    # a header may state the bits stored in place of those of a count; the depth is then lower
     for camera, (stated, declared) in enumerate(
         zip(pairs.stated_bits, pairs.bit_depths, strict=True), 1
     ):
