@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from erlif.rig.settings import CHOICES, RigSettings
+from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
 _SIDE = re.compile("[0-9]{1,6}")
 """Digits of one side of a picture; other alphabets have digits that are no numbers."""
@@ -36,6 +36,28 @@ class PictureSize(click.ParamType[tuple[int, int]]):
                 ctx,
             )
         return int(width), int(height)
+
+
+class SidewaysChoice(click.ParamType["float | str"]):
+    """Free, guided, or the stiffness of a spring that holds the pin at right angles to the load."""
+
+    name = "free|guided|N/m"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | str:
+        """A number, or the word itself."""
+        if value in SIDEWAYS:
+            return str(value)
+        try:
+            return float(str(value))
+        except ValueError:
+            self.fail(
+                f"{value!r} is none of {', '.join(SIDEWAYS)} and no stiffness in N/m, such as "
+                "50000.",
+                param,
+                ctx,
+            )
 
 
 class FilmChoice(click.ParamType["float | str"]):
@@ -108,6 +130,27 @@ class FilmChoice(click.ParamType["float | str"]):
     default=DEFAULT.elapsed,
     show_default=True,
     help="Film reynolds: turns of the crank from loading, with a centred pin, to the first cycle.",
+)
+@click.option(
+    "--sideways",
+    default=DEFAULT.sideways,
+    show_default=True,
+    type=SidewaysChoice(),
+    help="Film reynolds: how the pin is held at right angles to the load.",
+)
+@click.option(
+    "--cavitation-pressure",
+    default=DEFAULT.cavitation_pressure,
+    show_default=True,
+    help="Film reynolds: pressure of cavities over the ambient one, in kPa.",
+)
+@click.option(
+    "--mount/--no-mount",
+    "write_mount",
+    default=True,
+    show_default=True,
+    help="Film reynolds: write the mount of the pin, the cavitation pressure and the load line "
+    "into run.toml.",
 )
 @click.option(
     "--viscosity",

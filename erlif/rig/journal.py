@@ -9,11 +9,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.rig.film import Gap, Marks, Triggers, crank_at, rocker_speed
+from erlif.rig.cavitation import follow_cavitated
+from erlif.rig.film import (
+    Gap,
+    Marks,
+    Triggers,
+    crank_at,
+    rocker_angle,
+    rocker_range,
+    rocker_speed,
+)
 from erlif.rig.logger import frame_times
 from erlif.rig.motion import cycle_time
-from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.rig.orbit import Bearing, follow_orbit, lowest_pressure
 from erlif.rig.settings import RigSettings
+
+_HISTORY = 60  # moments since loading at which the lowest pressure is looked up
+_STEPS = 100  # steps of a film with cavities in a turn of the crank
 
 
 @dataclass(frozen=True)
@@ -92,10 +104,37 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
         length=1e-3 * rig.length,
         viscosity=rig.viscosity,
     )
-    loading = -rig.elapsed * cycle_time(rig)
-    return follow_orbit(
+    cycle, middle = cycle_time(rig), float(np.mean(rocker_range(rig)))
+    moments = np.append(-rig.elapsed * cycle, time)
+
+    def load(moment: float) -> float:
+        return float(load_at(np.asarray(moment), rig))
+
+    def speed(moment: float) -> float:
+        return float(rocker_speed(crank_at(np.asarray(moment), rig), rig))
+
+    def angle(moment: float) -> float:
+        return float(rocker_angle(crank_at(np.asarray(moment), rig), rig)) - middle
+
+    # a free pin squeezes a full film, unless its pressure would fall below that of cavities
+    cavity = 1e3 * rig.cavitation_pressure
+    if rig.sideways == "free":
+        history = np.linspace(moments[0], moments[-1], _HISTORY)
+        path = follow_orbit(bearing, history, load=load, rotation=speed)
+        lowest = min(
+            lowest_pressure(bearing, place, load(moment))
+            for moment, place in zip(history, path, strict=True)
+        )
+        if lowest >= cavity:
+            return follow_orbit(bearing, moments, load=load, rotation=speed)[1:]
+
+    stiffness = {"free": 0.0, "guided": np.inf}.get(str(rig.sideways), rig.sideways)
+    return follow_cavitated(
         bearing,
-        np.append(loading, time),
-        load=lambda moment: float(load_at(np.asarray(moment), rig)),
-        rotation=lambda moment: float(rocker_speed(crank_at(np.asarray(moment), rig), rig)),
+        moments,
+        load=load,
+        angle=angle,
+        step=cycle / _STEPS,
+        stiffness=float(stiffness),
+        cavity=cavity,
     )[1:]

@@ -170,6 +170,23 @@ class Mobility:
         return np.asarray(self.bearing.damping * np.exp(self._spline(thin)))
 
 
+def lowest_pressure(bearing: Bearing, place: Array, load: float) -> float:
+    """Lowest pressure over ambient in the middle plane under a load [N]. [Pa]
+
+    `place` is the displacement of the pin along the load and along +x. [m]
+    """
+    eccentricity = float(np.hypot(*place)) / bearing.clearance
+    attitude = np.arctan2(place[1], place[0])
+    squeeze = solve_squeeze(eccentricity, bearing.length / bearing.radius)
+    force = load * np.array([np.cos(attitude), -np.sin(attitude)])
+    speed = force / (squeeze.damping * bearing.damping)
+
+    # even and odd parts on both sides of the thinnest film
+    unit = bearing.viscosity * bearing.radius**2 / bearing.clearance**3
+    even, odd = unit * squeeze.pressure.T * speed[:, None]
+    return float(min((even + odd).min(), (even - odd).min()))
+
+
 @cache
 def _tabulate_damping(slenderness: float) -> CubicSpline:
     """Logarithm of both dampings over -log(1 - eccentricity)."""

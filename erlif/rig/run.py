@@ -303,6 +303,18 @@ direction = "0 deg"
 {camera_toml(rig)}"""
 
 
+def mount_toml(rig: RigSettings) -> str:
+    """Return the table [prediction] of run.toml: what the virtual laboratory knows of the mount."""
+    held = rig.sideways if isinstance(rig.sideways, str) else f"{rig.sideways:g} N/m"
+    return f"""[prediction]
+sideways = "{held}"
+cavitation_pressure = "{rig.cavitation_pressure:g} kPa"
+load_line = "{rig.centre[0] * rig.pitch + rig.thin_line:.6g} mm"
+direction = "along"
+
+"""
+
+
 def run_toml(rig: RigSettings, triggers: Triggers) -> str:
     """Return run.toml of the virtual run."""
     (left, right), (top, bottom) = rig.region
@@ -320,6 +332,7 @@ uncertainty = "{_REFERENCE_STD:g} um"
     zero = read_encoder(np.radians(triggers.crank_angle), triggers, rig).zero
     viscosity = rig.stated_viscosity or rig.viscosity
     linked = rig.mechanism == "crank-rocker"
+    mount = mount_toml(rig) if rig.film == "reynolds" and rig.write_mount else ""
     joint = _JOINT_TOML.format(rig=rig, viscosity=viscosity) if linked else ""
     return f"""calibration = "../fixture/calibration.nc"
 
@@ -327,6 +340,6 @@ uncertainty = "{_REFERENCE_STD:g} um"
 name = "virtual {_NAMES[rig.mechanism]}"
 
 {camera_toml(rig, background=rig.background_pages > 0)}
-{encoder_toml(triggers, rig, zero)}{mechanism_toml(rig)}{joint}[thickness]
+{encoder_toml(triggers, rig, zero)}{mechanism_toml(rig)}{joint}{mount}[thickness]
 roi = {{ x = [{left:g}, {right:g}], y = [{top:g}, {bottom:g}] }}
 {reference}"""

@@ -15,6 +15,8 @@ CHOICES = {
     "film": ("law", "reynolds"),
 }
 """Settings that are one of several words."""
+SIDEWAYS = ("free", "guided")
+"""How a pin without a spring is held at right angles to the load."""
 LARGEST_SPACING = 10.0
 """Largest trigger spacing; the rocker turns by 24 degrees. [degree]"""
 LARGEST_SCALE = 0.2
@@ -42,6 +44,7 @@ LIMITS = {
     "viscosity": (1e-6, 1e6),
     "stated_viscosity": (0, 1e6),
     "elapsed": (0, 1e4),
+    "cavitation_pressure": (-101.325, 0),
     "load_swing": (0, 0.99),
     "film_reference": (1e-3, 1000),
     "film_floor": (1e-3, 1000),
@@ -151,6 +154,13 @@ class RigSettings:
     elapsed : float
         Turns of the crank from loading to the start of the first cycle, of the film "reynolds";
         the pin is centred at first. After 24 turns the film is about 6 um.
+    sideways : str | float
+        How the pin of the film "reynolds" is held at right angles to the load: "free", "guided"
+        (it does not move), or the stiffness of a spring. [N/m]
+    cavitation_pressure : float
+        Pressure over the ambient one at which the film "reynolds" ruptures. [kPa]
+    write_mount : bool
+        Write into run.toml how the pin is held, the cavitation pressure and the load line.
     film_reference : float
         Minimum film thickness at the highest rocker speed and the mean load. [um]
     exponent : float
@@ -281,6 +291,9 @@ class RigSettings:
     # film
     film: str = "law"
     elapsed: float = 24.0
+    sideways: str | float = "free"
+    cavitation_pressure: float = -100.0
+    write_mount: bool = True
     film_reference: float = 6.0
     exponent: float = 0.62
     film_floor: float = 0.3
@@ -414,6 +427,12 @@ class RigSettings:
 
     def _check_film(self) -> None:
         """Refuse a film of theory together with another motion, a table or a tilt."""
+        held = self.sideways
+        if held not in SIDEWAYS and (isinstance(held, str) or held <= 0):
+            raise ModelError(
+                f"Expected sideways of the virtual rig as {', '.join(SIDEWAYS)} or a stiffness "
+                f"above 0 in N/m; got {held!r}. Choose one of them."
+            )
         if self.film != "reynolds":
             return
         if self.mechanism != "crank-rocker":

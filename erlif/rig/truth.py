@@ -24,8 +24,8 @@ _SIGNAL_STEPS = 2048  # of the mantissa: the signal is rounded to 0.05 %
 
 _LAW = ("film_reference", "exponent", "film_floor", "film_table", "tilt")
 """Settings of the film by the law alone."""
-_THEORY = ("elapsed",)
-"""Setting of the film "reynolds" alone."""
+_THEORY = ("elapsed", "sideways", "cavitation_pressure", "write_mount")
+"""Settings of the film "reynolds" alone."""
 
 
 class Session(NamedTuple):

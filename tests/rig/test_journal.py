@@ -82,6 +82,23 @@ def test_a_film_doubles_its_time_with_the_viscosity():
     npt.assert_allclose(*films, rtol=0.01)
 
 
+def test_a_guided_pin_keeps_its_line():
+    rig = replace(RIG, sideways="guided", elapsed=1.0)
+    along, side = 1e6 * follow_pin(np.array([0.0, 0.1]), rig).T
+    npt.assert_array_equal(side, 0)
+    assert 230 - along[0] == pytest.approx(175, rel=0.01)  # it sinks like the free one at first
+    stiff = replace(rig, sideways=1e12)
+    npt.assert_allclose(1e6 * follow_pin(np.array([0.0, 0.1]), stiff)[:, 0], along, rtol=1e-3)
+
+
+def test_a_vented_film_has_cavities():
+    """Sideways motion pulls at a full film; without that pull the pin sinks a little faster."""
+    rig = replace(RIG, elapsed=0.2, cavitation_pressure=0.0)
+    full = replace(rig, cavitation_pressure=-100.0)
+    vented, filled = (1e6 * follow_pin(np.array([0.0]), one)[0] for one in (rig, full))
+    assert 1.005 < vented[0] / filled[0] < 1.05
+
+
 def test_the_load_follows_the_crank():
     rig = replace(RIG, load_swing=0.2)
     triggers = list_triggers(rig)
@@ -97,6 +114,9 @@ def test_the_load_follows_the_crank():
         ({"film": "elastic"}, "law, reynolds"),
         ({"viscosity": -1.0}, "Expected viscosity"),
         ({"elapsed": -1.0}, "Expected elapsed"),
+        ({"sideways": "loose"}, "free, guided or a stiffness"),
+        ({"sideways": -5.0}, "got -5.0"),
+        ({"cavitation_pressure": 20.0}, "Expected cavitation_pressure"),
     ],
 )
 def test_films_without_a_theory_are_refused(changes, words):

@@ -12,7 +12,15 @@ from scipy.sparse.linalg import spsolve
 
 from erlif.core.errors import ModelError
 from erlif.rig.film import rocker_speed
-from erlif.rig.orbit import HARMONICS, THINNEST, Bearing, Mobility, follow_orbit, solve_squeeze
+from erlif.rig.orbit import (
+    HARMONICS,
+    THINNEST,
+    Bearing,
+    Mobility,
+    follow_orbit,
+    lowest_pressure,
+    solve_squeeze,
+)
 from erlif.rig.settings import RigSettings
 
 ACRYLIC = Bearing(np.sqrt(33.36e-3 * 33.59e-3), 0.23e-3, 0.237, 0.12)
@@ -133,6 +141,19 @@ def test_the_acrylic_joint_sinks_as_a_finite_volume_code_found():
     )
     film = 1e6 * (REFERENCE.clearance - np.hypot(*place[1:].T))
     npt.assert_allclose(film, [173, 132, 80, 52, 23, 12.7, 8.0, 6.4], rtol=0.038)
+
+
+def test_pressure_falls_below_ambient_where_the_pin_moves_sideways():
+    """A centred pin in a long bearing: q = -12 sin a from the speed across, none from the other.
+
+    Under a load along the line of centres the pressure is nowhere below ambient.
+    """
+    load = LOAD * LONG.length / ACRYLIC.length
+    assert lowest_pressure(LONG, np.array([1e-12, 0.0]), load) == pytest.approx(0, abs=1)
+    # across: the force is pi L R times the largest pressure
+    largest = load / (np.pi * LONG.length * LONG.radius)
+    found = lowest_pressure(LONG, np.array([0.0, 1e-12]), load)
+    npt.assert_allclose(found, -largest, rtol=0.02)
 
 
 def test_a_film_that_closes_is_refused():

@@ -163,6 +163,22 @@ def test_settings_of_the_joint_reach_run_toml():
     assert settings["encoder"]["triggers_per_cycle"] == list_triggers(rig).reading.size
 
 
+def test_the_mount_of_the_pin_reaches_run_toml_unless_it_is_withheld():
+    rig = RigSettings(film="reynolds", tilt=0.0, sideways=5e4, cavitation_pressure=-30.0)
+    settings = tomllib.loads(run_toml(rig, list_triggers(rig)))
+    middle = 159.5 * 19.2 / 320
+    assert settings["prediction"] == {
+        "sideways": "50000 N/m",
+        "cavitation_pressure": "-30 kPa",
+        "load_line": f"{middle + 0.8:.6g} mm",
+        "direction": "along",
+    }
+    for other in (replace(rig, write_mount=False), RigSettings()):
+        assert "prediction" not in tomllib.loads(run_toml(other, list_triggers(other)))
+    stated = replace(rig, stated_viscosity=0.3)
+    assert tomllib.loads(run_toml(stated, list_triggers(stated)))["oil"]["viscosity"] == "0.3 Pa s"
+
+
 def test_flats_rise_level_by_level(written):
     """Three levels of eight pages at 0.25, 0.5 and 0.8 of full scale, seen through the lens."""
     for number in (1, 2):
