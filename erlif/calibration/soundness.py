@@ -71,7 +71,7 @@ def check_file(dataset: xr.Dataset) -> None:
     for name, accepted in UNITS.items():
         unit = dataset[name].attrs.get("units", accepted[0]) if name in dataset else accepted[0]
         if unit not in accepted:
-            raise ValueError(f"{name} is in {unit}, not in {accepted[0]}")
+            raise ValueError(f"{name} is in {str(unit)[:40]}, not in {accepted[0]}")
 
 
 def check_numbers(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import math
 import threading
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray, Array
+from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError
 from erlif.core.hdf5 import SIGNATURE, open_hdf5
 from erlif.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
@@ -20,6 +21,9 @@ _DENSEST = 1100
 
 _MOST_LISTED = 8
 """Datasets that a message lists."""
+
+_MOST_CHUNKS = 2**24
+"""Chunks of a dataset; each takes a microsecond once."""
 
 _MOST_VISITED = 10_000
 """Objects of a file that are searched for frames."""
@@ -36,6 +40,7 @@ class Hdf5Frames(FrameFile):
 
     def __init__(self, path: Path, dataset: str = "") -> None:
         self._lock = threading.Lock()
+        self._stored: Mask | None = None
         try:
             self._file = open_hdf5(path)
         except Exception as error:  # h5py raises several types on damaged bytes
@@ -54,7 +59,10 @@ class Hdf5Frames(FrameFile):
         """As `FrameFile.read`."""
         try:
             with self._lock:
+                self._check_stored(index)
                 image = self._data[index] if self._data.ndim == 3 else self._data[()]
+        except FrameError:
+            raise
         except Exception as error:  # as above
             raise FrameError(f"the dataset is damaged ({_first_line(error)})") from error
         image = np.asarray(image)
@@ -63,6 +71,13 @@ class Hdf5Frames(FrameFile):
     def close(self) -> None:
         """As `FrameFile.close`."""
         self._file.close()
+
+    def _check_stored(self, index: int) -> None:
+        """Refuse a frame that the file does not hold; the library would return zeros for it."""
+        if self._stored is None:
+            self._stored = _stored_frames(self._data)
+        if not self._stored[index]:
+            raise FrameError("its counts are not in the file, which is damaged or was not finished")
 
     def _find(self, name: str) -> Any:
         """The dataset of that path, or the only one that may hold frames."""
@@ -193,6 +208,35 @@ def filters_of(data: Any) -> list[int]:
     """
     settings = data.id.get_create_plist()
     return [settings.get_filter(n)[0] for n in range(settings.get_nfilters())]
+
+
+def _stored_frames(data: Any) -> Mask:
+    """Whether the file holds all chunks of each frame, each of them once, (frame,)."""
+    frames = data.shape[0] if data.ndim == 3 else 1
+    if data.chunks is None:
+        whole = data.id.get_storage_size() >= data.size * data.dtype.itemsize
+        return np.full(frames, whole)
+
+    grid = [-(-length // chunk) for length, chunk in zip(data.shape, data.chunks, strict=True)]
+    if math.prod(grid) > _MOST_CHUNKS:
+        raise FrameError(f"it has {math.prod(grid)} chunks, more than {_MOST_CHUNKS}")
+    found = np.zeros(grid, np.int8)
+    plain = math.prod(data.chunks) * data.dtype.itemsize
+    skipped = (1 << len(filters_of(data))) - 1
+
+    def count(chunk: Any) -> None:
+        place, between = np.divmod(chunk.chunk_offset, data.chunks)
+        # a chunk that no filter has changed has its own size
+        whole = chunk.filter_mask & skipped != skipped or chunk.size == plain
+        whole = whole and not between.any()
+        if all(0 <= one < many for one, many in zip(place, grid, strict=True)):
+            found[*place] = 1 if whole and not found[*place] else 2
+
+    data.id.chunk_iter(count)
+    if data.ndim == 2:
+        return np.array([(found == 1).all()])
+    stored: Mask = (found == 1).all(axis=(1, 2))
+    return np.repeat(stored, data.chunks[0])[:frames]
 
 
 def _check_filters(data: Any) -> None:

@@ -79,9 +79,12 @@ class CompressedImage(FrameFile):
         if self.packing == _BITS_12:
             return self._read_12_bits(kind, index)
 
-        # both compressions go through the frames before
-        decode = self._read_zlib if self.packing == _ZLIB else self._read_imx
-        counts = decode(np.dtype(kind.dtype), (index + 1) * kind.shape[0] * kind.shape[1])
+        # both compressions go through the frames before; the checksum of zlib is behind all frames
+        pixels = kind.shape[0] * kind.shape[1]
+        if self.packing == _ZLIB:
+            counts = self._read_zlib(np.dtype(kind.dtype), len(self.kinds) * pixels)
+        else:
+            counts = self._read_imx((index + 1) * pixels)
         return np.array(counts.reshape(-1, *kind.shape)[index])
 
     def close(self) -> None:
@@ -107,14 +110,15 @@ class CompressedImage(FrameFile):
         (length,) = struct.unpack("<i", self._source.read(_HEADER_SIZE, 4))
         stream = self._source.read(_HEADER_SIZE + 4, length)
         try:
-            data = inflate(stream, count * dtype.itemsize)
+            # one more byte, so that the end is found and its checksum verified
+            data = inflate(stream, count * dtype.itemsize + 1)
         except FrameError as error:
             raise FrameError(f"the compressed counts are damaged ({error})") from error
         if len(data) < count * dtype.itemsize:
             raise FrameError("the compressed counts end within the frame")
-        return np.frombuffer(data, dtype.newbyteorder("<"))
+        return np.frombuffer(data, dtype.newbyteorder("<"), count)
 
-    def _read_imx(self, dtype: np.dtype[np.generic], count: int) -> AnyArray:
+    def _read_imx(self, count: int) -> AnyArray:
         from erlif.readers.imx import decode_imx
 
         # a small preview with its own size comes first

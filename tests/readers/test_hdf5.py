@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import h5netcdf
 import h5py
 import numpy as np
@@ -251,3 +253,53 @@ def test_times_that_no_installed_filter_decodes_are_no_fault_of_the_frames(path,
     np.testing.assert_array_equal(times_beside(path, fill), np.arange(4.0))
     monkeypatch.setattr(h5py.h5z, "filter_avail", lambda code: False)
     assert times_beside(path, fill) is None
+
+
+# counts that are not in the file, for which the library returns zeros
+
+
+@pytest.mark.parametrize(
+    ("chunks", "missing"),
+    [((1, 64, 80), {2}), ((1, 32, 40), {2}), ((2, 64, 80), {2, 3}), ((3, 10, 80), {3})],
+)
+def test_a_frame_that_was_never_written_is_refused(path, chunks, missing):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", COUNTS.shape, COUNTS.dtype, chunks=chunks)
+        for index in set(range(4)) - missing:
+            data[index] = COUNTS[index]
+        if chunks == (1, 32, 40):
+            data[2, :30] = COUNTS[2, :30]  # a part of the frame
+    opened = open_frames(path)
+    for index in range(4):
+        if index in missing:
+            with pytest.raises(FrameError, match="not in the file"):
+                opened.read(index)
+        else:
+            np.testing.assert_array_equal(opened.read(index), COUNTS[index])
+    opened.close()
+
+
+@pytest.mark.parametrize("shape", [(4, 64, 80), (64, 80)])
+@pytest.mark.parametrize("chunks", [None, True])
+def test_an_array_without_any_counts_is_refused(path, shape, chunks):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("counts", shape, "u2", chunks=chunks)
+    assert "not in the file" in refusal(path)
+
+
+def test_a_compressed_frame_that_is_marked_as_plain_is_refused(path):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+        data.id.write_direct_chunk((2, 0, 0), zlib.compress(COUNTS[2].tobytes()), filter_mask=1)
+    opened = open_frames(path)
+    np.testing.assert_array_equal(opened.read(1), COUNTS[1])
+    with pytest.raises(FrameError, match="not in the file"):
+        opened.read(2)
+    opened.close()
+
+
+def test_a_plain_frame_among_compressed_ones_is_read(path):
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("counts", data=COUNTS, chunks=(1, 64, 80), compression="gzip")
+        data.id.write_direct_chunk((2, 0, 0), COUNTS[2].tobytes(), filter_mask=1)
+    np.testing.assert_array_equal(read(path), COUNTS)

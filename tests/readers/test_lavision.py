@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from contextlib import closing
 
 import numpy as np
 import numpy.testing as npt
@@ -115,6 +116,19 @@ def test_a_length_of_the_compressed_counts_beyond_the_file_is_refused(tmp_path):
         with pytest.raises(FrameError, match="truncated"):
             file.read(0)
         file.close()
+
+
+@pytest.mark.parametrize("frame", [0, 1])
+def test_counts_that_do_not_fit_the_checksum_of_zlib_are_refused(tmp_path, frame):
+    frames = random_frames(np.random.default_rng(1), frames=2, rows=5, columns=7)
+    path = write_im7(tmp_path / "a.im7", frames, packing=2)
+    content = bytearray(path.read_bytes())
+    place = 256 + 4 + 2 + 5 + 3  # header, length, zlib, block of random bytes as they are, count
+    content[place] ^= 1
+    path.write_bytes(content)
+    damaged = pytest.raises(FrameError, match="compressed counts are damaged")
+    with closing(open_frames(path)) as file, damaged:
+        file.read(frame)
 
 
 def test_the_damaged_image_of_a_set_is_named(tmp_path):
