@@ -98,15 +98,17 @@ def note_range(calibration: Calibration, log_ratios: Array) -> Iterator[Note]:
         yield Note(Level.WARNING, "ratio", text)
         return
     low, high = (float(one) for one in calibration.predict_log(calibration.thickness_range))
-    margin = _MARGIN * (high - low)
-    below = float((log_ratios < low - margin).mean())
-    above = float((log_ratios > high + margin).mean())
     first, last = np.exp(np.quantile(log_ratios, [0.05, 0.95]))
     text = (
         f"{first:.3f} to {last:.3f} in 90 % of the pixels, calibrated from {np.exp(low):.3f} to "
-        f"{np.exp(high):.3f}; {below:.0%} lie below and {above:.0%} above"
+        f"{np.exp(high):.3f}; {(log_ratios < low).mean():.0%} lie below and "
+        f"{(log_ratios > high).mean():.0%} above, where a map has flags in place of films"
     )
-    if below + above > 1 - _COVERED:
+
+    # noise alone takes half of the pixels at a limit beyond it, so that the range is widened
+    margin = _MARGIN * (high - low)
+    covered = (log_ratios > low - margin) & (log_ratios < high + margin)
+    if covered.mean() < _COVERED:
         cure = (
             "The films are thinner or thicker than the fixture's, or dyes, filters or light have "
             "changed since the calibration. Calibrate again with a fixture of these films"

@@ -11,7 +11,7 @@ import numpy as np
 from erlif.core.errors import EncoderError
 from erlif.core.notes import Level, Note
 from erlif.core.products import EncoderLog
-from erlif.ingest.images import Page
+from erlif.ingest.images import Page, is_one_file
 from erlif.ingest.logs.binary import is_binary_log, read_binary_table
 from erlif.ingest.logs.checks import check_frame_numbers, check_values
 from erlif.ingest.logs.columns import (
@@ -124,12 +124,23 @@ def read_log(
     by_frame = "frame" in found or len(table.rows) == frames or "time" not in found
     if by_frame and not in_time:
         if "frame" not in found and len(table.rows) != frames:
-            missing_column("frame", table)
+            _refuse_rows_of_neither(table, frames)
         log, remarks = _by_frame(table, choice, needs_angle=needs_angle)
         return ReadLog(log, _describe(table, remarks))
 
     continuous, remarks = _in_time(table, choice, needs_angle=needs_angle)
     return ReadLog(continuous, _describe(table, remarks))
+
+
+def _refuse_rows_of_neither(table: LogTable, frames: int) -> None:
+    """Refuse a log that has neither numbers of frames nor a row for each, nor times."""
+    raise EncoderError(
+        f"Expected one row of {table.file} for each frame, or a log in time; it has "
+        f"{len(table.rows)} rows for {frames} frames, and no column is known as frame or time. "
+        f"Choose the column of the times in [encoder] of run.toml, time = "
+        f'"name in the header", or that of frame numbers, frame = "name in the header"; the '
+        f"header is {', '.join(table.names)}."
+    )
 
 
 def read_table(path: Path, choice: ColumnChoice) -> LogTable:
@@ -180,11 +191,19 @@ def check_rows(log: EncoderLog, pages: Sequence[Page], name: str) -> None:
     else:
         extra = f"{pages[rows].name} is the first without a row"
 
+    if is_one_file(pages):
+        cure = (
+            "Take the rows without a frame out of the log and number the rows anew; or export from "
+            "both recordings only the frames that have a row"
+        )
+    else:
+        cure = (
+            "To leave a frame out, put an empty file of its name into both camera folders and use "
+            "--skip-bad-frames; or take out row and files and number the rows anew"
+        )
     raise EncoderError(
         f"Expected one row of {name} per frame; {name} has {rows} rows, the cameras have {frames} "
-        f"frames each: {extra}. To leave a frame out, put an empty file of its name into both "
-        "camera folders and use --skip-bad-frames; or take out row and files and number the rows "
-        "anew."
+        f"frames each: {extra}. {cure}."
     )
 
 

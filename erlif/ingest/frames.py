@@ -13,7 +13,7 @@ import xarray as xr
 from erlif.core.arrays import Array, Counts
 from erlif.core.notes import Level, Note
 from erlif.core.products import Frames
-from erlif.ingest.images import Page, PageContent, check_depth, read_content
+from erlif.ingest.images import Page, PageContent, check_depth, name_page, read_content
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def _read_page(pairs: FramePairs, camera: int, frame: int, *, digests: bool) -> 
     content = read_content(page, pairs.directory, pairs.shape, digest=digests)
 
     # every page is checked again: the header does not show a wrong bit depth
-    name = f"camera{camera + 1}/{page.name}"
+    name = name_page(page, pairs.directory, camera + 1)
     check_depth(content.counts, bit_depth=pairs.bit_depths[camera], name=name)
     return content._replace(counts=content.counts.astype(np.uint16, copy=False))
 

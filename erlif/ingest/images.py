@@ -59,6 +59,22 @@ class Page:
         return name if self.index == 0 else f"{name}[{self.index}]"
 
 
+def name_page(page: Page, directory: Path, camera: int) -> str:
+    """Name of a page in a message: its place in the directory, and its camera, 1 or 2.
+
+    The folder names the camera where it has the name of its table in the settings.
+    """
+    inside = page.path.is_relative_to(directory)
+    folder = (page.path.relative_to(directory) if inside else page.path).parent
+    place = Path(os.fsencode(folder).decode(errors="replace"), page.name).as_posix()
+    return place if f"camera{camera}" in folder.parts else f"{place} of camera {camera}"
+
+
+def is_one_file(pages: Sequence[Page]) -> bool:
+    """Whether all frames of a camera lie in one file."""
+    return len(pages) > 1 and pages[0].path == pages[-1].path
+
+
 UNREADABLE = FrameKind((0, 0), "unreadable")
 """Stands for a page whose header or data is damaged."""
 

@@ -16,6 +16,8 @@ from erlif.ingest.images import (
     Page,
     check_depth,
     find_pages,
+    is_one_file,
+    name_page,
     read_page,
     with_advice,
 )
@@ -68,7 +70,7 @@ def pair_cameras(
         _pad_truncated((one, two))
 
     faults = {
-        k: f"camera{camera}/{files.pages[k].name}: {reason}"
+        k: f"{name_page(files.pages[k], directory, camera)}: {reason}"
         for camera, files in enumerate((one, two), 1)
         for k, reason in files.faults.items()
     }
@@ -77,7 +79,7 @@ def pair_cameras(
 
     # pixels are decoded here only where undecodable frames may be left out: it takes as long as
     # reading the whole recording
-    _check_pairs(one.pages, two.pages)
+    _check_pairs(one.pages, two.pages, directory)
     if skip_bad_frames:
         faults |= _find_undecodable(directory, (one, two), faults)
 
@@ -89,13 +91,13 @@ def pair_cameras(
                 next(iter(faults.values())), "Record the run again, or copy the files again."
             )
         )
-    rows, columns = _check_kinds((one, two), good)
+    rows, columns = _check_kinds((one, two), good, directory)
 
     # the first pair is decoded here, so that a wrong bit depth is reported before any work
     for camera, (bit_depth, files) in enumerate(zip(bit_depths, (one, two), strict=True), 1):
         page = files.pages[good[0]]
         counts = read_page(page, directory, (rows, columns))
-        check_depth(counts, bit_depth=bit_depth, name=f"camera{camera}/{page.name}")
+        check_depth(counts, bit_depth=bit_depth, name=name_page(page, directory, camera))
     # a file that was cut has times of the frames that are left
     known = (files.times for files in (one, two) if files.times is not None)
     return FramePairs(
@@ -119,7 +121,9 @@ def frame_numbers(pages: Sequence[Page]) -> list[int]:
     return numbers if len(set(numbers)) == len(pages) else list(range(len(pages)))
 
 
-def _check_kinds(cameras: Sequence[CameraFiles], good: Sequence[int]) -> tuple[int, int]:
+def _check_kinds(
+    cameras: Sequence[CameraFiles], good: Sequence[int], directory: Path
+) -> tuple[int, int]:
     """Shape of all frames; refuses frames of different kinds, and kinds that are not counts."""
     # the most frequent kind is the usual one, so that the odd file is named and not the others
     counted = Counter(files.kinds[k] for files in cameras for k in good)
@@ -127,10 +131,10 @@ def _check_kinds(cameras: Sequence[CameraFiles], good: Sequence[int]) -> tuple[i
     for camera, files in enumerate(cameras, 1):
         for k in good:
             if files.kinds[k] != usual:
+                name = name_page(files.pages[k], directory, camera)
                 raise FrameError(
-                    f"Expected frames of one size and type, {usual}; camera{camera}/"
-                    f"{files.pages[k].name} is {files.kinds[k]}. Set the same region of interest "
-                    "and depth for all frames of both cameras."
+                    f"Expected frames of one size and type, {usual}; {name} is {files.kinds[k]}. "
+                    "Set the same region of interest and depth for all frames of both cameras."
                 )
 
     first = cameras[0].pages[good[0]].name
@@ -161,7 +165,7 @@ def _find_undecodable(
             try:
                 read_page(page, directory, kind.shape)
             except FrameError:
-                faults[k] = f"camera{camera}/{page.name}: it cannot be decoded"
+                faults[k] = f"{name_page(page, directory, camera)}: it cannot be decoded"
     return faults
 
 
@@ -178,20 +182,32 @@ def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
     )
 
 
-def _check_pairs(one: Sequence[Page], two: Sequence[Page]) -> None:
+def _check_pairs(one: Sequence[Page], two: Sequence[Page], directory: Path) -> None:
     """Refuse cameras whose frames do not pair, naming the first frame without a partner."""
     unmatched = _first_unmatched(one, two)
-    if unmatched:
-        raise FrameError(
-            "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
-            f"{len(one)}, camera2 has {len(two)}. The first unmatched one is {unmatched}. To drop "
-            "it, put an empty file of its name into the other camera's folder and use "
+    if unmatched is None:
+        return
+
+    camera, page = unmatched
+    if is_one_file(one) or is_one_file(two):
+        cure = (
+            "Export the same frames of both recordings with the camera's software, and take the "
+            "rows of frames that are left out from the encoder log."
+        )
+    else:
+        cure = (
+            "To drop it, put an empty file of its name into the other camera's folder and use "
             "--skip-bad-frames, or take it out of this one, and its row out of the encoder log."
         )
+    raise FrameError(
+        "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "
+        f"{len(one)}, camera2 has {len(two)}. The first unmatched one is "
+        f"{name_page(page, directory, camera)}. {cure}"
+    )
 
 
-def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
-    """Camera and name of the first frame without a partner, or None where all frames pair.
+def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> tuple[int, Page] | None:
+    """Camera, 1 or 2, and first frame without a partner; None where all frames pair.
 
     Frames pair by the numbers in their names where both cameras use the same numbers.
     """
@@ -203,18 +219,15 @@ def _first_unmatched(one: Sequence[Page], two: Sequence[Page]) -> str | None:
             return None  # the cameras number frames differently, or from different first numbers
 
     # the camera with more frames has the unmatched one
-    pages, own, other, name = (
-        (one, a, b, "camera1") if len(one) >= len(two) else (two, b, a, "camera2")
-    )
+    camera, pages, own, other = (1, one, a, b) if len(one) >= len(two) else (2, two, b, a)
     if not set(own) & set(other):
-        return f"{name}/{pages[len(other)].name}"
+        return camera, pages[len(other)]
     known = set(other)
     lone = (page for page, number in zip(pages, own, strict=True) if number not in known)
 
     # the same numbers in another order: one name of the camera differs in more than its number
     odd = (page for page, first, second in zip(pages, own, other, strict=False) if first != second)
-    found = next(lone, None) or next(odd, pages[-1])
-    return f"{name}/{found.name}"
+    return camera, next(lone, None) or next(odd, pages[-1])
 
 
 def _pad_truncated(cameras: Sequence[CameraFiles]) -> None:

@@ -256,7 +256,7 @@ def _times_after_first(encoder: EncoderSettings, pairs: FramePairs, log: Continu
             f"Expected the times of the frames, because {log.file} is a log in time, "
             f"{log.samples.sizes['sample']} rows for {len(pairs.pages[0])} frames; the camera "
             'files have none. Add to [encoder] of run.toml pulse = "column of the trigger", or '
-            'frame_rate = "500 Hz" and start = "0.25 s".'
+            'frame_rate = "500 Hz" and start = "0.25 s" (start = "fit" finds it).'
         )
     if not (np.isfinite(pairs.times).all() and (np.diff(pairs.times) > 0).all()):
         k = int(np.argmin(np.append(np.diff(pairs.times), np.inf) > 0))

@@ -216,6 +216,12 @@ class Survey:
     tables: tuple[TextTable, ...]
     logs: tuple[Path, ...] = ()
 
+    @property
+    def lone_darks(self) -> tuple[Path, ...]:
+        """Images named as darks that belong to no camera by their names."""
+        names = {path: _plain_name(path, self.directory) for path in self.unassigned}
+        return tuple(path for path, name in names.items() if _purpose(name) == "darks")
+
 
 def survey_directory(directory: Path) -> Survey:
     """Find the frames, darks, flats and CSV tables in a directory.

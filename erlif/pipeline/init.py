@@ -220,8 +220,22 @@ def _draft_camera(draft: _Draft, survey: Survey, number: int, camera: CameraSurv
         if images.pattern is None:
             draft.warn(table, f"no single pattern matches the {key} files; put them into one file")
     if camera.darks is None:
-        draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
-        draft.warn(table, "no dark frames were found: give offset, or photograph darks")
+        _ask_for_darks(draft, survey, table)
+
+
+def _ask_for_darks(draft: _Draft, survey: Survey, table: str) -> None:
+    """Leave a gap for the dark level, and name darks that belong to neither camera."""
+    lone = _list([os.path.relpath(path, survey.directory) for path in survey.lone_darks])
+    if lone:
+        draft.set(f"{table}.offset", GAP, f'Write dark = "..." in place of this line: {lone}.')
+        draft.warn(
+            table,
+            f"no dark frames were found by the name of the camera; there are {lone}: in "
+            f'[{table}], write dark = "..." in place of offset',
+        )
+        return
+    draft.set(f"{table}.offset", GAP, 'No dark frames were found; dark = "file.tif" is better.')
+    draft.warn(table, "no dark frames were found: give offset, or photograph darks")
 
 
 def _draft_share(draft: _Draft, table: str, number: int, camera: CameraSurvey) -> None:
@@ -380,13 +394,14 @@ def _draft_log(draft: _Draft, survey: Survey) -> None:
 def _draft_foreign_log(draft: _Draft, survey: Survey) -> None:
     """A log whose header is not that of erlif: the columns that its names suggest."""
     frames = survey.cameras[0].frames.pages
-    found = propose_log(survey.logs, frames)
+    found = propose_log(survey.logs, frames, unnamed=True)
     if found is None:
         draft.set("encoder.file", GAP)
         _report_missing_table(draft, survey, "encoder log", "frame, angle_deg")
         return
 
     _draft_proposal(draft, survey, found)
+    _ask_for_columns(draft, found)
     if "load" not in found.columns:
         draft.set("joint.load", GAP, "The encoder log has no column of the load.")
 
@@ -426,6 +441,22 @@ def _draft_proposal(draft: _Draft, survey: Survey, found: LogProposal) -> None:
             f"{rows} rows for {frames} frames, a log in time: give the times of the frames as "
             'pulse, or as frame_rate and start ("fit" finds it) in [encoder]',
         )
+
+
+def _ask_for_columns(draft: _Draft, found: LogProposal) -> None:
+    """Leave gaps for columns that are needed and that no name of the log shows."""
+    needed = ["angle", "time"] if found.in_time else ["angle"]
+    missing = [quantity for quantity in needed if quantity not in found.known]
+    if not missing:
+        return
+    names = ", ".join(repr(name) for name in found.table.names if name)
+    for quantity in missing:
+        draft.set(f"encoder.{quantity}", GAP, f"One of the columns {names}.")
+    draft.warn(
+        "encoder log",
+        f"no column of {found.path.name} is known by its name as {' or '.join(missing)}: choose "
+        f"from {names}",
+    )
 
 
 def _draft_cycle(draft: _Draft, cycle: Cycle, time: Array | None) -> None:

@@ -21,6 +21,14 @@ def test_ratios_are_compared_with_the_calibrated_range(calibration, shift, level
     assert ("Calibrate again" in note.text) == (level == "warning")
 
 
+def test_shares_beyond_the_range_are_those_that_a_map_flags(calibration):
+    low, high = calibration.predict_log(calibration.thickness_range)
+    beyond = high + 0.01 * (high - low)
+    ratios = np.append(np.linspace(low, high, 800)[1:-1], np.full(200, beyond))
+    (note,) = note_range(calibration, ratios)
+    assert "0% lie below and 20% above" in note.text
+
+
 def test_a_run_without_ratios_is_a_warning(calibration):
     (note,) = note_range(calibration, np.array([]))
     assert note.level == "warning"

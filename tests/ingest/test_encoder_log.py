@@ -157,7 +157,8 @@ def test_frames_must_be_whole_distinct_and_consecutive(refusal, numbers, message
 def test_a_missing_column_is_named_with_the_known_ones(refusal, missing):
     header = HEADER.replace(missing, "other")
     message = refusal(header + "0,1,200\n")
-    assert f"Expected a column {missing} in encoder.csv; its header is {header.strip()}." in message
+    columns = ", ".join(header.strip().split(","))
+    assert f"Expected a column {missing} in encoder.csv; its header is {columns}." in message
     assert "frame, angle_deg, time_s, load_N, temperature_C" in message
     assert "Separate the columns" not in message
 
@@ -264,7 +265,8 @@ def test_a_count_of_the_frames_in_a_log_in_time_is_its_pulse(write_log):
 
 
 def test_a_log_in_time_needs_time_and_angle(write_log):
-    with pytest.raises(EncoderError, match="Expected a column frame"):
+    text = "2 rows for 5 frames, and no column is known as frame or time. .* the header is F, angle"
+    with pytest.raises(EncoderError, match=text):
         read_log(write_log("F,angle_deg\n1,2\n3,4\n"), ColumnChoice(), frames=5)
     with pytest.raises(EncoderError, match="Expected a column angle_deg"):
         read_log(write_log("F,time_s\n1,2\n3,4\n"), ColumnChoice(), frames=5)

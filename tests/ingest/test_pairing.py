@@ -248,7 +248,7 @@ def test_a_truncated_multi_page_file_loses_its_last_pairs_only(tmp_path, save_pa
         fourth = file.pages[3].aspage().dataoffsets[0]
     path.write_bytes(path.read_bytes()[: fourth + 100])
     patterns = ("all1.tif", "all2.tif")
-    assert f"camera{camera}/all{camera}.tif[3]: the file is truncated" in refusal(
+    assert f"all{camera}.tif[3] of camera {camera}: the file is truncated" in refusal(
         tmp_path, patterns=patterns
     )
     pairs = pair(tmp_path, patterns=patterns, skip_bad_frames=True)
@@ -350,7 +350,7 @@ def test_alternating_pages_without_a_partner_are_refused(tmp_path):
         patterns=("both.tif", "both.tif"),
         selections=(Selection("odd"), Selection("even")),
     )
-    assert "camera1 has 3, camera2 has 2. The first unmatched one is camera1/both.tif" in message
+    assert "camera1 has 3, camera2 has 2. The first unmatched one is both.tif" in message
 
 
 def test_lost_pages_of_one_camera_are_left_out_with_their_partners(tmp_path, save_pages):
@@ -391,3 +391,11 @@ def test_bits_of_the_headers_come_with_the_pairs(tmp_path):
     assert pairs.stated_bits == (10, 16)
     (note,) = format_notes(pairs)
     assert "the headers of the files state 10 bits" in note.text
+
+
+def test_frames_of_recordings_in_one_file_each_are_not_dropped_by_empty_files(tmp_path, save_pages):
+    save_pages(tmp_path / "all1.tif", [GREY] * 6)
+    save_pages(tmp_path / "all2.tif", [GREY] * 5)
+    message = refusal(tmp_path, patterns=("all1.tif", "all2.tif"))
+    assert "The first unmatched one is all1.tif[5] of camera 1. Export the same frames" in message
+    assert "empty file" not in message

@@ -361,6 +361,24 @@ def test_columns_of_a_log_of_another_form_are_proposed(folder):
     assert "columns separated by semicolons; decimal commas" in (folder / "run.toml").read_text()
 
 
+def test_columns_with_names_of_another_language_are_gaps_that_list_them(folder):
+    rows = "".join(f"{k / 10};{k % 7};5\n".replace(".", ",") for k in range(40))
+    path = folder / "messung7.csv"
+    path.write_text(f"Messung 7;;\nZeit;Drehgeber;Kraft\n{rows}", encoding="utf-16")
+    text = warnings(erlif.init(folder))
+    assert "messung7.csv is known by its name as angle or time: choose from 'Zeit', " in text
+    table = read(folder)["encoder"]
+    assert (table["file"], table["angle"], table["time"]) == ("messung7.csv", "??", "??")
+    assert "One of the columns 'Zeit', 'Drehgeber', 'Kraft'." in (folder / "run.toml").read_text()
+
+
+def test_darks_that_belong_to_no_camera_are_named_where_they_are_missed(folder):
+    (folder / "darks").mkdir()
+    photograph(folder, "darks/A.tif", "darks/B.tif", highest=100)
+    text = warnings(erlif.init(folder))
+    assert "there are darks/A.tif, darks/B.tif: in [camera1], write dark =" in text
+
+
 def test_a_log_in_time_needs_the_times_of_the_frames(folder):
     rows = "".join(f"{k / 10},{k % 7}\n" for k in range(40))
     (folder / "rig.txt").write_text(f"t [s],angle\n{rows}")

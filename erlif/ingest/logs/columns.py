@@ -425,7 +425,7 @@ def missing_column(quantity: str, table: LogTable, wanted: Collection[str] = CON
     documented = next((name for name, (what, _) in CONTRACT.items() if what == quantity), quantity)
     comma = "" if len(table.names) > 1 else " Separate the columns with commas, semicolons or tabs."
     raise EncoderError(
-        f"Expected a column {documented} in {table.file}; its header is {','.join(table.names)}."
+        f"Expected a column {documented} in {table.file}; its header is {', '.join(table.names)}."
         f"{comma} Choose the column in [encoder] of run.toml, "
         f'{quantity} = "name in the header"; columns erlif knows: {", ".join(wanted)}.'
     )

@@ -18,13 +18,16 @@ from erlif.ingest.logs.columns import (
     convert_column,
     find_columns,
 )
-from erlif.ingest.logs.table import LogTable
+from erlif.ingest.logs.table import LogColumn, LogTable
 from erlif.ingest.logs.text import read_text_table
 
 LOG_SUFFIXES = frozenset(
     {".csv", ".txt", ".tsv", ".dat", ".asc", ".tdms", ".mat", ".h5", ".hdf5", ".hdf"}
 )
 """Endings of the files that loggers write."""
+
+_PROFILE = {"x_mm", "thickness_um"}
+"""Columns of the profile of a fixture, which is no log."""
 
 _TRIGGER = re.compile(r"trigger|pulse|ttl|camera|strobe|q-?switch", re.IGNORECASE)
 
@@ -47,6 +50,8 @@ class LogProposal:
         Column that rises at the frames of a log in time.
     values : xr.Dataset
         time and angle, as far as their units are known, on dim row.
+    known : tuple[str, ...]
+        Quantities whose column is recognised.
     """
 
     path: Path
@@ -56,9 +61,10 @@ class LogProposal:
     in_time: bool
     pulse: str | None
     values: xr.Dataset
+    known: tuple[str, ...]
 
 
-def propose_log(paths: Iterable[Path], frames: int) -> LogProposal | None:
+def propose_log(paths: Iterable[Path], frames: int, *, unnamed: bool = False) -> LogProposal | None:
     """Find the log of an encoder among files, by the names of its columns.
 
     Parameters
@@ -66,11 +72,14 @@ def propose_log(paths: Iterable[Path], frames: int) -> LogProposal | None:
     paths : iterable of Path
     frames : int
         Number of frame pairs.
+    unnamed : bool
+        Whether a table with columns of unknown names is a log too.
 
     Returns
     -------
     LogProposal or None
-        The first file with an angle and with one row for each frame or a column of times.
+        The first file with an angle and with one row for each frame or a column of times; with
+        `unnamed`, else the first table of at least one row for each frame.
 
     Examples
     --------
@@ -80,6 +89,7 @@ def propose_log(paths: Iterable[Path], frames: int) -> LogProposal | None:
     >>> propose_log([path], 2).columns
     {'angle': 'Encoder [deg]', 'load': 'Force [N]'}
     """
+    other: LogProposal | None = None
     for path in paths:
         try:
             binary = is_binary_log(path)
@@ -88,26 +98,37 @@ def propose_log(paths: Iterable[Path], frames: int) -> LogProposal | None:
         except EncoderError:
             continue  # a picture, a report, or columns that may mean two things
         by_frame = "frame" in found or len(table.rows) == frames
-        if "angle" not in found or not (by_frame or "time" in found):
-            continue
+        if "angle" in found and (by_frame or "time" in found):
+            return _describe(path, table, found, by_frame=by_frame)
 
-        values, without_unit = xr.Dataset(), []
-        for quantity, column in found.items():
-            try:
-                numbers, _ = convert_column(column, quantity, table, ColumnChoice())
-            except EncoderError:
-                without_unit.append(quantity)
-                continue
-            if quantity in ("angle", "time"):
-                values[quantity] = ("row", numbers)
-        columns = {
-            quantity: column.name
-            for quantity, column in found.items()
-            if column.name not in CONTRACT
-        }
-        pulse = None if by_frame else _find_pulse(table)
-        return LogProposal(path, table, columns, tuple(without_unit), not by_frame, pulse, values)
-    return None
+        # a log in another language; the profile of a fixture is known by its columns
+        long = len(table.rows) >= frames and not _PROFILE & set(table.names)
+        if unnamed and other is None and long:
+            other = _describe(path, table, found, by_frame=by_frame)
+    return other
+
+
+def _describe(
+    path: Path, table: LogTable, found: dict[str, LogColumn], *, by_frame: bool
+) -> LogProposal:
+    """What the recognised columns of a log hold."""
+    values, without_unit = xr.Dataset(), []
+    for quantity, column in found.items():
+        try:
+            numbers, _ = convert_column(column, quantity, table, ColumnChoice())
+        except EncoderError:
+            without_unit.append(quantity)
+            continue
+        if quantity in ("angle", "time"):
+            values[quantity] = ("row", numbers)
+
+    foreign = {
+        quantity: column.name for quantity, column in found.items() if column.name not in CONTRACT
+    }
+    pulse = None if by_frame else _find_pulse(table)
+    return LogProposal(
+        path, table, foreign, tuple(without_unit), not by_frame, pulse, values, tuple(found)
+    )
 
 
 def _find_pulse(table: LogTable) -> str | None:

@@ -194,8 +194,7 @@ def _check_inside(log: ContinuousLog, times: Array) -> None:
         raise EncoderError(
             f"Expected all frames within the log {log.file}, {first:.6g} to {last:.6g} s; frame "
             f"{k} is at {times[k]:.6g} s, the last one at {times[-1]:.6g} s ({outside.size} "
-            "outside). Correct start, frame_rate or clock_offset in [encoder], or take these "
-            "frames out."
+            "outside). Correct start or frame_rate in [encoder], or take these frames out."
         )
 
     time = log.samples["time"].values
