@@ -151,7 +151,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     ------
     ConfigError
         If neither log nor settings give the load, Vogel's law has no temperature, or the region of
-        interest lies outside the image.
+        interest or the load line lies outside the image.
     """
     columns = _columns_by_frame(run, cycle)
     usable = group_frames(cycle, run.pairs)
@@ -184,6 +184,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     # what would fail at the end fails here
     predict_theory(run.settings, film)
     choose_region(run.settings, run.pairs.shape)
+    choose_view(run.settings, run.pairs.shape)
     return film
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
 from erlif.pipeline.results import TriggerResult
 from erlif.settings import RunSettings
 from erlif.trend import PARAMETERS, PinPosition, PinView
@@ -30,6 +31,11 @@ def choose_view(settings: RunSettings, shape: tuple[int, int]) -> PinView | None
     -------
     PinView or None
         None without [joint], and where the image is wider than half a turn of the pin.
+
+    Raises
+    ------
+    ConfigError
+        If the load line of the settings is more than a quarter of a turn from the image.
     """
     joint = settings.joint
     if joint is None:
@@ -38,15 +44,27 @@ def choose_view(settings: RunSettings, shape: tuple[int, int]) -> PinView | None
     rows, columns = shape
     sliding, axial = (columns, rows) if along_x else (rows, columns)
     pitch = settings.optics.pixel_pitch * 1e3
+    given = settings.prediction.load_line
     view = PinView(
         joint.pin_radius,
         joint.bushing_radius,
         pitch,
-        load_line=0.5 * (sliding - 1) * pitch,
+        load_line=0.5 * (sliding - 1) * pitch if given is None else given * 1e3,
         axial_origin=0.5 * (axial - 1) * pitch,
         sliding_along_x=along_x,
     )
-    return view if view.sees(0.0, (sliding - 1) * pitch) else None
+    last = (sliding - 1) * pitch
+    if view.sees(0.0, last):
+        return view
+    if given is None:
+        return None
+    quarter = 0.5 * np.pi * view.radius
+    raise ConfigError(
+        "Expected a load line no more than a quarter of a turn of the pin from any pixel, "
+        f"{last - quarter:.1f} to {quarter:.1f} mm; [prediction] load_line is "
+        f"{view.load_line:.1f} mm. Correct load_line, pixel_pitch in [optics], or the radii in "
+        "[joint]."
+    )
 
 
 def describe_positions(

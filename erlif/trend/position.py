@@ -256,8 +256,8 @@ def find_pin_in_blocks(
         raise ConfigError(
             f"Expected a load line within {0.5 * np.pi * view.radius:.0f} mm of all of the region, "
             f"a quarter of a turn; it is at {view.load_line:.2f} mm, the region lies at "
-            f"{centre - half:.2f} to {centre + half:.2f} mm. Correct load_line or pixel_pitch in "
-            "[optics], or the radii in [joint]."
+            f"{centre - half:.2f} to {centre + half:.2f} mm. Correct load_line in [prediction], "
+            "pixel_pitch in [optics] or the radii in [joint]."
         )
     x = offset + half * blocks.along
     x_squared = offset**2 + 2 * offset * half * blocks.along + half**2 * blocks.along_squared

@@ -9,6 +9,7 @@ import xarray as xr
 from scenes.results import make_position, make_result
 
 import erlif
+from erlif.core.errors import ConfigError
 from erlif.ingest import open_run
 from erlif.pipeline.position import choose_view, describe_positions
 
@@ -87,6 +88,24 @@ def test_no_position_without_a_joint_or_of_a_pin_smaller_than_the_image(small_ri
     assert choose_view(settings.model_copy(update={"joint": None}), SHAPE) is None
     small = settings.joint.model_copy(update={"pin_radius": 5.9e-3, "bushing_radius": 6e-3})
     assert choose_view(settings.model_copy(update={"joint": small}), SHAPE) is None
+
+
+def with_load_line(settings, text):
+    changed = settings.model_dump(mode="json", exclude_none=True)
+    changed["prediction"]["load_line"] = text
+    return type(settings).model_validate(changed)
+
+
+def test_load_line_is_that_of_the_settings(small_rig):
+    settings = open_run(small_rig.run).settings
+    npt.assert_allclose(choose_view(with_load_line(settings, "8.1 mm"), SHAPE).load_line, 8.1)
+
+
+def test_load_line_on_the_other_side_of_the_joint_is_refused(small_rig):
+    """A quarter of a turn of 33.5 mm is 52.6 mm."""
+    settings = open_run(small_rig.run).settings
+    with pytest.raises(ConfigError, match=r"-33\.5 to 52\.6 mm; \[prediction\] load_line is 60"):
+        choose_view(with_load_line(settings, "6 cm"), SHAPE)
 
 
 def test_results_without_a_position_leave_the_variables_out(small_rig, calibration):
