@@ -20,7 +20,7 @@ from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
-from erlif.pipeline.position import choose_view, describe_positions
+from erlif.pipeline.position import choose_view, describe_positions, note_form
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
@@ -232,7 +232,8 @@ def describe_film(
 
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
     own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film)]
-    own += _censoring_notes(results)
+    load = float(np.median(film["load"])) if "load" in film else float("nan")
+    own += [*_censoring_notes(results), *note_form(results, calibration, view, settings, load)]
     from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",

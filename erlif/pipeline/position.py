@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -10,9 +13,20 @@ import numpy as np
 from erlif.calibration import Calibration
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
+from erlif.core.notes import Level, Note
+from erlif.core.units import Quantity
+from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.pipeline.results import TriggerResult
-from erlif.settings import RunSettings
-from erlif.trend import PARAMETERS, PinPosition, PinView
+from erlif.settings import JointSettings, RunSettings
+from erlif.trend import (
+    PARAMETERS,
+    SIGNIFICANT,
+    Cause,
+    GapForm,
+    PinPosition,
+    PinView,
+    judge_form,
+)
 
 AXES = ("load", "side")
 """Directions of displacement and tilt: towards the load, and sideways along sliding."""
@@ -179,3 +193,121 @@ def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -
             attrs | {"long_name": "its standard deviation, random and shared"},
         ),
     }
+
+
+def note_form(
+    results: Sequence[TriggerResult],
+    calibration: Calibration,
+    view: PinView | None,
+    settings: RunSettings,
+    load: float,
+) -> list[Note]:
+    """Notes on the form of the gap against that of rigid circles, and on its flattening.
+
+    Parameters
+    ----------
+    results : sequence of TriggerResult
+    calibration : Calibration
+    view : PinView or None
+    settings : RunSettings
+    load : float
+        On the joint; NaN where it is not known. [N]
+
+    Returns
+    -------
+    list of Note
+        Empty where the form is that of the joint and rigid.
+    """
+    positions = [result.position for result in results if result.position is not None]
+    if view is None or settings.joint is None:
+        return []
+    depth = _flattening(settings.joint, load)
+    form = judge_form(
+        positions,
+        view,
+        calibration_cov=calibration.full_covariance,
+        clearance_std=_clearance_std(settings.joint),
+        flattening=depth,
+    )
+    if form is None:
+        return []
+    notes = []
+    if form.cause is not Cause.NONE:
+        notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, settings.joint)))
+
+    std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in positions]
+    least = float(np.nanmedian(std))
+    if depth > least:
+        text = (
+            f"the load flattens pin and bushing by up to {depth:.2g} um (Hertz, b^2/2R), more than "
+            f"the standard deviation of the displacement towards the load, {least:.2g} um: it is "
+            "that of the surfaces in the image, not of the axes. Film thickness and tilts are not "
+            "affected"
+        )
+        notes.append(Note(Level.NOTE, "pin", text))
+    return notes
+
+
+def _describe_cause(form: GapForm, view: PinView, joint: JointSettings) -> str:
+    """A deviation of the form in words, with its likely cause."""
+    low, high = form.films
+    if form.cause is Cause.BENDING:
+        return (
+            f"the gap is curved along the axis, {1e3 * form.bend:.2f} ± {1e3 * form.bend_std:.2f} "
+            "nm/mm2, where a straight pin has none. Likely: a bent pin or an uneven bore. Position "
+            "and tilts are those of the nearest straight pin"
+        )
+    found = (
+        f"the curvature along sliding deviates by {100 * form.excess:+.1f} ± "
+        f"{100 * form.excess_std:.1f} % from that of the radii in [joint], over films of "
+        f"{low:.1f} to {high:.1f} um. Likely: "
+    )
+    if form.cause is Cause.FLATTENING:
+        return found + "elastic flattening of the surfaces, which is of this size in a thin film"
+    change, change_std = 100 * form.excess_change, 100 * form.excess_change_std
+    if abs(change) > SIGNIFICANT * change_std and form.cause is Cause.CALIBRATION:
+        return (
+            found
+            + f"the calibration, because the deviation changes with the film, by {change:+.1f} "
+            f"± {change_std:.1f} %. Photograph the fixture again, and the dry joint"
+        )
+    clearance = view.clearance * (1 + form.excess)
+    stated = f"stated to ± {_clearance_std(joint):.2g} um by the digits of the radii"
+    radii = f"a clearance of {clearance:.1f} um in place of {view.clearance:.1f} um, {stated}"
+    scale = f"films that the calibration makes {100 * abs(form.excess):.1f} % too " + (
+        "thick" if form.excess > 0 else "thin"
+    )
+    first, second = (radii, scale) if form.cause is Cause.RADII else (scale, radii)
+    return f"{found}{first}; or {second}. Maps alone do not separate the two"
+
+
+def _flattening(joint: JointSettings, load: float) -> float:
+    """Depth b^2/2R to which the load flattens pin and bushing; 0 without a load. [um]"""
+    if not (np.isfinite(load) and load > 0):
+        return 0.0
+    radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
+    modulus = contact_modulus(
+        joint.pin.youngs_modulus,
+        poisson_1=joint.pin.poissons_ratio,
+        youngs_2=joint.bushing.youngs_modulus,
+        poisson_2=joint.bushing.poissons_ratio,
+    )
+    contact = hertz_line(load / joint.length, radius=radius, contact_modulus=modulus)
+    return float(1e6 * contact.half_width**2 / (2 * radius))
+
+
+def _clearance_std(joint: JointSettings) -> float:
+    """Standard deviation of the clearance by the last digits of both radii. [um]"""
+    return math.hypot(_rounding(joint.pin_radius), _rounding(joint.bushing_radius))
+
+
+def _rounding(length: float) -> float:
+    """Standard deviation of a length by its last stated digit, uniform over it. [um]"""
+    if not isinstance(length, Quantity):
+        return 0.0
+    found = re.match(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?", length.text)
+    if found is None:  # the settings refuse a length without a number
+        return 0.0
+    number = Decimal(found[0])
+    last = 10.0 ** int(number.as_tuple().exponent)
+    return 1e6 * last * float(length) / float(number) / math.sqrt(12)

@@ -5,6 +5,7 @@ from erlif.trend.bleaching import Trend, fit_trend
 from erlif.trend.blocks import BLOCK, BlockSums, sum_blocks
 from erlif.trend.curve import FilmCurve
 from erlif.trend.exponent import SLOWEST, Exponent, fit_exponent
+from erlif.trend.form import SCALE_STD, SIGNIFICANT, Cause, GapForm, judge_form
 from erlif.trend.gap import GapMinimum, fit_gap_minimum
 from erlif.trend.position import (
     PARAMETERS,
@@ -27,12 +28,16 @@ from erlif.trend.theory import (
 __all__ = [
     "BLOCK",
     "PARAMETERS",
+    "SCALE_STD",
+    "SIGNIFICANT",
     "SLOWEST",
     "BackgroundEstimate",
     "BlockSums",
+    "Cause",
     "Exponent",
     "FilmCurve",
     "FilmStatistics",
+    "GapForm",
     "GapMinimum",
     "Joint",
     "LightRecord",
@@ -52,6 +57,7 @@ __all__ = [
     "fit_exponent",
     "fit_gap_minimum",
     "fit_trend",
+    "judge_form",
     "predict_film",
     "rigid_gap",
     "sum_blocks",

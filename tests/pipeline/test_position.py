@@ -10,8 +10,9 @@ from scenes.results import make_position, make_result
 
 import erlif
 from erlif.core.errors import ConfigError
+from erlif.core.notes import Level
 from erlif.ingest import open_run
-from erlif.pipeline.position import choose_view, describe_positions
+from erlif.pipeline.position import choose_view, describe_positions, note_form
 
 SHAPE = (96, 128)
 
@@ -130,3 +131,71 @@ def test_variables_are_those_of_the_results(small_rig, calibration):
     npt.assert_allclose(film.film_curvature, expected + 0.01)
     npt.assert_allclose(film.film_curvature_axial, 0.02)
     npt.assert_allclose(film.film_curvature_std, 0.001)
+
+
+def notes_of(small_rig, calibration, positions, *, load=np.nan, radii=("33.36 mm", "33.59 mm")):
+    settings = open_run(small_rig.run).settings
+    changed = settings.model_dump(mode="json", exclude_none=True)
+    changed["joint"]["pin_radius"], changed["joint"]["bushing_radius"] = radii
+    settings = type(settings).model_validate(changed)
+    results = [replace(make_result(k), position=one) for k, one in enumerate(positions)]
+    view = choose_view(settings, SHAPE)
+    return note_form(results, calibration, view, settings, load)
+
+
+def forms(along, axial=0.0):
+    """Two triggers with these curvatures beyond circles. [um/mm2]"""
+    return [make_position((along, axial), film=film) for film in (2.0, 5.0)]
+
+
+def test_curvature_of_other_radii_is_reported_with_the_clearance_that_explains_it(
+    small_rig, calibration
+):
+    """10 % less of 0.2053 um/mm2; radii to 0.01 mm give a clearance to 4.1 um."""
+    (note,) = notes_of(small_rig, calibration, forms(-0.02053))
+    assert note.level is Level.WARNING
+    assert "deviates by -10.0 ± 1." in note.text
+    assert "Likely: a clearance of 207.0 um in place of 230.0 um, stated to ± 4.1 um" in note.text
+
+
+def test_curvature_is_assigned_to_the_film_scale_where_the_radii_are_stated_well(
+    small_rig, calibration
+):
+    exact = ("33.3600 mm", "33.5900 mm")
+    (note,) = notes_of(small_rig, calibration, forms(0.02053), radii=exact)
+    assert "Likely: films that the calibration makes 10.0 % too thick; or a clearance" in note.text
+
+
+def test_curvature_that_changes_with_the_film_is_assigned_to_the_calibration(
+    small_rig, calibration
+):
+    positions = [make_position((0.01, 0.0), film=2.0), make_position((0.03, 0.0), film=5.0)]
+    (note,) = notes_of(small_rig, calibration, positions)
+    assert "Likely: the calibration, because the deviation changes with the film" in note.text
+
+
+def test_bent_pin_is_reported(small_rig, calibration):
+    (note,) = notes_of(small_rig, calibration, forms(0.0, 0.01))
+    assert "curved along the axis, 10.00 ± 0.71 nm/mm2" in note.text
+
+
+def test_flattening_beyond_the_error_of_the_position_is_noted(small_rig, calibration):
+    """50 lbf on 237 mm of acrylic: b^2/2R = 2 q/(pi E*) = 0.38 um, E* = 1.564 GPa."""
+    (note,) = notes_of(small_rig, calibration, forms(0.0), load=222.4)
+    assert note.level is Level.NOTE
+    assert "flattens pin and bushing by up to 0.38 um" in note.text
+    assert notes_of(small_rig, calibration, forms(0.0), load=0.0) == []
+
+
+def test_flattening_explains_the_curvature_of_a_thin_film(small_rig, calibration):
+    share = -1.5 * 0.382 / np.array([2.0, 5.0])
+    positions = [
+        make_position((part * 0.20525, 0.0), film=film)
+        for part, film in zip(share, (2.0, 5.0), strict=True)
+    ]
+    notes = notes_of(small_rig, calibration, positions, load=222.4)
+    assert "Likely: elastic flattening" in notes[0].text
+
+
+def test_joint_without_a_position_has_no_notes(small_rig, calibration):
+    assert notes_of(small_rig, calibration, []) == []

@@ -1,0 +1,184 @@
+"""Whether the form of the gap is that of the joint, over all triggers of a run.
+
+The gap of rigid circles has the curvature of their radii along sliding and none along the axis. A
+deviation has one of few causes. Wrong radii change the curvature by the same share at any film. So
+does a wrong scale of the calibration, by which curvature and film grow together; any other error of
+the calibration changes with the film. A bent pin has a curvature along the axis. The pressure of a
+thin film flattens the surfaces.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.trend.position import PinPosition, PinView
+
+SCALE_STD = 0.01
+"""Accuracy of the film scale of the method, Hidrovo and Hart (2001). [1]"""
+
+SIGNIFICANT = 3.0
+"""Deviation from which a cause is named. [std]"""
+
+_DISTINCT = 0.3
+"""Change of the excess over the films, relative to it, from which it depends on the film."""
+
+
+class Cause(StrEnum):
+    """Likely cause of a deviation of the form."""
+
+    NONE = "none"
+    RADII = "radii"
+    CALIBRATION = "calibration"
+    BENDING = "bending"
+    FLATTENING = "flattening"
+
+
+@dataclass(frozen=True)
+class GapForm:
+    """Form of the gap against that of rigid circles.
+
+    Attributes
+    ----------
+    excess : float
+        Curvature along sliding beyond that of the circles, relative to that of touching ones. [1]
+    excess_std : float
+        Its standard deviation: noise, surfaces, calibration, and the film scale of the method. [1]
+    excess_change : float
+        Change of the excess from the thinnest to the thickest film; NaN with one film. [1]
+    excess_change_std : float
+        Its standard deviation. [1]
+    bend : float
+        Curvature along the axis. [um/mm2]
+    bend_std : float
+        Its standard deviation. [um/mm2]
+    films : tuple[float, float]
+        Thinnest and thickest film at the load line. [um]
+    cause : Cause
+        What is likely behind a significant deviation.
+    """
+
+    excess: float
+    excess_std: float
+    excess_change: float
+    excess_change_std: float
+    bend: float
+    bend_std: float
+    films: tuple[float, float]
+    cause: Cause
+
+
+def judge_form(
+    positions: Sequence[PinPosition],
+    view: PinView,
+    *,
+    calibration_cov: Array,
+    clearance_std: float = 0.0,
+    flattening: float = 0.0,
+) -> GapForm | None:
+    """Compare the form of the gap at all triggers with that of rigid circles.
+
+    Parameters
+    ----------
+    positions : sequence of PinPosition
+        Of the triggers.
+    view : PinView
+    calibration_cov : array
+        `Calibration.full_covariance`.
+    clearance_std : float
+        How well the radii give the clearance. Against it and the accuracy of the film scale, radii
+        and scale are weighed. [um]
+    flattening : float
+        Depth 2 q / (pi E*) of a Hertzian contact under the load; 0 for rigid bodies. [um]
+
+    Returns
+    -------
+    GapForm or None
+        None where no trigger has a position.
+
+    Examples
+    --------
+    A curvature that is 5 % too large at 2 and at 6 um; the clearance is known to 10 um:
+
+    >>> from erlif.trend import PinPosition, PinView
+    >>> view = PinView(33.36e-3, 33.59e-3, 0.06, load_line=9.6, axial_origin=7.7)
+    >>> form, small = np.array([0.05 * view.curvature, 0.0]), 1e-6 * np.eye(2)
+    >>> found = [
+    ...     PinPosition(
+    ...         value=np.array([view.clearance - film, 0.0, 0.0, 0.0]),
+    ...         random_cov=np.eye(4), surface_cov=np.eye(4), gradient=np.zeros((4, 3)),
+    ...         form=form, form_random_cov=small, form_surface_cov=small,
+    ...         form_gradient=np.zeros((2, 3)),
+    ...     )
+    ...     for film in (2.0, 6.0)
+    ... ]
+    >>> str(judge_form(found, view, calibration_cov=np.eye(3), clearance_std=10.0).cause)
+    'radii'
+    """
+    found = [one for one in positions if np.isfinite(one.form).all()]
+    if not found:
+        return None
+    film = view.clearance - np.array([one.value[0] for one in found])
+    excess, bend = np.array([one.form for one in found]).T
+    cov = [_covariance(found, number, calibration_cov) for number in (0, 1)]
+
+    # weights by the variance of each trigger; what is common to all enters the variances alone
+    rate = 1 / view.curvature
+    mean, mean_std = _combine(rate * excess, rate**2 * cov[0], np.ones((1, film.size)))
+    bent, bent_std = _combine(bend, cov[1], np.ones((1, film.size)))
+    change, change_std = math.nan, math.nan
+    if np.ptp(film) > 0:
+        line = np.stack([np.ones_like(film), (film - film.min()) / np.ptp(film)])
+        change, change_std = _combine(rate * excess, rate**2 * cov[0], line)
+    excess_std = math.hypot(mean_std, SCALE_STD)
+
+    # the pressure of a squeezed film, (1 + x^2/2Rh)^-2, flattens the middle by 3/4 b^2/(R h)
+    flat = -1.5 * flattening / np.maximum(film, flattening)
+    rest, _ = _combine(rate * excess - flat, rate**2 * cov[0], np.ones((1, film.size)))
+    if abs(bent) > SIGNIFICANT * bent_std:
+        cause = Cause.BENDING
+    elif abs(mean) <= SIGNIFICANT * excess_std:
+        cause = Cause.NONE
+    elif flattening > 0 and abs(rest) <= SIGNIFICANT * excess_std:
+        cause = Cause.FLATTENING
+    elif abs(change) > max(SIGNIFICANT * change_std, _DISTINCT * abs(mean)):
+        cause = Cause.CALIBRATION
+    else:
+        known = clearance_std / view.clearance
+        cause = Cause.RADII if known > SCALE_STD else Cause.CALIBRATION
+    return GapForm(
+        excess=mean,
+        excess_std=excess_std,
+        excess_change=change,
+        excess_change_std=change_std,
+        bend=bent,
+        bend_std=bent_std,
+        films=(float(film.min()), float(film.max())),
+        cause=cause,
+    )
+
+
+def _covariance(found: Sequence[PinPosition], number: int, calibration_cov: Array) -> Array:
+    """Covariance of one number of the form over the triggers. [um2/mm4]
+
+    Noise is new at every trigger, marks of the surfaces and the calibration are common to all.
+    """
+    random = np.array([one.form_random_cov[number, number] for one in found])
+    surface = np.sqrt([one.form_surface_cov[number, number] for one in found])
+    gradient = np.array([one.form_gradient[number] for one in found])
+    common = np.outer(surface, surface) + gradient @ calibration_cov @ gradient.T
+    return np.asarray(np.diag(random) + common)
+
+
+def _combine(values: Array, covariance: Array, design: Array) -> tuple[float, float]:
+    """Last coefficient of a weighted fit and its standard deviation by the whole covariance."""
+    scale = np.diag(covariance)
+    weighted = design / np.maximum(scale, np.finfo(float).tiny)
+    solve = np.linalg.solve(weighted @ design.T, weighted)
+    variance = float(solve[-1] @ covariance @ solve[-1])
+    return float(solve[-1] @ values), math.sqrt(max(variance, 0.0))
