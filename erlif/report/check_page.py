@@ -22,6 +22,7 @@ from erlif.plots.audit import (
 )
 from erlif.report.captions import Caption
 from erlif.report.layout import compose_page, embed_figure
+from erlif.report.tables import make_table
 
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
 
@@ -111,31 +112,21 @@ def _is_pair(note: Note) -> bool:
 
 def _pair_table(audit: Audit) -> str:
     """The first, the last and all odd pairs."""
-    head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
-    numeric = (True, False, False, True, True, True)
     rows = [
-        (
+        [
             str(row.pair),
-            row.camera1,
-            row.camera2,
+            escape(row.camera1),
+            escape(row.camera2),
             "" if row.row is None else str(row.row),
             "" if row.angle is None else f"{row.angle:.2f}",
             "" if row.time is None else f"{row.time:.6g}",
-        )
+        ]
         for row in audit.pairs
     ]
-
-    def cells(values: tuple[str, ...], tag: str) -> str:
-        return "".join(
-            f"<{tag}{' class=n' * right}>{escape(value)}</{tag}>"
-            for value, right in zip(values, numeric, strict=True)
-        )
-
-    body = "".join(f"<tr>{cells(row, 'td')}</tr>" for row in rows)
-    return (
-        '<div class="wide"><table><caption>First, last and odd pairs</caption>'
-        f"<thead><tr>{cells(head, 'th')}</tr></thead><tbody>{body}</tbody></table></div>"
-    )
+    head = ("pair", "camera 1", "camera 2", "log frame", "angle [deg]", "time [s]")
+    caption = "First, last and odd pairs"
+    table = make_table(rows, head=head, caption=caption, numbers=(0, 3, 4, 5))
+    return f'<div class="wide">{table}</div>'
 
 
 def _figures(audit: Audit) -> Iterator[tuple[str, Figure, Caption]]:
@@ -168,7 +159,7 @@ def _figures(audit: Audit) -> Iterator[tuple[str, Figure, Caption]]:
             histogram_figure(audit.survey),
             Caption(
                 "Counts",
-                "Pixels by count in the frames that were read. Dotted: full scale of camera 1.",
+                "Pixels by count in the frames that were read. Dotted: full scale.",
             ),
         )
         yield (
