@@ -152,7 +152,7 @@ def _find_light_in_dark(
     dark = mean_of_blocks(darks.mean)
     light = view.blocks - dark
     typical = float(np.median(light))
-    if typical <= 0:
+    if typical <= 0 or np.ptp(light) == 0:  # even light has no shape to compare
         return
 
     # light in the dark has the shape of the light in the frames

@@ -118,6 +118,21 @@ def test_light_in_the_dark_is_reported_with_its_share(bench):
     assert note.startswith("camera1: the dark shows 3.")  # 3 % of the whole, 3.1 % of the rest
 
 
+def test_even_light_has_no_shape_to_find_in_the_dark():
+    """Frames of one count, as a program writes them."""
+    histogram = np.zeros(4096, np.int64)
+    histogram[900] = 64 * 64
+    dark = np.full((64, 64), 64, np.uint16)
+    camera = measure_camera(
+        darks=iter([dark, dark]), flats=[], histogram=histogram, shape=dark.shape, camera="camera1"
+    )
+    total = ViewSum(dark.shape)
+    total.add(np.full(dark.shape, 900, np.uint16))
+    camera = replace(camera, view=total.mean())
+    cameras = make_references([camera, camera], declared=[DeclaredNoise(4.4, 9.0)] * 2)
+    assert find_reference_faults([camera, camera], cameras.references) == []
+
+
 def test_darks_of_changing_level_are_reported(bench):
     darks = np.concatenate([pages(bench.rng, np.full(SHAPE, 60.0 * (k > 1)), 1) for k in range(4)])
     (note,) = faults(bench.camera(darks=darks), bench.camera(number=1))
