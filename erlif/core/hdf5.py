@@ -6,10 +6,15 @@ Layouts are those of the HDF5 File Format Specification, version 3 (The HDF Grou
 
 from __future__ import annotations
 
+import math
 import mmap
 import re
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+
+from erlif.core.arrays import Mask
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of a superblock."""
@@ -93,6 +98,76 @@ def check_heaps(file: Any) -> None:
             for start, end in _between_chunks(file, len(content)):
                 for found in _HEAP.finditer(content, start, end):
                     _check_collection(content, found.start(), length)
+
+
+def filters_of(data: Any) -> list[int]:
+    """Registered numbers of the compressions of a dataset.
+
+    Parameters
+    ----------
+    data : h5py.Dataset
+
+    Returns
+    -------
+    list of int
+    """
+    settings = data.id.get_create_plist()
+    return [settings.get_filter(n)[0] for n in range(settings.get_nfilters())]
+
+
+def chunk_count(data: Any) -> int:
+    """Number of chunks that a whole dataset has.
+
+    Parameters
+    ----------
+    data : h5py.Dataset
+        In chunks.
+
+    Returns
+    -------
+    int
+    """
+    return math.prod(_chunk_grid(data))
+
+
+def find_chunks(data: Any) -> Mask:
+    """Find the chunks of a dataset that its file holds.
+
+    The library returns the fill value for a chunk that was never written, or whose place in the
+    index of the file is damaged.
+
+    Parameters
+    ----------
+    data : h5py.Dataset
+
+    Returns
+    -------
+    array of bool
+        Whether the file holds a chunk, once and in a possible size, at each place of the grid of
+        chunks; a single value for a dataset without chunks.
+    """
+    if data.chunks is None:
+        return np.array(data.id.get_storage_size() >= data.size * data.dtype.itemsize)
+
+    found = np.zeros(_chunk_grid(data), np.int8)
+    plain = math.prod(data.chunks) * data.dtype.itemsize
+    skipped = (1 << len(filters_of(data))) - 1
+
+    def count(chunk: Any) -> None:
+        place, between = np.divmod(chunk.chunk_offset, data.chunks)
+        # a chunk that no filter has changed has its own size
+        whole = chunk.filter_mask & skipped != skipped or chunk.size == plain
+        whole = whole and not between.any()
+        if ((place >= 0) & (place < found.shape)).all():
+            found[*place] = 1 if whole and not found[*place] else 2
+
+    data.id.chunk_iter(count)
+    once: Mask = found == 1
+    return once
+
+
+def _chunk_grid(data: Any) -> list[int]:
+    return [-(-length // chunk) for length, chunk in zip(data.shape, data.chunks, strict=True)]
 
 
 def _find_superblock(raw: Any) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from erlif.core.bounded import read_bounded
-from erlif.core.hdf5 import open_hdf5
+from erlif.core.hdf5 import chunk_count, find_chunks, open_hdf5
 
 LARGEST_READ = 2**30
 """Largest size of what is read at once: a map, or a variable of the triggers. [byte]"""
@@ -60,12 +60,8 @@ def check_netcdf(path: Path) -> None:
                 continue
             if entry.ndim != len(("trigger", "y", "x")):
                 raise ValueError(f"{name} has the shape {entry.shape}")
-            if entry.chunks is None:
-                missing = entry.id.get_storage_size() < entry.size * entry.dtype.itemsize
-            else:
-                expected = math.prod(map(math.ceil, np.divide(entry.shape, entry.chunks)))
-                missing = entry.id.get_num_chunks() != expected
-            if missing:
+            fewer = entry.chunks is not None and entry.id.get_num_chunks() != chunk_count(entry)
+            if fewer or not find_chunks(entry).all():
                 raise ValueError(f"maps of {name} are missing")
 
 

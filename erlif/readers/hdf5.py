@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import math
 import threading
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError
-from erlif.core.hdf5 import SIGNATURE, open_hdf5
+from erlif.core.hdf5 import SIGNATURE, chunk_count, filters_of, find_chunks, open_hdf5
 from erlif.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
 
 _DENSEST = 1100
@@ -195,47 +194,15 @@ def _follow(file: Any, name: str) -> Any:
     return place
 
 
-def filters_of(data: Any) -> list[int]:
-    """Registered numbers of the compressions of a dataset.
-
-    Parameters
-    ----------
-    data : h5py.Dataset
-
-    Returns
-    -------
-    list of int
-    """
-    settings = data.id.get_create_plist()
-    return [settings.get_filter(n)[0] for n in range(settings.get_nfilters())]
-
-
 def _stored_frames(data: Any) -> Mask:
-    """Whether the file holds all chunks of each frame, each of them once, (frame,)."""
+    """Whether the file holds all chunks of each frame, (frame,)."""
     frames = data.shape[0] if data.ndim == 3 else 1
-    if data.chunks is None:
-        whole = data.id.get_storage_size() >= data.size * data.dtype.itemsize
-        return np.full(frames, whole)
-
-    grid = [-(-length // chunk) for length, chunk in zip(data.shape, data.chunks, strict=True)]
-    if math.prod(grid) > _MOST_CHUNKS:
-        raise FrameError(f"it has {math.prod(grid)} chunks, more than {_MOST_CHUNKS}")
-    found = np.zeros(grid, np.int8)
-    plain = math.prod(data.chunks) * data.dtype.itemsize
-    skipped = (1 << len(filters_of(data))) - 1
-
-    def count(chunk: Any) -> None:
-        place, between = np.divmod(chunk.chunk_offset, data.chunks)
-        # a chunk that no filter has changed has its own size
-        whole = chunk.filter_mask & skipped != skipped or chunk.size == plain
-        whole = whole and not between.any()
-        if all(0 <= one < many for one, many in zip(place, grid, strict=True)):
-            found[*place] = 1 if whole and not found[*place] else 2
-
-    data.id.chunk_iter(count)
-    if data.ndim == 2:
-        return np.array([(found == 1).all()])
-    stored: Mask = (found == 1).all(axis=(1, 2))
+    if data.chunks is not None and chunk_count(data) > _MOST_CHUNKS:
+        raise FrameError(f"it has {chunk_count(data)} chunks, more than {_MOST_CHUNKS}")
+    found = find_chunks(data)
+    if data.chunks is None or data.ndim == 2:
+        return np.full(frames, found.all())
+    stored: Mask = np.asarray(found.all(axis=(1, 2)))
     return np.repeat(stored, data.chunks[0])[:frames]
 
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from erlif.core.hdf5 import check_heaps, open_hdf5
+from erlif.core.hdf5 import check_heaps, chunk_count, find_chunks, open_hdf5
 
 HEAD = 16
 """Length of the head of a heap, and of each object in it, for lengths of eight bytes."""
@@ -89,3 +89,16 @@ def test_a_file_that_ends_early_is_refused(tmp_path, length):
     path.write_bytes(write(path).read_bytes()[:length])
     with pytest.raises(OSError, match="Unable to synchronously open file"):
         open_hdf5(path)
+
+
+@pytest.mark.parametrize("options", [{}, {"libver": "latest"}, {"userblock_size": 512}])
+def test_chunks_that_were_never_written_are_found(tmp_path, options):
+    with h5py.File(tmp_path / "a.h5", "w", **options) as file:
+        data = file.create_dataset("a", (5, 7), "f4", chunks=(2, 3), compression="gzip")
+        data[:3, :2] = 1.0
+        whole = file.create_dataset("b", data=np.ones((5, 7)))
+        never = file.create_dataset("c", (5, 7), "f4")
+        assert chunk_count(data) == 9
+        assert find_chunks(data).tolist() == [[True, False, False]] * 2 + [[False] * 3]
+        assert find_chunks(whole).all()
+        assert not find_chunks(never).any()

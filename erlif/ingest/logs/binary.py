@@ -13,7 +13,7 @@ import numpy as np
 from erlif.core.arrays import AnyArray
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import EncoderError
-from erlif.core.hdf5 import SIGNATURE, check_heaps, open_hdf5
+from erlif.core.hdf5 import SIGNATURE, check_heaps, find_chunks, open_hdf5
 from erlif.ingest.logs.matlab import read_matlab
 from erlif.ingest.logs.table import (
     LARGEST_FILE,
@@ -271,6 +271,8 @@ def _read_hdf5(path: Path) -> _Found:
         _check_size(sum(int(item.size) for _, item in datasets), path)
         for name, item in datasets:
             if item.dtype.kind in "fiubV":
+                if item.size and not find_chunks(item).all():
+                    raise ValueError(f"numbers of {name} are not in the file")
                 yield from _vectors(name, item[()], _unit(item.attrs))
 
 

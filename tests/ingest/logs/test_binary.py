@@ -169,3 +169,15 @@ def test_a_unit_of_a_damaged_file_is_kept_in_part(tmp_path):
         file["angle"] = ANGLE
         file["angle"].attrs["units"] = "x" * 60_000
     assert len(columns(path)["angle"][0]) == 80
+
+
+@pytest.mark.parametrize("chunks", [None, (2,)])
+def test_a_column_that_was_not_written_to_the_end_is_refused(tmp_path, chunks):
+    path = tmp_path / "log.h5"
+    with h5py.File(path, "w") as file:
+        file["time"] = TIME
+        data = file.create_dataset("angle", ANGLE.shape, "f8", chunks=chunks)
+        if chunks:
+            data[:3] = ANGLE[:3]
+    with pytest.raises(EncoderError, match="numbers of angle are not in the file"):
+        read_binary_table(path)
