@@ -8,6 +8,7 @@ The structure is that of the ReadIMX library, which LaVision distributes with Da
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from erlif.core.arrays import AnyArray
+from erlif.core.arrays import AnyArray, Array
 from erlif.core.errors import FrameError
 from erlif.readers.base import MOST_FRAMES, Format, FrameFile, FrameKind, SameKinds, check_claim
 from erlif.readers.inflate import inflate
@@ -46,6 +47,17 @@ _TYPES = {-2: "|u1", -3: "<f4", -4: "<u2", 0: "<u2"}
 
 _DENSEST = {_IMX: 4.0, _ZLIB: 1100.0}
 """Decoded over stored size that the compressions can reach."""
+
+_TIME = re.compile(
+    rb"AcqTimeSeries([0-9]{1,2})=(-?[0-9]{1,15}(?:\.[0-9]{1,9})?) ?([^\0-\x20;]{0,3})"
+)
+"""Attribute with the time of a frame from the start of the recording, and its unit."""
+
+_MICROSECONDS = (b"", b"us", "µs".encode("latin-1"), "µs".encode(), "μs".encode())
+"""Spellings of the only unit that DaVis writes; older versions leave it out."""
+
+_LONGEST_END = 2**18
+"""End of a file in which the attributes are looked for. [byte]"""
 
 _MOST_FILES = 200_000
 """Files of a SET folder above which it is refused."""
@@ -144,6 +156,7 @@ class SetFrames(FrameFile):
     def __init__(self, paths: Sequence[Path]) -> None:
         self.paths = self.companions = tuple(paths)
         kinds: list[FrameKind] = []
+        stamps: list[Array | None] = []
         self.places: list[tuple[int, int]] = []
         for number, path in enumerate(self.paths):
             try:
@@ -152,11 +165,16 @@ class SetFrames(FrameFile):
                 raise FrameError(f"{path.name} in its folder: {error}") from error
             file.close()
             kinds += file.kinds
+            stamps.append(_read_stamps(path, len(file.kinds)))
             self.places += [(number, index) for index in range(len(file.kinds))]
             if len(kinds) > MOST_FRAMES:
                 raise FrameError(f"its folder holds more than {MOST_FRAMES} frames")
 
         self.kinds = kinds
+        known = [times for times in stamps if times is not None]
+        if len(known) == len(stamps):
+            elapsed = np.concatenate(known)
+            self.times = elapsed - elapsed[0]
         if len(kinds) > len(self.paths):
             self.channels = [index + 1 for _, index in self.places]
 
@@ -220,7 +238,25 @@ def open_im7(path: Path) -> FrameFile:
         file.bits = 12
     if header.frames > 1:
         file.channels = range(1, header.frames + 1)
+    stamps = _read_stamps(path, len(file.kinds))
+    file.times = None if stamps is None else stamps - stamps[0]
     return file
+
+
+def _read_stamps(path: Path, frames: int) -> Array | None:
+    """Time of each frame from the start of the recording; None where one is missing. [s]"""
+    # attributes follow the counts; where compressed counts end is not in the header
+    with Source(path) as source:
+        start = min(max(source.size - _LONGEST_END, _HEADER_SIZE), source.size)
+        end = source.read(start, source.size - start)
+    found = {
+        int(number): float(value) * 1e-6
+        for number, value, unit in _TIME.findall(end)
+        if unit in _MICROSECONDS
+    }
+    if not all(frame in found for frame in range(frames)):
+        return None
+    return np.array([found[frame] for frame in range(frames)])
 
 
 def open_set(path: Path) -> FrameFile:

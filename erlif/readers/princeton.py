@@ -9,11 +9,15 @@ from __future__ import annotations
 
 import re
 import struct
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from erlif.core.arrays import Array
 from erlif.core.errors import FrameError
-from erlif.readers.base import Format, FrameFile
+from erlif.readers.base import TRUNCATED, Format, FrameFile
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
 
@@ -59,6 +63,37 @@ _PLACES = (
 """Code and place of the numbers, in their order."""
 
 
+_EVENTS = ("ExposureStarted", "ExposureEnded")
+"""Events of a time stamp, the preferred first."""
+
+
+class LightfieldFrames(RawFrames):
+    """Frames of LightField, with the time stamps behind each of them.
+
+    Attributes
+    ----------
+    stamp : tuple[int, float] | None
+        Place of the stamp from the start of a frame [byte] and its unit [s]; None without stamps.
+    """
+
+    stamp: tuple[int, float] | None = None
+
+    # read when they are asked for: they lie between the frames, over the whole file
+    @cached_property
+    def times(self) -> Array | None:  # type: ignore[override]
+        """Time of each frame from the first; None without stamps or where frames were cut. [s]"""
+        if self.stamp is None or any(kind == TRUNCATED for kind in self.kinds):
+            return None
+        place, unit = self.stamp
+        try:
+            parts = [self._source.read(int(offset) + place, 8) for offset in self.offsets]
+        except FrameError:  # the file ends right behind the counts
+            return None
+        ticks = np.frombuffer(b"".join(parts), "<i8")
+        elapsed: Array = (ticks - ticks[0]) * unit
+        return elapsed
+
+
 def open_princeton(path: Path) -> FrameFile:
     """Open an SPE file.
 
@@ -69,7 +104,8 @@ def open_princeton(path: Path) -> FrameFile:
     Returns
     -------
     FrameFile
-        Without times: WinView stores none, and LightField only on request.
+        Without times for WinView, which stores none, and for LightField where they were not
+        asked for.
 
     Raises
     ------
@@ -121,7 +157,35 @@ def _open_lightfield(path: Path, source: Source, start: int) -> FrameFile:
         raise FrameError(
             f"the file is damaged: frames of {layout.size} bytes cannot lie {step} apart"
         )
-    return RawFrames(path, layout, range(_HEADER_SIZE, _HEADER_SIZE + count * step, step))
+    places = range(_HEADER_SIZE, _HEADER_SIZE + count * step, step)
+    file = LightfieldFrames(path, layout, places)
+    file.stamp = _find_stamp(text, layout.size, step)
+    return file
+
+
+def _find_stamp(text: str, start: int, end: int) -> tuple[int, float] | None:
+    """Place of the time stamp within a frame and its unit, by the order of the data behind it.
+
+    Princeton Instruments, SPE 3.0 File Format Specification, issue 4 (2019), chapters 2 and 3.
+    """
+    blocks = re.findall(r"<MetaBlock\b[^<>]*>(.*?)</MetaBlock>", text, re.DOTALL)
+    if len(blocks) != 1:
+        return None
+    found: dict[str, tuple[int, float]] = {}
+    place = start
+    for name, tag in re.findall(r"<([A-Za-z]+)\b([^<>]*)>", blocks[0]):
+        entries = _attributes(tag)
+        bits, rate = (entries.get(key, "") for key in ("bitDepth", "resolution"))
+        if not re.fullmatch(r"[0-9]{1,3}", bits) or "count" in entries:
+            return None
+        whole = entries.get("type") == "Int64" and re.fullmatch(r"[1-9][0-9]{0,11}", rate)
+        if name == "TimeStamp" and whole:
+            found[entries.get("event", "")] = place, 1 / int(rate)
+        place += int(bits) // 8
+
+    # padding may follow
+    stamps = [found[event] for event in _EVENTS if event in found]
+    return stamps[0] if stamps and place <= end else None
 
 
 def _attributes(tag: str) -> dict[str, str]:

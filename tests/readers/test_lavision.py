@@ -139,3 +139,30 @@ def test_the_damaged_image_of_a_set_is_named(tmp_path):
     (tmp_path / "a.set").write_text("SetType = 1")
     with pytest.raises(FrameError, match=r"B00002\.im7 in its folder: the file is trunc"):
         open_set(tmp_path / "a.set")
+
+
+@pytest.mark.parametrize("packing", [0, 1, 2, 3])
+@pytest.mark.parametrize("unit", [b" \xb5s", " µs".encode(), b" us", b""])
+def test_times_of_a_set_are_those_of_its_attributes(tmp_path, packing, unit):
+    """Microseconds from the start of the recording, one for each frame of each image."""
+    (tmp_path / "a").mkdir()
+    frames = random_frames(np.random.default_rng(1))[:2]
+    for k, start in enumerate((20_000, 73_401)):
+        texts = [b"AcqTimeSeries%d=%d%s" % (n, start + 7 * n, unit) for n in range(2)]
+        write_im7(tmp_path / "a" / f"B0000{k + 1}.im7", frames, packing=packing, attributes=texts)
+    (tmp_path / "a.set").write_text("SetType = 1")
+    npt.assert_allclose(open_set(tmp_path / "a.set").times, [0, 7e-6, 0.053401, 0.053408])
+    image = open_frames(tmp_path / "a" / "B00002.im7")
+    npt.assert_allclose(image.times, [0, 7e-6])
+    npt.assert_array_equal(image.read(1), frames[1])
+    image.close()
+
+
+@pytest.mark.parametrize(
+    "texts", [(), (b"AcqTimeSeries0=5 ms", b"AcqTimeSeries1=6 ms"), (b"AcqTimeSeries0=5 us",)]
+)
+def test_a_frame_without_a_time_leaves_all_without(tmp_path, texts):
+    frames = random_frames(np.random.default_rng(1))[:2]
+    file = open_im7(write_im7(tmp_path / "a.im7", frames, attributes=texts))
+    assert file.times is None
+    file.close()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import struct
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -297,10 +298,16 @@ def write_spe2(path: Path, frames: np.ndarray, *, kind=3, resolution=16, regions
     return path
 
 
-def write_spe3(path: Path, frames: np.ndarray, *, stamp=8, regions=1) -> Path:
-    """A LightField recording with `stamp` bytes of data behind each frame."""
+def write_spe3(
+    path: Path, frames: np.ndarray, *, stamp=8, regions=1, behind: Sequence[bytes] = (), meta=""
+) -> Path:
+    """A LightField recording with `stamp` bytes, or those of `behind`, behind each frame."""
     count, rows, columns = frames.shape
-    data = b"".join(frame.astype("<u2").tobytes() + b"\xaa" * stamp for frame in frames)
+    ends = behind or [b"\xaa" * stamp] * count
+    stamp = len(ends[0])
+    data = b"".join(
+        frame.astype("<u2").tobytes() + end for frame, end in zip(frames, ends, strict=True)
+    )
     size = frames[0].size * 2
     region = (
         f'<DataBlock type="Region" count="1" width="{columns}" height="{rows}" size="{size}" />'
@@ -309,7 +316,7 @@ def write_spe3(path: Path, frames: np.ndarray, *, stamp=8, regions=1) -> Path:
         '<SpeFormat version="3.0" xmlns="http://www.princetoninstruments.com/spe/2009"><DataFormat>'
         f'<DataBlock type="Frame" count="{count}" pixelFormat="MonochromeUnsigned16" '
         f'size="{size}" stride="{size + stamp}">{region * regions}</DataBlock></DataFormat>'
-        "</SpeFormat>"
+        f"{meta}</SpeFormat>"
     )
     header = bytearray(4100)
     struct.pack_into("<Q", header, 678, 4100 + len(data))
@@ -349,7 +356,15 @@ def encode_imx(counts: np.ndarray) -> bytes:
     return bytes(out)
 
 
-def write_im7(path: Path, frames: np.ndarray, *, packing=0, buffer=-4, preview=(3, 2)) -> Path:
+def write_im7(
+    path: Path,
+    frames: np.ndarray,
+    *,
+    packing=0,
+    buffer=-4,
+    preview=(3, 2),
+    attributes: Sequence[bytes] = (b"Signal0=LIF",),
+) -> Path:
     """A LaVision image: packing 0 plain, 1 IMX, 2 zlib, 3 in 12 bits."""
     count, rows, columns = frames.shape
     header = struct.pack("<4h4i", 0, packing, buffer, 0, columns, rows, 1, count).ljust(256, b"\0")
@@ -369,7 +384,8 @@ def write_im7(path: Path, frames: np.ndarray, *, packing=0, buffer=-4, preview=(
             pack_counts(line[:head], "LOW_12") + line[head:].astype("<u2").tobytes()
             for line in lines
         )
-    path.write_bytes(header + data + b"\x06\0\0\0\x0b\0\0\0Signal0=LIF\0\0\0\0\0\0\0\0")
+    texts = b"".join(struct.pack("<ii", 6, len(text)) + text for text in attributes)
+    path.write_bytes(header + data + texts + bytes(8))
     return path
 
 
