@@ -44,6 +44,10 @@ class ClockOffset:
         Whether an offset in the other stroke fits as well.
     cycles : int
         Number of offsets, whole cycles apart, that fit as well; this one is among them.
+    stretch : float
+        Relative change of the times between frames that fits best.
+    stretch_std : float
+        Its standard deviation.
     """
 
     value: float
@@ -51,6 +55,8 @@ class ClockOffset:
     explained: float
     half_cycle: bool
     cycles: int
+    stretch: float
+    stretch_std: float
 
 
 def find_clock_offset(
@@ -139,7 +145,16 @@ def find_clock_offset(
     alike = [one for one in refined if model.residual(one) - least < EQUAL * variance]
     phases = [((one - found) / period) % 1.0 for one in alike]
     same = sum(phase < 0.25 or phase > 0.75 for phase in phases)
-    return ClockOffset(found, model.std(found, variance), explained, same < len(alike), same)
+    stretch, stretch_std = model.fit_stretch(found, variance)
+    return ClockOffset(
+        found,
+        model.std(found, variance),
+        explained,
+        same < len(alike),
+        same,
+        stretch,
+        stretch_std,
+    )
 
 
 class _Model:
@@ -168,17 +183,30 @@ class _Model:
         """Sum of the squared residuals."""
         return _squares(self.columns(offset), self.light)
 
-    def std(self, offset: float, variance: float) -> float:
-        """Standard deviation of the offset with all parameters free. [s]"""
-        columns = self.columns(offset)
-        solution = np.linalg.lstsq(columns, self.light, rcond=None)[0]
+    def slope(self, offset: float) -> Array:
+        """Change of the light with the offset, (frame,). [1/s]"""
+        solution = np.linalg.lstsq(self.columns(offset), self.light, rcond=None)[0]
         step = 1e-3 * float(np.mean(np.diff(self.since)))
         after, before = (self.columns(offset + sign * step) @ solution for sign in (1, -1))
-        slope = (after - before) / (2 * step)
+        return np.asarray((after - before) / (2 * step))
 
+    def std(self, offset: float, variance: float) -> float:
+        """Standard deviation of the offset with all parameters free. [s]"""
         # the part of the slope that no other parameter can take
-        along = np.linalg.lstsq(columns, slope, rcond=None)[0]
-        return math.sqrt(variance / float(np.sum((slope - columns @ along) ** 2)))
+        own = _beside(self.columns(offset), self.slope(offset))
+        return math.sqrt(variance / float(np.sum(own**2)))
+
+    def fit_stretch(self, offset: float, variance: float) -> tuple[float, float]:
+        """Relative stretch of the times between frames, and its standard deviation; one step."""
+        columns, slope = self.columns(offset), self.slope(offset)
+        own = _beside(np.column_stack([columns, slope]), slope * self.since)
+        size = float(np.sum(own**2))
+        return float(own @ self.light) / size, math.sqrt(variance / size)
+
+
+def _beside(columns: Array, values: Array) -> Array:
+    """The part of the values that is no sum of the columns."""
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
 
 def _squares(columns: Array, values: Array) -> float:

@@ -175,8 +175,9 @@ def _read_swing(
             crank_speed=crank_speed,
         )
         noise = found.noise
-        if encoder.direction is None and found.sign:
-            sign = found.sign
+        if encoder.direction is not None and found.sign == -sign:
+            _refuse_direction(encoder)
+        sign = found.sign or sign
 
     if encoder.zero is not None:
         zero = encoder.zero
@@ -192,6 +193,17 @@ def _read_swing(
     angle = np.clip(angle, low, high)
     found_here = encoder.direction is None and sign < 0
     return LinkAngle(np.asarray(angle), counted, zero, zero_std, sign < 0, found_here)
+
+
+def _refuse_direction(encoder: Encoder) -> None:
+    """Refuse a stated direction that the times of the log contradict."""
+    here = "fall" if encoder.direction == "rising" else "rise"
+    raise EncoderError(
+        f"Expected readings that are {encoder.direction}, because of direction in [encoder], while "
+        f"the angle of the {encoder.mounted_on} rises; by the times of the log they {here}: the "
+        "link dwells at the other dead point. Leave direction out, so that it is found, or check "
+        "mounted_on and the links in [mechanism]."
+    )
 
 
 def link_limits(mechanism: Mechanism, encoder: Encoder) -> tuple[float, float]:

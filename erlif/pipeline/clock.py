@@ -25,6 +25,9 @@ SAMPLES_IN_CYCLE = 250
 MOST_SAMPLES = 100_000
 """Places at which a log is followed; a longer one is refused."""
 
+_CERTAIN, _SMALLEST_STRETCH = 5.0, 1e-3
+"""Standard deviations, and relative size, from which a stretch of the times is reported."""
+
 EVERY = 4
 """Rows and columns of a frame that its light is taken from: one in so many. [px]"""
 
@@ -107,7 +110,14 @@ def fit_start(
             "; half a cycle later fits as well: outward and return stroke may be exchanged, give "
             "start in [encoder] to exclude it"
         )
-    level = Level.WARNING if found.half_cycle else Level.NOTE
+    off = abs(found.stretch) > max(_CERTAIN * found.stretch_std, _SMALLEST_STRETCH)
+    if off:
+        text += (
+            f"; the light follows the motion better where the time between frames is "
+            f"{found.stretch:+.2%} (± {found.stretch_std:.2%}) longer: correct frame_rate in "
+            "[encoder], or crank_speed and links in [mechanism]"
+        )
+    level = Level.WARNING if found.half_cycle or off else Level.NOTE
     return FoundStart(start, found.std, Note(level, log.file, text))
 
 

@@ -91,3 +91,15 @@ def test_few_frames_and_a_short_log_are_refused():
         find_clock_offset(since[:11], light[:11], **log)
     with pytest.raises(EncoderError, match="longer than the recording"):
         find_clock_offset(2 * since, light, **log)
+
+
+@pytest.mark.parametrize("stretch", [0.0, 0.01])
+def test_a_wrong_rate_of_the_frames_shows_in_the_light(stretch):
+    """Times that are too short by 1 per cent, as by a frame rate that is too high by it."""
+    pulls = []
+    for seed in range(10):
+        since, light, log, _ = recorded(seed, 0.01)
+        found = find_clock_offset(since / (1 + stretch), light, **log)
+        pulls.append((found.stretch - stretch) / found.stretch_std)
+        assert stretch == 0 or found.stretch > 4 * found.stretch_std
+    assert np.abs(pulls).max() < 4

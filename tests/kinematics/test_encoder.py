@@ -131,6 +131,15 @@ def test_a_falling_reading_is_stated_or_follows_from_the_reach(direction):
     assert len(notes) == (direction is None)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_direction_that_contradicts_the_times_is_refused(sign):
+    crank = 1.0 + np.arange(120) * 2 * np.pi / 49.7
+    log = log_of(sign * angle_of("rocker", crank), crank / OMEGA)
+    stated = {1: "falling", -1: "rising"}[sign]
+    with pytest.raises(EncoderError, match=f"{stated}, because of direction .* Leave direction"):
+        locate(log, direction=stated)
+
+
 def test_without_times_the_reading_is_taken_as_rising():
     found = locate(log_of(-angle_of("rocker", CYCLE)))
     assert found.encoder_angle.direction == "rising"
