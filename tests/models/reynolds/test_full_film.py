@@ -1,0 +1,92 @@
+"""The orbit in a full film against closed forms, the rig's own orbit, and the transient film."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
+from erlif.models.reynolds.full_film import FullFilm, follow_full_film
+from erlif.rig.orbit import Bearing, Mobility, follow_orbit
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+SPEED = 114 * 2 * np.pi / 60
+JOINT = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+FILMS = np.array([1.0, 0.7, 0.2, 0.05, 0.01, 0.002])
+
+
+def test_dampings_of_a_long_film_are_those_of_booker():  # Booker (1965)
+    eccentricity, film = 1 - FILMS, FullFilm.of(LONG)
+    along, across = (film.damping(FILMS) * LONG.clearance / LONG.squeeze_constant).T
+    npt.assert_allclose(along, (1 - eccentricity**2) ** -1.5, rtol=2e-6)
+    npt.assert_allclose(
+        across, 2 / ((2 + eccentricity**2) * np.sqrt(1 - eccentricity**2)), rtol=2e-6
+    )
+
+
+def test_dampings_of_a_finite_film_are_those_of_chebyshev_collocation():
+    found = FullFilm.of(JOINT).damping(FILMS)
+    rig = Mobility(Bearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity))
+    npt.assert_allclose(found, [rig.damping(1 - film) for film in FILMS], rtol=1e-4)
+
+
+def test_swinging_joint_sinks_as_the_virtual_rig():
+    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=6, steps_per_cycle=100)
+    found = follow_full_film(JOINT, motion, start=np.zeros((1, 2)))[0]
+    orbit = follow_orbit(
+        Bearing(JOINT.radius, JOINT.clearance, JOINT.length, JOINT.viscosity),
+        motion.time,
+        load=lambda time: 222.4,
+        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
+    )
+    npt.assert_allclose(found, orbit, atol=5e-8)
+
+
+def test_orbit_and_transient_film_agree_where_nothing_ruptures():
+    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=1, steps_per_cycle=100)
+    start = (205e-6, 10e-6)
+    solved = solve_journal(JOINT, motion, start=start, cells=(128, 8))
+    found = follow_full_film(JOINT, motion, start=np.array([start]))[0]
+    npt.assert_allclose(found[:, 0], solved.displacement_load, atol=1e-7)
+    npt.assert_allclose(found[:, 1], solved.displacement_side, atol=2e-7)
+
+
+def test_long_joint_under_a_spring_creeps_to_its_rest():  # an exponential at small displacements
+    time = np.linspace(0.0, 2.0, 201)
+    unloaded = Motion(time, angle=0 * time, load=1e-9)
+    found = follow_full_film(
+        LONG, unloaded, start=np.zeros((1, 2)), stiffness=LONG.squeeze_constant, rest=1e-9
+    )[0, :, 1]
+    npt.assert_allclose(found, 1e-9 * -np.expm1(-time * LONG.clearance), rtol=1e-4, atol=1e-15)
+
+
+def test_half_the_fluidity_is_twice_the_viscosity():
+    motion = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=1, steps_per_cycle=50)
+    both = follow_full_film(JOINT, motion, start=np.zeros((2, 2)), fluidity=np.array([1.0, 0.5]))
+    thick = Journal(0.03336, 0.03359, length=0.237, viscosity=0.24)
+    npt.assert_allclose(
+        both[1], follow_full_film(thick, motion, start=np.zeros((1, 2)))[0], atol=1e-12
+    )
+
+
+def test_lowest_pressure_is_that_of_the_film():
+    motion = Motion(np.array([0.0, 1e-3]), angle=np.zeros(2), load=222.4)
+    for start in (0.0, 115e-6, 200e-6):
+        solved = solve_journal(JOINT, motion, start=(start, 0.0), cells=(256, 16), maps=[1])
+        film = 1 - solved.displacement_load.values[-1:] / JOINT.clearance
+        bound = FullFilm.of(JOINT).lowest_pressure(film, np.array([[222.4, 0.0]]))[0]
+        npt.assert_allclose(float(solved.pressure.min()), bound, rtol=0.01)
+
+
+def test_form_without_such_an_orbit_is_refused():
+    rough = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, roughness=1e-6)
+    with pytest.raises(ModelError, match="roughness"):
+        FullFilm.of(rough)
+
+
+def test_start_outside_the_clearance_is_refused():
+    motion = Motion(np.linspace(0.0, 1.0, 11), angle=np.zeros(11), load=222.4)
+    with pytest.raises(ModelError, match="outside the clearance"):
+        follow_full_film(JOINT, motion, start=np.array([[231e-6, 0.0]]))
