@@ -59,8 +59,8 @@ pin_radius = "{rig.pin_radius:g} mm"
 bushing_radius = "{rig.bushing_radius:g} mm"
 length = "{rig.length:g} mm"
 load = "{rig.load:g} N"
-pin = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
-bushing = {{ youngs_modulus = "2.7 GPa", poissons_ratio = 0.37, roughness = "0.2 um" }}
+pin = {{ {solid}, roughness = "0.2 um" }}
+bushing = {{ {solid}, roughness = "0.2 um" }}
 
 [oil]
 name = "80W-90"
@@ -68,6 +68,12 @@ viscosity = "{viscosity:g} Pa s"
 pressure_viscosity = "20 1/GPa"
 
 """
+
+_SOLIDS = {
+    "law": 'youngs_modulus = "2.7 GPa", poissons_ratio = 0.37',
+    "reynolds": 'youngs_modulus = "1000 GPa", poissons_ratio = 0.1',
+}
+"""Acrylic; and as stiff as diamond for the film of theory, whose pin and bushing are rigid."""
 
 
 # the directories
@@ -333,7 +339,9 @@ uncertainty = "{_REFERENCE_STD:g} um"
     viscosity = rig.stated_viscosity or rig.viscosity
     linked = rig.mechanism == "crank-rocker"
     mount = mount_toml(rig) if rig.film == "reynolds" and rig.write_mount else ""
-    joint = _JOINT_TOML.format(rig=rig, viscosity=viscosity) if linked else ""
+    joint = (
+        _JOINT_TOML.format(rig=rig, viscosity=viscosity, solid=_SOLIDS[rig.film]) if linked else ""
+    )
     return f"""calibration = "../fixture/calibration.nc"
 
 [run]

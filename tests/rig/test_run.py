@@ -175,6 +175,8 @@ def test_the_mount_of_the_pin_reaches_run_toml_unless_it_is_withheld():
     }
     for other in (replace(rig, write_mount=False), RigSettings()):
         assert "prediction" not in tomllib.loads(run_toml(other, list_triggers(other)))
+    for side in ("pin", "bushing"):  # stiff where the film is that of rigid cylinders
+        assert settings["joint"][side]["youngs_modulus"] == "1000 GPa"
     stated = replace(rig, stated_viscosity=0.3)
     assert tomllib.loads(run_toml(stated, list_triggers(stated)))["oil"]["viscosity"] == "0.3 Pa s"
 
