@@ -98,6 +98,10 @@ class State:
         Newton steps that it took.
     supply : float
         Flow that supplied cells needed to stay full. [m3/s]
+    faces : Faces or None
+        Conductances of the film; None where no step has been made.
+    steps : tuple of Array
+        Differences of the reduced pressure over the faces. [Pa]
     """
 
     position: Array
@@ -108,6 +112,8 @@ class State:
     walls: Walls
     iterations: int = 0
     supply: float = 0.0
+    faces: Faces | None = None
+    steps: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,14 +153,13 @@ class Step:
 
 def start_state(medium: Medium, step: Step, position: Array) -> State:
     """A film full of oil at ambient pressure."""
-    walls = displaced(step, position)
-    shape = walls.centre.shape
+    walls, shape = displaced(step, position), medium.grid.shape
     return State(
         position=position,
         reduced=np.zeros(shape),
         void=np.zeros(shape),
         full=np.ones(shape, dtype=bool),
-        content=walls.centre.copy(),
+        content=np.array(np.broadcast_to(walls.centre, shape)),
         walls=walls,
     )
 
@@ -169,8 +174,16 @@ def displaced(step: Step, position: Array) -> Walls:
 
 def forces(medium: Medium, directions: Sequence[Walls], pressure: Array) -> Array:
     """Force of a pressure along each direction. [N]"""
-    weight = medium.images * medium.grid.area
-    return np.array([weight * np.vdot(pressure, each.centre) for each in directions])
+    area = medium.images * medium.grid.area
+    column = pressure @ area
+    return np.array(
+        [
+            column @ each.centre[:, 0]
+            if each.is_flat
+            else np.vdot(pressure * area, np.broadcast_to(each.centre, pressure.shape))
+            for each in directions
+        ]
+    )
 
 
 def advance(medium: Medium, step: Step, before: State, guess: State | None = None) -> State:
@@ -203,13 +216,11 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
     # an edge of a cavity may have to move cell by cell through the film
     most = MOST_ITERATIONS + medium.grid.along + medium.grid.across
     for iteration in range(most):
-        newton.evaluate()
         changed = newton.switch()
+        newton.balances()
         if not changed and newton.is_solved():
             newton.require_pressure()
             return newton.state(iteration)
-        if changed:
-            newton.evaluate()
         newton.move()
     raise NoConvergenceError(
         f"The film was not solved in {most} iterations. A load that the film does not "
@@ -264,9 +275,10 @@ class _Newton:
         self.steady = step.rate == 0
         self.still = step.speed == 0
         self.crossing = step.speed * medium.grid.dz
+        self.moved()
 
-    def evaluate(self) -> None:
-        """Film, flow and the errors of all balances at the present iterate."""
+    def moved(self) -> None:
+        """Film and flow at the present position and pressure."""
         medium, step = self.medium, self.step
         self.walls = displaced(step, self.position)
         self.pressure, self.slope = medium.pressure(self.reduced)
@@ -274,35 +286,44 @@ class _Newton:
             self.walls = deflected(self.walls, self.pressure / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
             raise NoConvergenceError("The film vanished between the walls.")
-        self.faces = Faces(medium.grid, medium.fluid, self.walls)
+        self.faces = Faces(medium.grid, medium.fluid, self.walls, self.full)
+        self.flow()
+
+    def flow(self) -> None:
+        """What flows into each cell, and the void that its balance leaves where nothing moves."""
         self.steps = self.faces.steps(self.reduced)
         self.inflow = self.faces.inflow(self.steps)
         if not self.still:
             self.inflow -= self.carried()
+            return
+        self.oil = self.before + self.inflow / self.storage
+        self.void = self.walls.centre - self.oil
+        self.void[self.full] = 0.0
 
-        # without entrainment the void of a cell follows from its own balance
-        if self.still:
-            oil = self.before + self.inflow / self.storage
-            self.void = np.where(self.full, 0.0, self.walls.centre - oil)
+    def balances(self) -> None:
+        """Errors of the balances of all cells and of the forces."""
+        step = self.step
         kept = self.walls.centre - self.void - self.before
         self.error = self.inflow - self.storage * kept
         self.error[step.supplied] = 0.0
-        self.carries = forces(medium, step.directions, self.pressure)
+        self.carries = forces(self.medium, step.directions, self.pressure)
         spring = step.stiffness * (self.position - step.rest)
         self.missing = step.load - self.carries - spring
 
     def carried(self) -> Array:
         """Net flow out of each cell with the surfaces."""
-        along = self.crossing * self.walls.along
+        grid = self.medium.grid
+        along = np.array(np.broadcast_to(self.walls.along, (grid.along + 1, grid.across)))
+        along *= self.crossing
         upwind = self.crossing * self.void
-        closed = self.medium.grid.closed
-        if self.crossing > 0:
+        closed = grid.closed
+        if self.step.speed > 0:
             along[1:] -= upwind
             along[0] -= upwind[-1] if closed else 0.0
         else:
             along[:-1] -= upwind
             along[-1] -= upwind[0] if closed else 0.0
-        return np.diff(along, axis=0)
+        return np.asarray(along[1:] - along[:-1])
 
     def switch(self) -> bool:
         """Exchange cells with a negative pressure or void; whether any were."""
@@ -312,16 +333,23 @@ class _Newton:
         fill = ~self.full & (self.void < -SWITCH_TOLERANCE * self.walls.centre)
         if not (empty.any() or fill.any()):
             return False
-        self.full = (self.full & ~empty) | fill
+        self.full &= ~empty
+        self.full |= fill
         self.reduced[empty] = floor
         self.void[fill] = 0.0
+
+        # a deflected wall follows the pressure; else the gap is as before
+        if self.medium.foundation is not None:
+            self.moved()
+        else:
+            self.pressure, self.slope = self.medium.pressure(self.reduced)
+            self.flow()
         return True
 
     def is_solved(self) -> bool:
         """Whether all balances hold."""
-        turnover = (self.storage + abs(self.crossing)) * self.walls.centre
-        unknown = self.full if self.still else slice(None)
-        if (np.abs(self.error) > RESIDUAL_TOLERANCE * turnover)[unknown].any():
+        turnover = (self.storage + np.abs(self.crossing)) * self.walls.centre
+        if (np.abs(self.error) > RESIDUAL_TOLERANCE * turnover).any():
             return False
         if not self.missing.size:
             return True
@@ -341,40 +369,44 @@ class _Newton:
 
     def move(self) -> None:
         """One Newton step of pressures, voids and displacements."""
-        step, grid = self.step, self.medium.grid
-        right = np.empty((1 + len(step.directions), grid.along, grid.across))
+        step = self.step
+        right = np.empty((1 + len(step.directions), *self.medium.grid.shape))
         np.negative(self.error, out=right[0])
-        for k, direction in enumerate(step.directions):
+        for change, direction in zip(right[1:], step.directions, strict=True):
             # a displacement takes film away, so all changes have the opposite sign
-            change = self.faces.inflow_change(self.steps, direction.along, direction.across)
+            flow = self.faces.inflow_change(self.steps, direction.along, direction.across)
+            np.subtract(flow, self.storage * direction.centre, out=change)
             if not self.still:
-                change -= self.crossing * np.diff(direction.along, axis=0)
-            change -= self.storage * direction.centre
-            right[k + 1] = change
+                change -= self.crossing * (direction.along[1:] - direction.along[:-1])
         unknown = (self.full & ~step.supplied) if self.still else ~step.supplied
-        stencil = self.coefficients(unknown)
-        right[:, ~unknown] = 0.0
-        found = solve_ring(stencil, right)
+        right *= unknown
+        found = solve_ring(self.coefficients(unknown), right)
 
         # displacements that restore the forces, with the change of pressure that follows
+        shift = self.shift(found)
         delta = found[0]
-        shift = np.zeros(len(step.directions))
-        if shift.size:
-            shift = self.shift(found)
-            delta = delta + np.tensordot(shift, found[1:], axes=1)
+        for part, change in zip(shift, found[1:], strict=True):
+            delta += part * change
         share = self.allowed(shift)
         self.position = self.position + share * shift
+        if share < 1:
+            delta *= share
         if self.still:
-            self.reduced += share * delta
+            self.reduced += delta
         else:
-            self.reduced += share * np.where(self.full, delta, 0.0)
-            self.void += share * np.where(self.full, 0.0, delta)
+            self.reduced += np.where(self.full, delta, 0.0)
+            self.void += np.where(self.full, 0.0, delta)
+        self.moved()
 
     def shift(self, found: Array) -> Array:
         """Displacements for which the forces balance to first order."""
+        if len(found) == 1:
+            return np.zeros(0)
         medium, step = self.medium, self.step
-        pressures = (np.where(self.full, each, 0.0) * self.slope for each in found)
-        changes = [forces(medium, step.directions, each) for each in pressures]
+        changes = []
+        for each in found:
+            pressures = each if self.still else np.where(self.full, each, 0.0)
+            changes.append(forces(medium, step.directions, pressures * self.slope))
         matrix = np.array(changes[1:]).T + np.diag(step.stiffness)
         try:
             return np.asarray(np.linalg.solve(matrix, self.missing - changes[0]))
@@ -388,15 +420,11 @@ class _Newton:
         """Share of a Newton step that leaves enough film everywhere."""
         if not shift.size:
             return 1.0
-        moved = displaced(self.step, self.position + shift)
-        now = displaced(self.step, self.position)
-        share = 1.0
-        for was, becomes in ((now.centre, moved.centre), (now.along, moved.along)):
-            nearer = was - becomes
-            worst = float((nearer / was).max())
-            if worst > LARGEST_APPROACH:
-                share = min(share, LARGEST_APPROACH / worst)
-        return share
+        nearer = sum(
+            part * each.centre for part, each in zip(shift, self.step.directions, strict=True)
+        )
+        worst = float((nearer / self.walls.centre).max())
+        return 1.0 if worst <= LARGEST_APPROACH else LARGEST_APPROACH / worst
 
     def coefficients(self, unknown: Mask) -> Stencil:
         """Derivatives of the balances by the unknown of each cell and its neighbours."""
@@ -413,16 +441,19 @@ class _Newton:
         grid, faces = self.medium.grid, self.faces
         soft = np.broadcast_to(self.slope, self.reduced.shape) / self.medium.foundation
         along = 0.5 * faces.along_slope * self.steps[0]
-        across = 0.5 * faces.across_slope * self.steps[1]
         if not self.still:
             along = along - 0.5 * self.crossing
-        stencil.centre[...] += (np.diff(along, axis=0) + np.diff(across, axis=1)) * soft
+        stencil.centre[...] += (along[1:] - along[:-1]) * soft
         stencil.centre[...] -= self.storage * soft
         stencil.following[:-1] += along[1:-1] * soft[1:]
         stencil.previous[1:] -= along[1:-1] * soft[:-1]
         if grid.closed:
             stencil.following[-1] += along[-1] * soft[0]
             stencil.previous[0] -= along[0] * soft[-1]
+        if faces.single:
+            return
+        across = 0.5 * faces.across_slope * self.steps[1]
+        stencil.centre[...] += (across[:, 1:] - across[:, :-1]) * soft
         stencil.upper[:, :-1] += across[:, 1:-1] * soft[:, 1:]
         stencil.lower[:, 1:] -= across[:, 1:-1] * soft[:, :-1]
 
@@ -433,21 +464,23 @@ class _Newton:
         ahead, behind = np.roll(empty, -1, axis=0), np.roll(empty, 1, axis=0)
         if not closed:
             ahead[-1] = behind[0] = False
-        stencil.centre[empty] = self.storage + abs(self.crossing)
-        stencil.following[ahead] = min(self.crossing, 0.0)
-        stencil.previous[behind] = -max(self.crossing, 0.0)
+        own = np.broadcast_to(self.storage + np.abs(self.crossing), empty.shape)
+        stencil.centre[empty] = own[empty]
+        for links, beside, part in (
+            (stencil.following, ahead, np.minimum(self.crossing, 0.0)),
+            (stencil.previous, behind, -np.maximum(self.crossing, 0.0)),
+        ):
+            links[beside] = np.broadcast_to(part, empty.shape)[beside]
         stencil.lower[:, 1:][empty[:, :-1]] = 0.0
         stencil.upper[:, :-1][empty[:, 1:]] = 0.0
 
     def state(self, iterations: int) -> State:
         """The solved film; its content is what the flow has left in each cell."""
         supplied = self.step.supplied
-        if self.steady:
-            content = self.walls.centre - self.void
-        else:
-            content = self.before + self.inflow / self.storage
-        given = self.storage * (self.walls.centre - self.before) - self.inflow
-        content[supplied] = self.walls.centre[supplied]
+        film = np.broadcast_to(self.walls.centre, supplied.shape)
+        content = film - self.void if self.steady else self.before + self.inflow / self.storage
+        given = self.storage * (film - self.before) - self.inflow
+        content[supplied] = film[supplied]
         return State(
             position=self.position,
             reduced=self.reduced,
@@ -457,12 +490,15 @@ class _Newton:
             walls=self.walls,
             iterations=iterations,
             supply=self.medium.images * float(given[supplied].sum()),
+            faces=self.faces,
+            steps=self.steps,
         )
 
 
 def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:
     """Walls moved apart by a deflection of the cells, half of each neighbour at a face."""
-    along = walls.along.copy()
+    shape = grid.along + 1, grid.across
+    along = np.array(np.broadcast_to(walls.along, shape))
     along[1:-1] += 0.5 * (deflection[1:] + deflection[:-1])
     if grid.closed:
         along[0] += 0.5 * (deflection[0] + deflection[-1])
@@ -470,7 +506,7 @@ def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:
     else:
         along[0] += 0.5 * deflection[0]
         along[-1] += 0.5 * deflection[-1]
-    across = walls.across.copy()
+    across = np.array(np.broadcast_to(walls.across, (grid.along, grid.across + 1)))
     across[:, 1:-1] += 0.5 * (deflection[:, 1:] + deflection[:, :-1])
     across[:, 0] += 0.5 * deflection[:, 0]
     across[:, -1] += 0.5 * deflection[:, -1]

@@ -1,6 +1,7 @@
 """The film in cells: where they lie, how flow crosses their faces, what remains in each."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,45 +12,91 @@ from erlif.models.reynolds.flow import Fluid
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of equal size, (along, across), and which of the four sides are open to a pressure.
+    """Cells of a film, (along, across), and which of its four sides are open to ambient pressure.
 
-    Along is the sliding direction x, across the axis z. A film that closes round a joint has no
-    sides along; a half of a symmetric film is open on one side across.
+    Along is the sliding direction x, in equal cells; across is the axis z. A film that closes round
+    a joint has no sides along; a half of a symmetric film is open on one side across.
 
     Attributes
     ----------
     along : int
         Number of cells along.
-    across : int
-        Number of cells across.
     dx : float
         Size of a cell along. [m]
-    dz : float
-        Size of a cell across. [m]
+    dz : Array
+        Sizes of the cells across, (across,). [m]
     closed : bool
         Whether the last cell along is the neighbour of the first.
     open_sides : tuple of bool
         Whether flow leaves through the sides at the first and last cell along, and the first and
         last cell across.
-    area : float
-        Area of a cell. [m2]
     """
 
     along: int
-    across: int
     dx: float
-    dz: float
+    dz: Array
     closed: bool
     open_sides: tuple[bool, bool, bool, bool]
-    area: float = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "area", self.dx * self.dz)
+    @property
+    def across(self) -> int:
+        """Number of cells across."""
+        return self.dz.size
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of cells along and across."""
+        return self.along, self.dz.size
+
+    @cached_property
+    def area(self) -> Array:
+        """Areas of the cells of a column, (across,). [m2]"""
+        return np.asarray(self.dx * self.dz)
+
+    @cached_property
+    def ways_along(self) -> Array:
+        """Width over length of the flow through the faces along, (along + 1 or 1, across)."""
+        ways = np.asarray(self.dz / self.dx)[np.newaxis]
+        if self.closed:
+            return ways
+        ways = np.repeat(ways, self.along + 1, axis=0)
+        for side, is_open in ((0, self.open_sides[0]), (-1, self.open_sides[1])):
+            ways[side] *= 2.0 if is_open else 0.0  # a side is half a cell from its cell's middle
+        return ways
+
+    @cached_property
+    def ways_across(self) -> Array:
+        """Width over length of the flow through the faces across, (across + 1,)."""
+        apart = np.empty(self.across + 1)
+        apart[1:-1] = 0.5 * (self.dz[1:] + self.dz[:-1])
+        apart[0], apart[-1] = 0.5 * self.dz[0], 0.5 * self.dz[-1]
+        ways = self.dx / apart
+        ways[0] *= self.open_sides[2]
+        ways[-1] *= self.open_sides[3]
+        return ways
+
+    @cached_property
+    def end_weights(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Weights of the two cells beside an open end in the step of pressure there, for both ends.
+
+        The parabola with ambient pressure at the end and the mean pressures of both cells has the
+        slope alpha p1 - beta p2 at the end; the step is half a cell of it.
+        """
+        if self.across == 1:
+            return (1.0, 0.0), (1.0, 0.0)
+        found = []
+        for first, second in ((self.dz[0], self.dz[1]), (self.dz[-1], self.dz[-2])):
+            ratio = 3 + 3 * second / first + (second / first) ** 2
+            beta = 1 / (ratio * first / 2 - first - second / 2)
+            found.append((float(0.5 * first * ratio * beta), float(0.5 * first * beta)))
+        return found[0], found[1]
 
 
 @dataclass(frozen=True)
 class Walls:
     """The gap between rigid walls at the cells and their faces. [m]
+
+    A gap that does not change across has one column in place of all.
 
     Attributes
     ----------
@@ -67,29 +114,37 @@ class Walls:
 
     def moved(self, direction: "Walls", distance: float) -> "Walls":
         """The gap after a displacement that takes away `direction` for each unit of it."""
+        centre = self.centre - distance * direction.centre
         return Walls(
-            self.centre - distance * direction.centre,
+            centre,
             self.along - distance * direction.along,
-            self.across - distance * direction.across,
+            centre
+            if self.is_flat and direction.is_flat
+            else self.across - distance * direction.across,
         )
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the gap does not change across."""
+        return self.across is self.centre
 
 
 def average_walls(film: Array, grid: Grid) -> Walls:
-    """Walls of a film that is known at the cells alone, with the mean at the faces."""
-    along = np.empty((grid.along + 1, grid.across))
+    """Walls of a film that is known at cells of equal size alone, with the mean at the faces."""
+    along = np.empty((grid.along + 1, film.shape[1]))
     along[1:-1] = 0.5 * (film[1:] + film[:-1])
     if grid.closed:
         along[0] = along[-1] = 0.5 * (film[0] + film[-1])
     else:
         # linear to the side, from the two cells beside it
         along[0], along[-1] = 1.5 * film[0] - 0.5 * film[1], 1.5 * film[-1] - 0.5 * film[-2]
+    if film.shape[1] == 1:
+        return Walls(film, along, film)
+
     across = np.empty((grid.along, grid.across + 1))
     across[:, 1:-1] = 0.5 * (film[:, 1:] + film[:, :-1])
-    if grid.across > 1:
-        across[:, 0] = 1.5 * film[:, 0] - 0.5 * film[:, 1]
-        across[:, -1] = 1.5 * film[:, -1] - 0.5 * film[:, -2]
-    else:
-        across[:, 0] = across[:, -1] = film[:, 0]
+    across[:, 0] = 1.5 * film[:, 0] - 0.5 * film[:, 1]
+    across[:, -1] = 1.5 * film[:, -1] - 0.5 * film[:, -2]
     return Walls(film, along, across)
 
 
@@ -99,23 +154,17 @@ class Faces:
     A conductance is the flow in m3/s over the difference of the reduced pressures on both sides.
     """
 
-    def __init__(self, grid: Grid, fluid: Fluid, walls: Walls) -> None:
-        self.grid = grid
+    def __init__(self, grid: Grid, fluid: Fluid, walls: Walls, full: Mask) -> None:
+        self.grid, self.full = grid, full
         mobility, slope = fluid.mobility(walls.along)
-        self.along, self.along_slope = mobility * (grid.dz / grid.dx), slope * (grid.dz / grid.dx)
-        start, end, lower, upper = grid.open_sides
-        if not grid.closed:
-            _close_sides(self.along, self.along_slope, start, end)
+        self.along, self.along_slope = mobility * grid.ways_along, slope * grid.ways_along
 
         # one row of cells without open sides has no flow across at all
-        self.flat = grid.across == 1 and not (lower or upper)
-        if self.flat:
-            self.across = self.across_slope = np.zeros(walls.across.shape)
+        self.single = grid.across == 1 and not any(grid.open_sides[2:])
+        if self.single:
             return
         mobility, slope = fluid.mobility(walls.across)
-        self.across = mobility * (grid.dx / grid.dz)
-        self.across_slope = slope * (grid.dx / grid.dz)
-        _close_sides(self.across.T, self.across_slope.T, lower, upper)
+        self.across, self.across_slope = mobility * grid.ways_across, slope * grid.ways_across
 
     def steps(self, reduced: Array) -> tuple[Array, Array]:
         """Differences of the reduced pressure over the faces along and across; ambient is zero."""
@@ -126,55 +175,75 @@ class Faces:
             along[0] = along[-1] = reduced[0] - reduced[-1]
         else:
             along[0], along[-1] = reduced[0], -reduced[-1]
-        if self.flat:
-            return along, np.zeros((grid.along, grid.across + 1))
+        if self.single:
+            return along, along[:0]
         across = np.empty((grid.along, grid.across + 1))
         np.subtract(reduced[:, 1:], reduced[:, :-1], out=across[:, 1:-1])
-        across[:, 0], across[:, -1] = reduced[:, 0], -reduced[:, -1]
+        across[:, 0], across[:, -1] = self.end_step(reduced, 0), -self.end_step(reduced, -1)
         return along, across
+
+    def end_step(self, reduced: Array, end: int) -> Array:
+        """Step of the reduced pressure from ambient to half a cell inside an end.
+
+        It follows the parabola of the last two cells, where the last one is full of oil.
+        """
+        beside = 1 if end == 0 else -2
+        own, other = self.grid.end_weights[end]
+        if not (other and self.grid.open_sides[2 + end % 2]):
+            return reduced[:, end]
+        curved = own * reduced[:, end] - other * reduced[:, beside]
+        return np.where(self.full[:, end], curved, reduced[:, end])
 
     def inflow(self, steps: tuple[Array, Array]) -> Array:
         """Flow into each cell that the pressure drives. [m3/s]"""
-        flow = np.diff(self.along * steps[0], axis=0)
-        if not self.flat:
-            flow += np.diff(self.across * steps[1], axis=1)
-        return flow
+        flow = self.along * steps[0]
+        flow = flow[1:] - flow[:-1]
+        if not self.single:
+            side = self.across * steps[1]
+            flow += side[:, 1:]
+            flow -= side[:, :-1]
+        return np.asarray(flow)
 
     def inflow_change(self, steps: tuple[Array, Array], along: Array, across: Array) -> Array:
         """Change of that inflow with a change of the film at the faces."""
-        flow = np.diff(self.along_slope * steps[0] * along, axis=0)
-        if not self.flat:
-            flow += np.diff(self.across_slope * steps[1] * across, axis=1)
-        return flow
+        flow = self.along_slope * along * steps[0]
+        flow = flow[1:] - flow[:-1]
+        if not self.single:
+            side = self.across_slope * steps[1] * across
+            flow += side[:, 1:]
+            flow -= side[:, :-1]
+        return np.asarray(flow)
 
     def stencil(self) -> Stencil:
         """Coefficients of the inflow for the reduced pressures of a cell and its neighbours."""
-        before, behind = self.along[:-1], self.along[1:]
-        centre = -(before + behind)
-        lower, upper = self.across[:, :-1], self.across[:, 1:]
-        if not self.flat:
-            centre -= lower + upper
-        previous, following = before.copy(), behind.copy()
+        shape = self.grid.shape
+        previous = np.array(np.broadcast_to(self.along[:-1], shape))
+        following = np.array(np.broadcast_to(self.along[1:], shape))
+        centre = -(previous + following)
+        lower, upper = np.zeros(shape), np.zeros(shape)
+        if not self.single:
+            lower, upper = self.across[:, :-1].copy(), self.across[:, 1:].copy()
+            centre -= lower
+            centre -= upper
+            for end, links in ((0, upper), (-1, lower)):
+                own, other = self.grid.end_weights[end]
+                side = self.across[:, end] * self.full[:, end]
+                centre[:, end] -= (own - 1) * side
+                links[:, end] += other * side
         if not self.grid.closed:
             previous[0] = following[-1] = 0.0
-        return Stencil(centre, previous, following, lower.copy(), upper.copy())
+        return Stencil(centre, previous, following, lower, upper)
 
     def outflow(self, steps: tuple[Array, Array]) -> float:
         """Flow out of the open sides. [m3/s]"""
-        flow = float((self.across[:, 0] * steps[1][:, 0]).sum())
-        flow -= float((self.across[:, -1] * steps[1][:, -1]).sum())
+        flow = 0.0
+        if not self.single:
+            flow += float((self.across[:, 0] * steps[1][:, 0]).sum())
+            flow -= float((self.across[:, -1] * steps[1][:, -1]).sum())
         if not self.grid.closed:
             flow += float((self.along[0] * steps[0][0]).sum())
             flow -= float((self.along[-1] * steps[0][-1]).sum())
         return flow
-
-
-def _close_sides(conductance: Array, slope: Array, first: bool, last: bool) -> None:
-    """No flow through closed sides; an open one is half a cell away from the middle of its cell."""
-    for side, is_open in ((0, first), (-1, last)):
-        factor = 2.0 if is_open else 0.0
-        conductance[side] *= factor
-        slope[side] *= factor
 
 
 def link_only(stencil: Stencil, unknown: Mask) -> None:

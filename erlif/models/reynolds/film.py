@@ -216,7 +216,8 @@ def _grid(shape: tuple[int, ...], length: float, width: float | None, closed: bo
     if width is None and across > 1:
         raise ModelError("A film (x, z) needs a width.")
     sides = (not closed, not closed, width is not None, width is not None)
-    return Grid(along, across, length / along, (width or 1.0) / across, closed, sides)
+    widths = np.full(across, (width or 1.0) / across)
+    return Grid(along, length / along, widths, closed, sides)
 
 
 @dataclass(frozen=True)
@@ -301,10 +302,10 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
         pressure = np.array(medium.pressure(state.reduced)[0])
         (force,) = forces(medium, [course.unit], pressure)
         x = (np.arange(grid.along) + 0.5) * grid.dx
-        moment = grid.area * float((pressure * x[:, np.newaxis]).sum())
+        moment = float(x @ pressure @ grid.area)
         lost = losses(medium, state, 2 * float(course.speeds[k]), 1.0)
         row: dict[str, Any] = {
-            "film": state.walls.centre,
+            "film": np.broadcast_to(state.walls.centre, grid.shape),
             "pressure": pressure,
             "void_fraction": np.clip(state.void / state.walls.centre, 0.0, 1.0),
             "force": force,
@@ -313,7 +314,7 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
             "friction_force": lost["friction_torque"],
             "side_flow": lost["side_flow"],
             "power": lost["power"],
-            "oil_volume": grid.area * float(state.content.sum()),
+            "oil_volume": float((state.content @ grid.area).sum()),
         }
         if course.loads is not None:
             row["approach"] = state.position[0]
@@ -328,7 +329,7 @@ def _dataset(course: _Course, states: list[State], *, with_time: bool, wide: boo
         variables[name] = (dims, values) if with_time else (dims[1:], values[0])
     coordinates: dict[str, Any] = {"x": (np.arange(grid.along) + 0.5) * grid.dx}
     if not wide:
-        coordinates["z"] = (np.arange(grid.across) + 0.5) * grid.dz
+        coordinates["z"] = (np.arange(grid.across) + 0.5) * grid.dz[0]
     if with_time:
         coordinates["time"] = course.times
     return describe(xr.Dataset(variables, coordinates))

@@ -52,8 +52,8 @@ class Journal:
         Whether the bearing is infinitely long: no flow along the axis, one row of cells. The load
         then stands for the given length.
     axial_shape : array or None
-        Height added to the gap at the axial cells, from end to end: edges, wear or bending. Twice
-        as many values as axial cells of the solver, which cover half of the length. [m]
+        Height added to the gap by edges, lobes, wear or bending: values at equal distances from one
+        end of the length to the other, both ends included, linear between them. [m]
     foundation : float or None
         Pressure over deflection of an elastic liner (Winkler). [Pa/m]
     roughness : float or None
@@ -106,12 +106,25 @@ class Journal:
                 "cavitation_pressure is relative to ambient and at most 0, got "
                 f"{self.cavitation_pressure:g} Pa."
             )
+        if self.axial_shape is not None:
+            self._check_shape()
         check_length(
             pin_radius=self.pin_radius, bushing_radius=self.bushing_radius, length=self.length
         )
         check_viscosity(viscosity=self.viscosity)
         check_pressure_viscosity(pressure_viscosity=self.pressure_viscosity)
         check_film(roughness=self.roughness or 0.0)
+
+    def _check_shape(self) -> None:
+        """Refuse an axial shape that is no row of heights."""
+        shape = np.asarray(self.axial_shape, dtype=float)
+        if self.long:
+            raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
+        if shape.ndim != 1 or shape.size < 2 or not np.isfinite(shape).all():
+            raise ModelError(
+                "axial_shape must hold two or more finite heights from end to end, got shape "
+                f"{shape.shape}."
+            )
 
     @property
     def clearance(self) -> float:
@@ -379,6 +392,7 @@ def covered(grooves: Sequence[Groove], angles: Array) -> Array:
     inside = np.zeros(angles.shape, dtype=bool)
     for groove in grooves:
         off = np.abs((angles - groove.angle + np.pi) % (2 * np.pi) - np.pi)
-        inside |= off < groove.width / 2
+        if groove.width:
+            inside |= off < groove.width / 2
         inside[np.argmin(off)] = True
     return inside

@@ -73,7 +73,7 @@ def steady_journal(
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, cavitation_pressure=0.0)
     >>> found = steady_journal(joint, speed=2.54, load=222.4)
     >>> print(f"{float(found.film_min) * 1e6:.0f} um")
-    124 um
+    123 um
     """
     require_single(speed=speed, load=load)
     require_finite(speed=speed)
@@ -94,10 +94,10 @@ class _Rotation:
 
     def __init__(self, bearing: Bearing, speed: float) -> None:
         self.bearing, self.speed = bearing, speed
-        self.rigid = bearing.rigid()
+        self.rigid = bearing.rigid
         self.axes = bearing.directions(0.0, 0.0)
         grid = bearing.medium.grid
-        self.supplied = np.zeros((grid.along, grid.across), dtype=bool)
+        self.supplied = np.zeros(grid.shape, dtype=bool)
         self.supplied[covered(bearing.grooves, bearing.angles)] = True
 
     def step(self, load: Array, rate: float) -> Step:

@@ -1,7 +1,8 @@
 """The pin in the swinging bushing, step by step."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from erlif.models.reynolds.balance import (
     Step,
     advance,
     displaced,
+    forces,
     start_state,
 )
 from erlif.models.reynolds.cells import Faces, Grid, Walls
@@ -126,8 +128,10 @@ class Bearing:
         Cells and oil.
     angles : Array
         Angles of the cells in their own frame, (circumference,). [rad]
-    axial_shape : Array
-        Height added to the gap, (axial,) of the cells. [m]
+    axial : Array
+        Places of the cells along the axis from the middle, (axial,). [m]
+    rigid : Walls
+        The gap of a centred pin. [m]
     grooves : tuple of Groove
         Supplies of oil.
     """
@@ -135,7 +139,8 @@ class Bearing:
     journal: Journal
     medium: Medium
     angles: Array
-    axial_shape: Array
+    axial: Array
+    rigid: Walls
     grooves: tuple[Groove, ...]
 
     @classmethod
@@ -149,15 +154,12 @@ class Bearing:
                 "cells must be an even number of 8 or more round the joint and 1 or more along the "
                 f"axis, got {tuple(cells)}."
             )
-        shape, halved = np.zeros(1 if journal.long else along_half), not journal.long
-        if journal.axial_shape is not None:
-            shape, halved = _axial_shape(journal, along_half)
-        length = journal.length / 2 if halved else journal.length
+        edges = _edges(journal, along_half)
+        halved = edges[0] == 0.0
         grid = Grid(
             along=around,
-            across=shape.size,
             dx=2 * np.pi * journal.radius / around,
-            dz=length / shape.size,
+            dz=np.diff(edges),
             closed=True,
             open_sides=(False, False, not journal.long and not halved, not journal.long),
         )
@@ -168,53 +170,52 @@ class Bearing:
             journal.foundation,
             images=2 if halved else 1,
         )
-        grooves = (Groove(np.pi),) if grooves is None else grooves
+        axial = 0.5 * (edges[1:] + edges[:-1])
         angles = np.arange(float(around)) * (2 * np.pi / around)
-        return cls(journal, medium, np.asarray(angles), shape, tuple(grooves))
+        grooves = (Groove(np.pi),) if grooves is None else tuple(grooves)
+        return cls(journal, medium, angles, axial, _rigid(journal, grid, axial, edges), grooves)
+
+    @cached_property
+    def compass(self) -> tuple[Array, Array]:
+        """Directions exp(i angle) of the cells and of the faces before and behind them."""
+        centre = np.exp(1j * self.angles)[:, np.newaxis]
+        faces = np.exp(1j * (self.angles - np.pi / self.medium.grid.along))[:, np.newaxis]
+        return centre, np.concatenate([faces, faces[:1]])
 
     def directions(self, turned: float, toward: float) -> list[Walls]:
         """Decrease of the gap for a displacement towards a direction and a right angle ahead."""
-        grid = self.medium.grid
-        centre = self.angles + (turned - toward)
-        face = np.append(centre, centre[0]) - np.pi / grid.along
-        face[-1] = face[0]
-        found = []
-        for shape in (np.cos, np.sin):
-            middle, edge = shape(centre)[:, np.newaxis], shape(face)[:, np.newaxis]
-            ones = np.ones((1, grid.across))
-            found.append(Walls(middle * ones, edge * ones, middle * np.ones((1, grid.across + 1))))
-        return found
-
-    def rigid(self) -> Walls:
-        """The gap of a centred pin."""
-        grid, clearance = self.medium.grid, self.journal.clearance
-        shape = self.axial_shape
-        edge = np.empty(shape.size + 1)
-        edge[1:-1] = 0.5 * (shape[1:] + shape[:-1])
-        edge[0], edge[-1] = shape[0], shape[-1]
-        if shape.size > 1:
-            edge[-1] = 1.5 * shape[-1] - 0.5 * shape[-2]
-            edge[0] = 1.5 * shape[0] - 0.5 * shape[1] if self.medium.images == 1 else shape[0]
-        return Walls(
-            np.broadcast_to(clearance + shape, (grid.along, grid.across)),
-            np.broadcast_to(clearance + shape, (grid.along + 1, grid.across)),
-            np.broadcast_to(clearance + edge, (grid.along, grid.across + 1)),
-        )
+        centre, faces = (each * np.exp(1j * (turned - toward)) for each in self.compass)
+        axes = []
+        for middle, edge in ((centre.real, faces.real), (centre.imag, faces.imag)):
+            column = np.ascontiguousarray(middle)
+            axes.append(Walls(column, np.ascontiguousarray(edge), column))
+        return axes
 
 
-def _axial_shape(journal: Journal, along_half: int) -> tuple[Array, bool]:
-    """Shape at the cells that are solved, and whether they cover half of the length."""
-    shape = np.asarray(journal.axial_shape, dtype=float)
+def _edges(journal: Journal, along_half: int) -> Array:
+    """Edges of equal cells along the axis; from 0 for half of the length."""
     if journal.long:
-        raise ModelError("An infinitely long bearing has no axial shape: set long=False.")
-    if shape.shape != (2 * along_half,) or not np.isfinite(shape).all():
-        raise ModelError(
-            f"axial_shape must hold {2 * along_half} finite heights, one for each axial cell from "
-            f"end to end, got shape {shape.shape}."
-        )
+        return np.array([-0.5, 0.5]) * journal.length
+    half = np.linspace(0.0, 0.5, along_half + 1) * journal.length
+    shape = np.zeros(2) if journal.axial_shape is None else np.asarray(journal.axial_shape, float)
     if np.array_equal(shape, shape[::-1]):
-        return shape[along_half:], True
-    return shape, False
+        return half
+    return np.concatenate([-half[:0:-1], half])
+
+
+def _rigid(journal: Journal, grid: Grid, axial: Array, edges: Array) -> Walls:
+    """The gap of a centred pin."""
+    if journal.axial_shape is None:
+        centre = np.full((grid.along, 1), journal.clearance)
+        return Walls(centre, np.full((grid.along + 1, 1), journal.clearance), centre)
+    shape = np.asarray(journal.axial_shape, dtype=float)
+    places = np.linspace(-0.5, 0.5, shape.size) * journal.length
+    cells, faces = (journal.clearance + np.interp(at, places, shape) for at in (axial, edges))
+    return Walls(
+        np.tile(cells, (grid.along, 1)),
+        np.tile(cells, (grid.along + 1, 1)),
+        np.tile(faces, (grid.along, 1)),
+    )
 
 
 def _wanted(maps: Sequence[int] | None, steps: int) -> set[int]:
@@ -287,7 +288,7 @@ class Ride:
         bearing = self.bearing
         turned = self.turned(now)
         directions = bearing.directions(turned, self.toward)
-        base = bearing.rigid()
+        base = bearing.rigid
         apart = now.direction - self.toward
         target = now.load * np.array([np.cos(apart), np.sin(apart)])
         stiffness, rest = np.array([0.0, self.mount.stiffness]), np.array([0.0, self.rest])
@@ -300,7 +301,7 @@ class Ride:
         if before is not None and not self.turning:
             speed = bearing.journal.radius * (now.angle - before.angle) / (2 * duration)
         grid = bearing.medium.grid
-        supplied = np.zeros((grid.along, grid.across), dtype=bool)
+        supplied = np.zeros(grid.shape, dtype=bool)
         supplied[covered(bearing.grooves, bearing.angles + turned)] = True
         return Step(base, directions, target, stiffness, rest, 1 / duration, speed, supplied)
 
@@ -345,9 +346,9 @@ class Ride:
         duration, position = self.earlier
         ahead = state.position + (state.position - position) / (duration * step.rate)
         film = displaced(step, ahead).centre
-        if film.min() < 0.3 * state.walls.centre.min():
+        if film.min() < 0.3 * state.walls.centre.min():  # as far as a Newton step may go
             return state
-        return State(ahead, state.reduced, state.void, state.full, state.content, state.walls)
+        return replace(state, position=ahead)
 
     def pin(self) -> Array:
         """Displacement along the load line and sideways."""
@@ -366,7 +367,7 @@ class Ride:
             "film_min": float(state.walls.centre.min()),
             "eccentricity": float(np.hypot(load, side)) / journal.clearance,
             "attitude": float(np.arctan2(side, load)),
-            "oil_volume": medium.images * medium.grid.area * float(state.content.sum()),
+            "oil_volume": medium.images * float((state.content @ medium.grid.area).sum()),
         }
         if journal.foundation is None and journal.axial_shape is None:
             row["film_min"] = journal.clearance * (1 - row["eccentricity"])
@@ -374,15 +375,12 @@ class Ride:
             return row
         pressure, _ = medium.pressure(state.reduced)
         turned = self.turned(self.instant)
-        along, across = (
-            medium.images * medium.grid.area * float(np.vdot(pressure, each.centre))
-            for each in bearing.directions(turned, 0.0)
-        )
+        along, across = forces(medium, bearing.directions(turned, 0.0), pressure)
         return {
             **row,
             "peak_pressure": float(pressure.max()),
-            "reaction_load": along,
-            "reaction_side": across,
+            "reaction_load": float(along),
+            "reaction_side": float(across),
             **losses(medium, state, self.speed[k] * journal.radius, journal.radius),
             "supply_flow": self.supply,
             "iterations": float(self.iterations),
@@ -394,13 +392,12 @@ class Ride:
         pressure, _ = bearing.medium.pressure(state.reduced)
         fraction = np.clip(state.void / state.walls.centre, 0.0, 1.0)
         turned = self.turned(self.instant)
+        shape = fraction.shape
         maps = []
-        for values in (state.walls.centre, np.broadcast_to(pressure, fraction.shape), fraction):
-            whole = (
-                np.concatenate([values[:, ::-1], values], 1)
-                if bearing.medium.images == 2
-                else values
-            )
+        for values in (state.walls.centre, pressure, fraction):
+            whole = np.broadcast_to(values, shape)
+            if bearing.medium.images == 2:
+                whole = np.concatenate([whole[:, ::-1], whole], axis=1)
             maps.append(at_rest(whole, turned))
         return maps[0], maps[1], maps[2]
 
@@ -422,23 +419,25 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     The shear stress at that surface is eta U / h + h/2 dp/dx; a partly void cell has the share of
     its oil (Elrod 1981).
     """
-    grid, walls = medium.grid, state.walls
+    grid, walls, area = medium.grid, state.walls, medium.images * medium.grid.area
     pressure, _ = medium.pressure(state.reduced)
     viscosity = medium.fluid.viscosity_at(pressure)
     filled = 1 - np.clip(state.void / walls.centre, 0.0, 1.0)
-    shear = speed * medium.images * grid.area * float((viscosity * filled / walls.centre).sum())
-    faces = Faces(grid, medium.fluid, walls)
-    steps = faces.steps(state.reduced)
+    shear = speed * float(((viscosity * filled / walls.centre) @ area).sum())
+    faces = state.faces or Faces(grid, medium.fluid, walls, state.full)
+    steps = state.steps or faces.steps(state.reduced)
 
-    # the pressures on both sides of each face; ambient beyond the sides
-    ends = faces.steps(pressure)
-    along = ends[0][:-1] if grid.closed else ends[0]
-    drag = 0.5 * medium.images * grid.dz * float((walls.along[: along.shape[0]] * along).sum())
-    heat = float((faces.along[: along.shape[0]] * steps[0][: along.shape[0]] * along).sum())
-    heat += float((faces.across * steps[1] * ends[1]).sum())
+    # the pressures on both sides of each face; a closed film has its last face twice
+    last = -1 if grid.closed else None
+    drops = faces.steps(pressure) if medium.fluid.pressure_viscosity else steps
+    along = drops[0][:last]
+    drag = 0.5 * medium.images * float(((walls.along[:last] * along) @ grid.dz).sum())
+    heat = float((faces.along[:last] * steps[0][:last] * along).sum())
+    if not faces.single:
+        heat += float((faces.across * steps[1] * drops[1]).sum())
     return {
         "friction_torque": radius * (shear + drag),
-        "side_flow": medium.images * faces.outflow(steps),
+        "side_flow": medium.images * faces.outflow((steps[0], steps[1])),
         "power": medium.images * heat + speed * shear,
     }
 
@@ -509,11 +508,13 @@ def _dataset(
         dims = ("time_of_map", "circumference", "axial")
         for place, name in enumerate(("film", "pressure", "void_fraction"), start=1):
             variables[name] = (dims, np.stack([picture[place] for picture in pictures]))
-        columns, across = pictures[0][1].shape
+        columns = pictures[0][1].shape[0]
         turn = (np.arange(columns) - columns // 2) * (2 * np.pi / columns)
-        length = bearing.journal.length
+        axial = bearing.axial
+        if bearing.medium.images == 2:
+            axial = np.concatenate([-axial[::-1], axial])
         coordinates["time_of_map"] = motion.time[[picture[0] for picture in pictures]]
         coordinates["circumference"] = bearing.journal.radius * turn
-        coordinates["axial"] = length * ((np.arange(across) + 0.5) / across - 0.5)
+        coordinates["axial"] = axial
     found = xr.Dataset(variables, coordinates)
     return describe(found)
