@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -271,9 +272,19 @@ def _read_hdf5(path: Path) -> _Found:
         _check_size(sum(int(item.size) for _, item in datasets), path)
         for name, item in datasets:
             if item.dtype.kind in "fiubV":
+                _check_storage(name, item)
                 if item.size and not find_chunks(item).all():
                     raise ValueError(f"numbers of {name} are not in the file")
                 yield from _vectors(name, item[()], _unit(item.attrs))
+
+
+def _check_storage(name: str, item: Any) -> None:
+    """Refuse numbers of another file, and a chunk that a memory does not hold."""
+    if item.external or item.is_virtual:
+        raise ValueError(f"numbers of {name} are in another file")
+    chunk = math.prod(item.chunks or (0,)) * item.dtype.itemsize
+    if chunk > LARGEST_FILE:
+        raise ValueError(f"numbers of {name} are in a chunk of {chunk / 1e6:.0f} MB")
 
 
 def _unit(attributes: Mapping[str, Any]) -> str:

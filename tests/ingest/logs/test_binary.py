@@ -181,3 +181,22 @@ def test_a_column_that_was_not_written_to_the_end_is_refused(tmp_path, chunks):
             data[:3] = ANGLE[:3]
     with pytest.raises(EncoderError, match="numbers of angle are not in the file"):
         read_binary_table(path)
+
+
+def test_numbers_of_another_file_are_refused(tmp_path):
+    """A log from somebody else might name any file of this machine."""
+    np.arange(10.0).tofile(tmp_path / "other.raw")
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        raw = [(str(tmp_path / "other.raw"), 0, h5py.h5f.UNLIMITED)]
+        file.create_dataset("angle", (10,), "f8", external=raw)
+    with pytest.raises(EncoderError, match="numbers of angle are in another file"):
+        read_binary_table(tmp_path / "log.h5")
+
+
+def test_a_chunk_of_a_gigabyte_is_refused(tmp_path):
+    """Three numbers in it took 1.6 GB."""
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        options = {"maxshape": (None,), "chunks": (150_000_000,), "compression": "gzip"}
+        file.create_dataset("angle", (3,), "f8", **options)
+    with pytest.raises(EncoderError, match="numbers of angle are in a chunk of 1200 MB"):
+        read_binary_table(tmp_path / "log.h5")
