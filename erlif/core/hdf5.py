@@ -182,7 +182,7 @@ def _find_superblock(raw: Any) -> int:
 
 
 def _between_chunks(file: Any, size: int) -> list[tuple[int, int]]:
-    """Parts of a file without the chunks of its datasets, which may be gigabytes."""
+    """Parts of a file without the values of its datasets, which may be gigabytes."""
     import h5py
 
     if file.userblock_size:  # versions of the library disagree on what places then count from
@@ -195,6 +195,9 @@ def _between_chunks(file: Any, size: int) -> list[tuple[int, int]]:
             item.id.chunk_iter(
                 lambda chunk: chunks.append((chunk.byte_offset, chunk.byte_offset + chunk.size))
             )
+        elif isinstance(item, h5py.Dataset) and item.id.get_offset() is not None:
+            start = item.id.get_offset()
+            chunks.append((start, start + item.id.get_storage_size()))
 
     file.visititems(collect)
     parts, last = [], 0

@@ -12,7 +12,14 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.core.errors import FrameError
-from erlif.core.hdf5 import SIGNATURE, chunk_count, filters_of, find_chunks, open_hdf5
+from erlif.core.hdf5 import (
+    SIGNATURE,
+    check_heaps,
+    chunk_count,
+    filters_of,
+    find_chunks,
+    open_hdf5,
+)
 from erlif.readers.base import Format, FrameFile, FrameKind, SameKinds, check_claim
 
 _DENSEST = 1100
@@ -30,8 +37,16 @@ _MOST_VISITED = 10_000
 _LARGEST_TIMES = 64 * 2**20
 """Size of a chunk of times above which they are not read. [byte]"""
 
-_SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6}
-"""Units of a time axis. [s]"""
+_SECONDS = {
+    **dict.fromkeys(("d", "day", "days"), 86400.0),
+    **dict.fromkeys(("h", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
+}
+"""Units of a time axis, as cameras and xarray write them. [s]"""
 
 
 class Hdf5Frames(FrameFile):
@@ -228,17 +243,20 @@ def _check_filters(data: Any) -> None:
 
 def _attribute(item: Any, name: str, default: Any) -> Any:
     """An attribute of fixed length; the default where there is none."""
+    exists = name in item.attrs and not _is_variable(item, name)
+    return item.attrs[name] if exists else default
+
+
+def _is_variable(item: Any, name: str) -> bool:
+    """Whether an attribute has a variable length; its value then lies in a heap."""
     import h5py
 
-    # values of variable length lie in a heap, which the library of HDF5 2.0.0 may search without
-    # end in a damaged file; the scales that are attached to dimensions lie there as well
-    if not h5py.h5a.exists(item.id, name.encode()):
-        return default
+    # the library of HDF5 2.0.0 may search a damaged heap without end; the scales that are attached
+    # to dimensions lie there as well
     kind = h5py.h5a.open(item.id, name.encode()).get_type()
-    variable = isinstance(kind, h5py.h5t.TypeVlenID)
-    if variable or (isinstance(kind, h5py.h5t.TypeStringID) and kind.is_variable_str()):
-        return default
-    return item.attrs[name]
+    if isinstance(kind, h5py.h5t.TypeVlenID):
+        return True
+    return isinstance(kind, h5py.h5t.TypeStringID) and bool(kind.is_variable_str())
 
 
 def _chunk_size(data: Any) -> int:
@@ -251,15 +269,29 @@ def _times(data: Any) -> Array | None:
     found: list[Array] = []
     for name in data.parent:
         item = _array_beside(data, name)
-        if item is None:
+        factor = None if item is None else _SECONDS.get(_read_unit(item))
+        if factor is None:
             continue
-        unit = _attribute(item, "units", b"")
-        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else ""
-        factor = _SECONDS.get(unit.split(" since ")[0].strip().lower())
-        if factor is not None:
-            values: Array = np.asarray(item[()], dtype=np.float64)
-            found.append(factor * (values - values[0]))
+
+        # nanoseconds since 1970 are whole numbers that floating point does not resolve
+        stamps = np.asarray(item[()])
+        stamps = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
+        found.append(factor * (stamps - stamps[0]))
     return found[0] if len(found) == 1 else None
+
+
+def _read_unit(item: Any) -> str:
+    """Unit of an array in lower case, without the day from which times count."""
+    if "units" not in item.attrs:
+        return ""
+    if _is_variable(item, "units"):
+        try:
+            check_heaps(item.file)
+        except ValueError:  # times are no reason to refuse the frames
+            return ""
+    unit = item.attrs["units"]
+    text = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+    return text.split(" since ")[0].strip().lower()
 
 
 def _array_beside(data: Any, name: str) -> Any:

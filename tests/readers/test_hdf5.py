@@ -8,6 +8,8 @@ import h5netcdf
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
+from damages.products import empty_heap
 
 from erlif.core.errors import FrameError
 from erlif.readers import FrameKind, open_frames
@@ -113,13 +115,33 @@ def test_times_of_hdf5_stand_beside_the_frames(path):
     opened.close()
 
 
-def test_text_of_variable_length_is_not_read(path):
-    """It lies in a heap, in which the library of HDF5 can go round for ever when it is damaged."""
+def test_times_of_xarray_keep_their_nanoseconds(tmp_path):
+    """Its units are text of variable length; a float resolves 256 ns of the time since 1970."""
+    start = np.datetime64("2026-11-22T09:00:00.000000001", "ns")
+    stamps = start + np.array([0, 7, 20_000_033, 90_000_000_001]).astype("timedelta64[ns]")
+    frames = xr.Dataset({"counts": (("time", "y", "x"), COUNTS)}, {"time": stamps})
+    encoding = {"time": {"units": "nanoseconds since 1970-01-01", "dtype": "int64"}}
+    frames.to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=encoding)
+    with h5py.File(tmp_path / "a.nc") as file:
+        assert h5py.h5a.open(file["time"].id, b"units").get_type().is_variable_str()
+    file = open_frames(tmp_path / "a.nc", dataset="counts")
+    np.testing.assert_allclose(file.times, [0, 7e-9, 0.020000033, 90.000000001], rtol=1e-12)
+    file.close()
+
+
+def test_units_in_a_damaged_heap_are_not_read(path):
+    """The library of HDF5 can go round in it for ever; the frames lie elsewhere."""
     with h5py.File(path, "w") as file:
         file["counts"], file["time"] = COUNTS, np.arange(4.0)
         file["time"].attrs["units"] = "s"
     opened = open_frames(path)
+    np.testing.assert_allclose(opened.times, np.arange(4.0))
+    opened.close()
+
+    path.write_bytes(empty_heap(path.read_bytes()))
+    opened = open_frames(path)
     assert opened.times is None
+    np.testing.assert_array_equal(opened.read(3), COUNTS[3])
     opened.close()
 
 
