@@ -16,7 +16,7 @@ from erlif.kinematics.encoder import Encoder, Mechanism
 _SINGLE_CYCLE = 1.5
 """Turns of the crank below which a log without triggers_per_cycle counts as one cycle."""
 
-_OFF_ANGLE = 0.5
+OFF_ANGLE = 0.5
 """Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
 
 _REPEATED = 0.2
@@ -188,22 +188,50 @@ def _mixes_strokes(fold: Fold, crank: Array, mechanism: Mechanism) -> bool:
     return bool(((count[0] > 0) & (count[1] > 0)).any())
 
 
-def _deviations(fold: Fold, log: EncoderLog, encoder: Encoder) -> tuple[Array, float]:
-    """Distance of each frame from the first of its trigger, and the spacing. [degree]"""
+def find_deviations(
+    angle: Array, trigger: npt.NDArray[np.int64], *, turning: bool
+) -> tuple[Array, float]:
+    """Distance of each frame from the first one of its trigger, and the spacing of the triggers.
+
+    Parameters
+    ----------
+    angle : array, (frame,)
+        [degree]
+    trigger : array of int, (frame,)
+    turning : bool
+        Whether angles that are whole turns apart are the same.
+
+    Returns
+    -------
+    off : array, (frame,)
+        [degree]
+    spacing : float
+        Median step from frame to frame; infinite for a single one. [degree]
+
+    Examples
+    --------
+    >>> angle, trigger = np.array([350.0, 10, 351]), np.array([0, 1, 0])
+    >>> off, spacing = find_deviations(angle, trigger, turning=True)
+    >>> off.tolist(), spacing
+    ([0.0, 0.0, 1.0], 19.5)
+    """
     # filled from the back, so that the first frame of each trigger is the reference
-    reading = log.angle.values
-    first = np.empty(fold.trigger.max() + 1)
-    first[fold.trigger[::-1]] = reading[::-1]
-    off = np.abs(reading - first[fold.trigger])
-    if encoder.mounted_on == "crank":
-        off = np.abs((off + 180) % 360 - 180)  # readings may differ by whole turns
-    spacing = float(np.median(np.abs(np.diff(reading)))) if reading.size > 1 else math.inf
-    return off, spacing
+    first = np.empty(trigger.max() + 1)
+    first[trigger[::-1]] = angle[::-1]
+    off, step = np.abs(angle - first[trigger]), np.abs(np.diff(angle))
+    if turning:
+        off, step = (np.abs((one + 180.0) % 360.0 - 180.0) for one in (off, step))
+    return off, float(np.median(step)) if step.size else math.inf
+
+
+def _deviations(fold: Fold, log: EncoderLog, encoder: Encoder) -> tuple[Array, float]:
+    on_crank = encoder.mounted_on == "crank"
+    return find_deviations(log.angle.values, fold.trigger, turning=on_crank)
 
 
 def _check_angles(fold: Fold, log: EncoderLog, encoder: Encoder) -> None:
     off, spacing = _deviations(fold, log, encoder)
-    if off.max() <= _OFF_ANGLE * spacing:
+    if off.max() <= OFF_ANGLE * spacing:
         return
     worst = int(np.argmax(off))
     raise EncoderError(

@@ -17,10 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError
 from erlif.core.products import EncoderLog, require
-from erlif.kinematics.folding import Fold, fold_by_phase
-
-_OFF_ANGLE = 0.5
-"""Deviation from the first cycle's angle that a trigger may have, in spacings of triggers."""
+from erlif.kinematics.folding import OFF_ANGLE, Fold, find_deviations, fold_by_phase
 
 _LARGEST_STEP = 150.0
 """Turn of a disc from frame to frame above which its sense is not certain. [degree]"""
@@ -326,13 +323,8 @@ def _describe_frames(log: EncoderLog, columns: dict[str, _Column], fold: Fold) -
 
 def _check_fold(angle: Array, trigger: npt.NDArray[np.int64], log: EncoderLog) -> None:
     """Refuse a fold that gives one trigger frames of different angles."""
-    # filled from the back, so that the first frame of each trigger is the reference
-    first = np.zeros(int(trigger.max()) + 1)
-    first[trigger[::-1]] = angle[::-1]
-    off = _smallest_turn(angle - first[trigger])
-    spacing = float(np.median(_smallest_turn(np.diff(angle)))) if angle.size > 1 else math.inf
-
-    if off.max() > _OFF_ANGLE * spacing:
+    off, spacing = find_deviations(angle, trigger, turning=True)
+    if off.max() > OFF_ANGLE * spacing:
         worst = int(np.argmax(off))
         raise EncoderError(
             f"Expected the frames of one trigger at one angle; frame {int(log.number[worst])} is "
