@@ -323,7 +323,7 @@ def _solve_squeeze(eccentricity: Array, slenderness: float | None, points: int) 
         share = 4 / (odd_number * np.pi)
         mean = share / 2
         shares = np.sin(0.5 * np.pi * np.outer(odd_number, np.linspace(0.0, 1.0, _PLACES)))
-        loss = (odd_number * np.pi / slenderness) ** 2
+        loss = np.asarray((odd_number * np.pi / slenderness) ** 2, np.float64)
     leak = (h**3 * area)[..., np.newaxis] * loss
 
     columns = []
