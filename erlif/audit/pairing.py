@@ -34,7 +34,7 @@ class PairRow:
     camera2 : str
         The same for camera 2.
     row : int | None
-        Number of the frame in the log; None for a fixture.
+        Number of the frame in the log; None without a log.
     angle : float | None
         Encoder angle; None where it is not logged. [degree]
     time : float | None
@@ -85,6 +85,8 @@ def _describe(pairs: FramePairs, run: Run | None, k: int) -> PairRow:
     if run is None:
         return PairRow(k, one, two)
     log = run.log
+    if run.settings.encoder is None or run.settings.encoder.file is None:
+        return PairRow(k, one, two, time=float(log["time"][k]) if "time" in log else None)
     row = int(log.number[k]) if "number" in log else k
     angle = float(log.angle[k]) if "angle" in log else None
     time = float(log["time"][k]) if "time" in log else None

@@ -56,7 +56,7 @@ def show_log(verbosity: int) -> None:
             break
 
     handler = TerminalHandler()
-    handler.setFormatter(_ElapsedFormatter())
+    handler.setFormatter(_ElapsedFormatter() if verbosity else logging.Formatter())
     logger.addHandler(handler)
     logger.setLevel(LEVELS[min(verbosity, len(LEVELS) - 1)])
 

@@ -181,3 +181,24 @@ def _nearest(value: Fraction) -> float:
         return float(value)
     except OverflowError:
         return math.inf
+
+
+def count_of(number: int, what: str) -> str:
+    """A number with what it counts, in the plural where there is not one.
+
+    Parameters
+    ----------
+    number : int
+    what : str
+        In the singular, with a regular plural.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> count_of(1, "cycle"), count_of(4, "cycle")
+    ('1 cycle', '4 cycles')
+    """
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

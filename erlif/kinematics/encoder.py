@@ -256,7 +256,7 @@ def _check_reach(
         return
     first, last = sorted(math.degrees(sign * (limit - zero)) for limit in limits)
     raise EncoderError(
-        f"Frame {int(log.number[worst])}, column angle_deg: "
+        f"Frame {int(log.number[worst])}, the logged angle: "
         f"{counted[worst]:.3f} deg is link angle "
         f"{math.degrees(angle[worst]):.3f} deg, which the linkage cannot reach; its range is "
         f"{math.degrees(low):.3f} to {math.degrees(high):.3f} deg, readings "
@@ -274,7 +274,7 @@ def _fit_zero(
     if slack < -2 * ENCODER_ERROR:
         raise EncoderError(
             "Expected encoder angles within the swing of the linkage, "
-            f"{math.degrees(high - low):.3f} deg; column angle_deg spans "
+            f"{math.degrees(high - low):.3f} deg; the logged angle spans "
             f"{math.degrees(swing):.3f} deg. Check the links in [mechanism], or mounted_on and "
             "units in [encoder]."
         )
@@ -284,7 +284,7 @@ def _fit_zero(
     if slack > 2 * step + 2 * ENCODER_ERROR:
         raise EncoderError(
             "Expected a log that reaches both ends of the swing of the linkage, "
-            f"{math.degrees(high - low):.3f} deg, because zero is not given; column angle_deg "
+            f"{math.degrees(high - low):.3f} deg, because zero is not given; the logged angle "
             f"spans {math.degrees(swing):.3f} deg. Give zero in [encoder], or check the links in "
             f"[mechanism] and mounted_on, which places the encoder on the {encoder.mounted_on}."
         )

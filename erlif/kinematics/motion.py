@@ -388,7 +388,7 @@ def _rate_of_frames(log: EncoderLog) -> Array:
             raise EncoderError(
                 f"Expected less than {_LARGEST_STEP:g} deg from frame to frame, from which the "
                 "speed of rotation follows; from frame "
-                f"{int(log.number[worst])} to the next column angle_deg turns by "
+                f"{int(log.number[worst])} to the next the logged angle turns by "
                 f"{step[worst]:.1f} deg, which may be whole turns more. {fixed}"
             )
     if not np.all(np.diff(time) > 0):
@@ -398,7 +398,7 @@ def _rate_of_frames(log: EncoderLog) -> Array:
         )
     if not np.any(step):
         raise EncoderError(
-            "Expected column angle_deg to change as the disc turns; it is the same in all frames, "
+            "Expected the logged angle to change as the disc turns; it is the same in all frames, "
             f"as with one trigger in a turn. {fixed}"
         )
 

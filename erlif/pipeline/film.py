@@ -15,6 +15,7 @@ from erlif.core.errors import ConfigError
 from erlif.core.flags import FLAG_ATTRS, Flag
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
+from erlif.core.units import count_of
 from erlif.core.version import __version__
 from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
@@ -80,7 +81,7 @@ def group_frames(cycle: xr.Dataset, pairs: FramePairs) -> list[list[int]]:
 def describe_cycle(cycle: xr.Dataset) -> str:
     """Triggers, cycles and highest speed of a run in words; `cycle` as `locate_run` returns it."""
     triggers, cycles = int(cycle.trigger.max()) + 1, int(cycle.cycle.max()) + 1
-    text = f"{triggers} triggers in {cycles} cycle(s)"
+    text = f"{count_of(triggers, 'trigger')} in {count_of(cycles, 'cycle')}"
     if "rocker_speed" in cycle:
         return f"{text}, joint speed up to {float(np.abs(cycle.rocker_speed).max()):.3f} rad/s"
     if "sliding_speed" in cycle:

@@ -7,10 +7,12 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
+from erlif.core.units import count_of
 from erlif.files import flag_shares
 
 _TITLE = 28  # columns of the titles of a film
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
+_NOTABLE = 0.01  # share of the region beyond the range from which a mean is that of a part
 _AT = (0.1, 0.5)  # places in the calibrated range whose uncertainty is printed
 
 
@@ -40,8 +42,8 @@ def summarise(film: xr.Dataset) -> str:
     """
     name = str(film.attrs["title"]).removeprefix("oil-film thickness, ")
     lines = [
-        f"{name}: {_count(film.sizes['trigger'], 'trigger')} from "
-        f"{_count(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
+        f"{name}: {count_of(film.sizes['trigger'], 'trigger')} from "
+        f"{count_of(int(film.frames_used.sum()), 'frame pair')} of {film.sizes['x']} x "
         f"{film.sizes['y']} pixels",
         _film_line(film, "film_min", "minimum film thickness"),
         _film_line(film, "film_mean", "mean film thickness"),
@@ -90,10 +92,6 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
     )
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
-
-
 def _line(title: str, text: str, width: int = _TITLE) -> str:
     return f"  {title:{width}s}{text}"
 
@@ -105,10 +103,18 @@ def _film_line(film: xr.Dataset, variable: str, title: str) -> str:
         none = "none: no trigger has enough valid pixels in the region of interest"
         return _line(title, none)
     ends = [
-        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k})"
+        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k}{_describe_part(film[variable], k)})"
         for k in (int(np.nanargmin(values)), int(np.nanargmax(values)))
     ]
     return _line(title, " to ".join(dict.fromkeys(ends)))  # one end of a single trigger
+
+
+def _describe_part(statistic: xr.DataArray, trigger: int) -> str:
+    """Part of the region that a mean was taken over, where the rest is beyond the range."""
+    shares = np.ravel(statistic.attrs.get("share_beyond_range", ()))
+    if trigger >= shares.size or not shares[trigger] > _NOTABLE:
+        return ""
+    return f", over the {1 - shares[trigger]:.0%} of the region within the calibrated range"
 
 
 def _flag_lines(film: xr.Dataset) -> list[str]:
@@ -131,7 +137,11 @@ def _trend_lines(film: xr.Dataset) -> list[str]:
         return []
     title, exponent = "power of speed over load", film.speed_exponent
     if not np.isfinite(float(exponent)):
-        reason = "not fitted: fewer than five triggers can be used, or it hardly varies"
+        used, all_of = int(exponent.attrs.get("triggers_used", 0)), film.sizes["trigger"]
+        reason = (
+            f"not fitted: it takes five triggers of differing speed over load; {used} of {all_of} "
+            "can be used"
+        )
         return [_line(title, reason)]
     minimum = f"{float(exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
     mean = f"{float(film.speed_exponent_mean):.3f} ± {float(film.speed_exponent_mean_std):.3f}"

@@ -30,7 +30,7 @@ def test_a_good_run_is_described_in_the_order_of_the_audit(lab):
 def test_triggers_cycles_and_speed_are_those_of_the_rig(lab):
     """The rig turns a crank of 5.5 cm at 114 rpm and records six triggers."""
     (note,) = about(erlif.check(lab.run), "encoder log")
-    assert note.text.startswith("6 triggers in 1 cycle(s), joint speed up to ")
+    assert note.text.startswith("6 triggers in 1 cycle, joint speed up to ")
     speed = float(note.text.split()[-2])
     omega = 114 * 2 * np.pi / 60
     assert 0.9 * 5.5 / 26 < speed / omega < 1.5 * 5.5 / 26  # crank over rocker, and some more

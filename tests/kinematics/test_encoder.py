@@ -236,12 +236,12 @@ def test_a_swing_that_the_linkage_does_not_make_is_refused():
         EncoderError, match=r"24\.426 deg, because zero is not given; .* spans 9\.9"
     ):
         locate(log_of(reading))
-    with pytest.raises(EncoderError, match=r"24\.426 deg; column angle_deg spans 49\.\d* deg"):
+    with pytest.raises(EncoderError, match=r"24\.426 deg; the logged angle spans 49\.\d* deg"):
         locate(log_of(5 * reading))
 
 
 def test_the_coupler_does_not_reach_what_the_rocker_does():
-    with pytest.raises(EncoderError, match=r"14\.362 deg; column angle_deg spans 24\.4"):
+    with pytest.raises(EncoderError, match=r"14\.362 deg; the logged angle spans 24\.4"):
         locate(log_of(angle_of("rocker", CYCLE)), mounted_on="coupler")
 
 

@@ -180,7 +180,7 @@ def test_the_pin_of_a_slider_crank_turns_against_the_rod():
 
 @pytest.mark.parametrize("reading", [LOW - 0.2, HIGH + 0.2, -1e9, 1e300])
 def test_an_angle_out_of_reach_is_refused_with_the_range(reading):
-    with pytest.raises(EncoderError, match=r"Frame 1, column angle_deg.* 47\.41\d to 71\.83\d deg"):
+    with pytest.raises(EncoderError, match=r"Frame 1, the logged angle.* 47\.41\d to 71\.83\d deg"):
         locate(make_log([50.0, reading, 60.0]))
 
 
@@ -224,7 +224,7 @@ def test_without_a_zero_the_readings_may_span_the_swing_and_little_more(beyond, 
     if accepted:
         assert np.isfinite(locate(log, zero=None).rocker_speed).all()
     else:
-        with pytest.raises(EncoderError, match=r"24\.426 deg; column angle_deg spans 24\.676 deg"):
+        with pytest.raises(EncoderError, match=r"24\.426 deg; the logged angle spans 24\.676 deg"):
             locate(log, zero=None)
 
 

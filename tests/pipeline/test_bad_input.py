@@ -290,7 +290,7 @@ def test_an_angle_beyond_the_linkage_is_refused_with_the_reachable_range(lab, re
     rows = cell(4, "angle_deg", "40")(log.read_text().splitlines())
     log.write_text("\n".join(rows))
     message = refused("process", lab.run)
-    assert "Frame 2, column angle_deg" in message
+    assert "Frame 2, the logged angle" in message
     assert "47.410 to 71.836 deg" in message  # 47.4095 and 71.8355 by eq. A.1
 
 

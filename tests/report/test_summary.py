@@ -69,7 +69,7 @@ def test_film_without_valid_pixels_is_described(film):
     none = "none: no trigger has enough valid pixels in the region of interest"
     assert line_of(text, "minimum film thickness") == none
     assert line_of(text, "valid pixels") == "0.0%"
-    assert "not fitted: fewer than five triggers" in text
+    assert "not fitted: it takes five triggers of differing speed over load; " in text
 
 
 @pytest.fixture
@@ -131,3 +131,12 @@ def test_a_single_trigger_has_one_value(film):
     text = summarise(film.isel(trigger=[0]))
     assert ": 1 trigger from 1 frame pair of" in text
     assert " to " not in line_of(text, "minimum film thickness")
+
+
+def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
+    shares = np.zeros(film.sizes["trigger"])
+    shares[int(np.argmin(film.film_mean.values))] = 0.28
+    film = film.copy()
+    film["film_mean"].attrs["share_beyond_range"] = shares
+    text = line_of(summarise(film), "mean film thickness")
+    assert text.count("over the 72% of the region within the calibrated range") == 1

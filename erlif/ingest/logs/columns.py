@@ -249,10 +249,14 @@ def convert_column(
         unit = "1"  # its mean is all that matters
     scale = find_scale(quantity, unit) if unit else None
     if scale is None:
-        got = f"{unit!r}" if unit else "none in its header"
+        got, other = "none in its header", ""
+        if unit:
+            got = f"{unit!r}"
+            other = f" Choose another column if this is no {quantity}; or, where it is one,"
+        todo = f' Write units = {{ {quantity} = "{next(iter(UNITS[quantity]))}" }} in [encoder] of '
         raise EncoderError(
             f"Expected the unit of column {column.name} of {table.file}, the {quantity}; got {got}."
-            f' Write units = {{ {quantity} = "{next(iter(UNITS[quantity]))}" }} in [encoder] of '
+            f"{other}{todo.replace('Write', 'write') if other else todo}"
             f"run.toml; units of {quantity}: {', '.join(UNITS[quantity])}."
         )
     if scale.unit != "tick":
