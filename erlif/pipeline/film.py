@@ -226,15 +226,15 @@ def describe_film(
     )
     film = film.assign(count_pixels(results)).assign(describe_statistics(results))
     settings = run.settings
-    view = choose_view(settings, run.pairs.shape)
-    film = film.assign(describe_positions(results, calibration, view))
+    view, positions = choose_view(settings, run.pairs.shape), [one.position for one in results]
+    film = film.assign(describe_positions(positions, calibration, view))
     film = film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
 
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
     own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film)]
     load = float(np.median(film["load"])) if "load" in film else float("nan")
-    own += [*_censoring_notes(results), *note_form(results, calibration, view, settings, load)]
+    own += [*_censoring_notes(results), *note_form(positions, calibration, view, settings, load)]
     from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
     return film.assign_attrs(
         Conventions="CF-1.11",

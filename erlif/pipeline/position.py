@@ -16,7 +16,6 @@ from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
 from erlif.core.units import Quantity
 from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
-from erlif.pipeline.results import TriggerResult
 from erlif.settings import JointSettings, RunSettings
 from erlif.trend import (
     PARAMETERS,
@@ -82,13 +81,14 @@ def choose_view(settings: RunSettings, shape: tuple[int, int]) -> PinView | None
 
 
 def describe_positions(
-    results: Sequence[TriggerResult], calibration: Calibration, view: PinView | None
+    positions: Sequence[PinPosition | None], calibration: Calibration, view: PinView | None
 ) -> dict[str, Any]:
     """Position of the pin and form of the gap at each trigger, as variables of the film.
 
     Parameters
     ----------
-    results : sequence of TriggerResult
+    positions : sequence of PinPosition or None
+        Of the triggers.
     calibration : Calibration
         With which they were measured.
     view : PinView or None
@@ -98,9 +98,9 @@ def describe_positions(
     dict of str to variable
         Empty without a view.
     """
-    if view is None or any(result.position is None for result in results):
+    found = [one for one in positions if one is not None]
+    if view is None or len(found) < len(positions):
         return {}
-    found = [result.position for result in results if result.position is not None]
     shared = calibration.full_covariance
     value = np.array([one.value for one in found])
     place = {
@@ -196,7 +196,7 @@ def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -
 
 
 def note_form(
-    results: Sequence[TriggerResult],
+    positions: Sequence[PinPosition | None],
     calibration: Calibration,
     view: PinView | None,
     settings: RunSettings,
@@ -206,7 +206,8 @@ def note_form(
 
     Parameters
     ----------
-    results : sequence of TriggerResult
+    positions : sequence of PinPosition or None
+        Of the triggers.
     calibration : Calibration
     view : PinView or None
     settings : RunSettings
@@ -218,12 +219,12 @@ def note_form(
     list of Note
         Empty where the form is that of the joint and rigid.
     """
-    positions = [result.position for result in results if result.position is not None]
+    found = [one for one in positions if one is not None]
     if view is None or settings.joint is None:
         return []
     depth = _flattening(settings.joint, load)
     form = judge_form(
-        positions,
+        found,
         view,
         calibration_cov=calibration.full_covariance,
         clearance_std=_clearance_std(settings.joint),
@@ -235,7 +236,7 @@ def note_form(
     if form.cause is not Cause.NONE:
         notes.append(Note(Level.WARNING, "pin", _describe_cause(form, view, settings.joint)))
 
-    std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in positions]
+    std = [one.covariance(calibration.full_covariance)[0, 0] ** 0.5 for one in found]
     least = float(np.nanmedian(std))
     if depth > least:
         text = (

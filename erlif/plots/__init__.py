@@ -35,6 +35,7 @@ from erlif.plots.maps import (
     thickness_figure,
     thickness_map,
 )
+from erlif.plots.orbit import closest_film, gap_curvature, pin_figure, pin_orbit
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
 from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
@@ -43,6 +44,7 @@ __all__ = [
     "band_images",
     "band_images_figure",
     "calibration_figure",
+    "closest_film",
     "cycle_figure",
     "displacement_map",
     "drift_of_frames",
@@ -57,8 +59,11 @@ __all__ = [
     "find_fixture",
     "find_run",
     "fixture_profile",
+    "gap_curvature",
     "map_sheet_figure",
     "missing_figures",
+    "pin_figure",
+    "pin_orbit",
     "profile_residual",
     "ratio_against_thickness",
     "ratio_image",

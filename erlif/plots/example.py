@@ -10,6 +10,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,7 +23,9 @@ from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.film import predict_theory
 from erlif.pipeline.joint import build_linkage
+from erlif.pipeline.position import choose_view, describe_positions
 from erlif.settings import RunSettings, to_toml
+from erlif.trend import PinPosition
 
 _ROWS, _COLUMNS = 24, 64
 _PITCH = 0.25  # mm
@@ -120,6 +123,7 @@ def example_film() -> xr.Dataset:
     settings = RunSettings.model_validate(_SETTINGS)
     film = _example_triggers(settings)
     film = film.merge(_example_maps(film.film_min.values, settings))
+    film = film.assign(_example_positions(film.film_min.values, settings))
 
     # film = c (speed / load)^n, so that c is 2 um times the load to the power of n
     scale = math.log(_FILM * float(film["load"][0]) ** _POWER)
@@ -200,6 +204,29 @@ def _example_maps(minimum: Array, settings: RunSettings) -> xr.Dataset:
         {"x": ("x", x, {"units": "mm"}), "y": ("y", y, {"units": "mm"})},
     )
     return film.assign(flags=(dims, flags, FLAG_ATTRS))
+
+
+def _example_positions(minimum: Array, settings: RunSettings) -> dict[str, Any]:
+    """Positions of a pin whose film is thinnest at the load line, and the form of circles."""
+    view = choose_view(settings, (_ROWS, _COLUMNS))
+    assert view is not None  # _SETTINGS have a joint
+    random, surface = np.diag([3e-3, 4e-2, 1e-3, 1e-2]) ** 2, np.diag([4e-3, 3e-2, 2e-3, 1e-2]) ** 2
+    gradient = np.array([[-0.02, 0.0, 0.01], [0.0, 0.05, -0.02], [0.0] * 3, [0.0] * 3])
+    form = 1e-3**2 * np.eye(2)
+    positions = [
+        PinPosition(
+            value=np.array([view.clearance - film_min, 0.0, 0.0, 0.0]),
+            random_cov=random,
+            surface_cov=surface,
+            gradient=gradient,
+            form=np.zeros(2),
+            form_random_cov=form,
+            form_surface_cov=form,
+            form_gradient=np.zeros((2, 3)),
+        )
+        for film_min in minimum
+    ]
+    return describe_positions(positions, example_calibration(), view)
 
 
 def example_images(film: xr.Dataset, *, trigger: int) -> xr.Dataset:

@@ -28,6 +28,7 @@ from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
+from erlif.plots.orbit import has_position, pin_figure
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure, speed_over_load
@@ -227,6 +228,7 @@ DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
     "film_against_speed": lambda source: speed_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
     "film_over_cycle": lambda source: cycle_figure(source.film),
+    "pin_orbit": lambda source: pin_figure(source.film),
     "registration": lambda source: registration_figure(
         source.group("registration"), source.group("frames")
     ),
@@ -249,6 +251,8 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         return _describe_steady(source.film)
     if name == "film_over_cycle" and source.film.sizes["trigger"] < 2:
         return "the film has a single trigger"
+    if name == "pin_orbit" and not has_position(source.film):
+        return "the film has no position of a pin at two triggers; it needs [joint]"
     if name == "film_against_speed":
         return _reason_without_trend(source.film)
 

@@ -83,6 +83,14 @@ CAPTIONS = {
         "(a) Mean and minimum film thickness with 95 % bands of random and shared errors; "
         "(b) speed. Dotted: dead points of the mechanism.",
     ),
+    "pin_orbit": Caption(
+        "Orbit of the pin",
+        "(a) Displacement of the pin at every trigger; grey: the clearance, where pin and bore "
+        "touch. (b) Film where they are closest, against the angle of this place; filled ellipses: "
+        "95 % of the random error, dashed: with the errors that all triggers share. (c) Curvature "
+        "of the gap along sliding, left free, with bars of 95 %, and that of circles with the "
+        "radii of the joint.",
+    ),
     "registration": Caption(
         "Registration of the cameras",
         "(a, b) Displacement of camera 2 against camera 1 less its mean; dashed: edge of the "

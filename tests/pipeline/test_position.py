@@ -1,12 +1,10 @@
 """The position of the pin of a run: against its true film, and as variables of the film."""
 
-from dataclasses import replace
-
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.results import make_position, make_result
+from scenes.results import make_position
 
 import erlif
 from erlif.core.errors import ConfigError
@@ -109,20 +107,16 @@ def test_load_line_on_the_other_side_of_the_joint_is_refused(small_rig):
         choose_view(with_load_line(settings, "6 cm"), SHAPE)
 
 
-def test_results_without_a_position_leave_the_variables_out(small_rig, calibration):
+def test_triggers_without_a_position_leave_the_variables_out(small_rig, calibration):
     view = choose_view(open_run(small_rig.run).settings, SHAPE)
-    results = [replace(make_result(0), position=make_position()), make_result(1)]
-    assert describe_positions(results, calibration, view) == {}
-    assert describe_positions(results[:1], calibration, None) == {}
+    assert describe_positions([make_position(), None], calibration, view) == {}
+    assert describe_positions([make_position()], calibration, None) == {}
 
 
 def test_variables_are_those_of_the_results(small_rig, calibration):
     view = choose_view(open_run(small_rig.run).settings, SHAPE)
-    results = [
-        replace(make_result(k), position=make_position((0.01, 0.02), film=film))
-        for k, film in enumerate((2.0, 5.0))
-    ]
-    film = xr.Dataset(describe_positions(results, calibration, view))
+    positions = [make_position((0.01, 0.02), film=film) for film in (2.0, 5.0)]
+    film = xr.Dataset(describe_positions(positions, calibration, view))
     npt.assert_array_equal(film.pin_displacement, [[228.0, 1.0], [225.0, 1.0]])
     npt.assert_array_equal(film.pin_tilt, [[0.01, 0.1]] * 2)
     # e/(R1 R2), mm2
@@ -138,9 +132,7 @@ def notes_of(small_rig, calibration, positions, *, load=np.nan, radii=("33.36 mm
     changed = settings.model_dump(mode="json", exclude_none=True)
     changed["joint"]["pin_radius"], changed["joint"]["bushing_radius"] = radii
     settings = type(settings).model_validate(changed)
-    results = [replace(make_result(k), position=one) for k, one in enumerate(positions)]
-    view = choose_view(settings, SHAPE)
-    return note_form(results, calibration, view, settings, load)
+    return note_form(positions, calibration, choose_view(settings, SHAPE), settings, load)
 
 
 def forms(along, axial=0.0):

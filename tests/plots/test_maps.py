@@ -328,7 +328,7 @@ def test_profile_of_a_film_that_slides_along_y_is_that_of_the_turned_film(film, 
         ("x = [3.0, 13.0]", "x = [1.0, 11.0]"),
         ("y = [1.0, 11.0]", "y = [3.0, 13.0]"),
     )
-    turned = turned.rename({"x": "y", "y": "x"}).transpose("trigger", "y", "x")
+    turned = turned.rename({"x": "y", "y": "x"}).transpose("trigger", "y", "x", ...)
     line, *_ = plots.sliding_profile(film, trigger=1)
     other, *_ = plots.sliding_profile(turned, trigger=1)
     npt.assert_allclose(other.get_ydata(), line.get_ydata())

@@ -139,7 +139,9 @@ def without_valid_pixels(film: xr.Dataset) -> xr.Dataset:
     empty = film.load().copy(deep=True)
     empty.flags.values[:] = Flag.ABOVE_RANGE
     for name, variable in empty.data_vars.items():
-        if str(name).startswith(("thickness", "film_m", "film_p", "speed_exponent")):
+        if str(name).startswith(
+            ("thickness", "film_m", "film_p", "film_c", "pin", "speed_exponent")
+        ):
             empty[name] = variable * np.nan
     return empty
 
@@ -158,7 +160,7 @@ def make_film(directory: Path) -> Path:
             "y": ("y", PITCH * np.arange(ROWS), {"units": "mm"}),
         },
     )
-    film = film.assign(noisy_maps())
+    film = film.assign(noisy_maps()).assign(pin_columns())
 
     for suffix, power in (("", POWER), ("_mean", 0.4)):
         attrs = {"log_scale": math.log(2.0 * LOAD**POWER), "triggers_used": TRIGGERS}
@@ -211,6 +213,47 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
         "film_hamrock_dowson": (0.3 * minimum, "um"),
         "film_theory": (20.0 * minimum, "um"),
         "film_parameter": (minimum / (math.sqrt(2) * 0.2), "1"),
+    }
+
+
+CLEARANCE, MEAN_RADIUS = 230.0, math.sqrt(33.36 * 33.59)  # um, mm
+RANDOM_STD = np.array([0.003, 0.04, 0.001, 0.012])  # um and um/mm, of the numbers of a position
+SHARED_STD = np.array([0.015, 0.03, 0.001, 0.001])
+
+
+def pin_columns() -> dict[str, tuple]:
+    """Position of the pin whose gap is `true_film`, its covariance and the form of circles.
+
+    The film is thinnest 0.2 mm beside the middle of the image, which is the load line.
+    """
+    eccentricity = CLEARANCE - minimum_film()
+    side = (PLACE - PITCH * (COLUMNS - 1) / 2) / MEAN_RADIUS * eccentricity
+    tilt = -TILT / (PITCH * (ROWS - 1))
+    both, numbers = ("trigger", "axis"), ("trigger", "parameter", "parameter_other")
+    random = np.tile(np.diag(RANDOM_STD**2), (TRIGGERS, 1, 1))
+    shared = np.tile(np.diag(SHARED_STD**2), (TRIGGERS, 1, 1))
+    circles = eccentricity / MEAN_RADIUS**2
+    place = {"clearance": CLEARANCE, "load_line": PITCH * (COLUMNS - 1) / 2}
+    std = {"units": "um mm-2"}
+    return {
+        "axis": ("axis", np.array(["load", "side"])),
+        "parameter": ("parameter", np.array(["load", "side", "tilt_load", "tilt_side"])),
+        "pin_displacement": (
+            both,
+            np.column_stack([eccentricity, side]),
+            {"units": "um"} | place,
+        ),
+        "pin_tilt": (both, np.tile([tilt, 0.0], (TRIGGERS, 1)), {"units": "um mm-1"} | place),
+        "pin_position_cov": (numbers, random + shared),
+        "pin_position_cov_random": (numbers, random),
+        "pin_position_gradient": (
+            ("trigger", "parameter", "calibration_parameter"),
+            np.zeros((TRIGGERS, 4, 3)),
+        ),
+        "film_curvature": ("trigger", circles + 0.002, {"units": "um mm-2", "expected": circles}),
+        "film_curvature_std": ("trigger", np.full(TRIGGERS, 0.001), std),
+        "film_curvature_axial": ("trigger", np.zeros(TRIGGERS), std),
+        "film_curvature_axial_std": ("trigger", np.full(TRIGGERS, 0.002), std),
     }
 
 
