@@ -27,6 +27,11 @@ _FEW_LEVELS = 16
 """Distinct counts below which a frame is too uniform to judge the alignment of its bits."""
 
 
+_LARGEST_HASHED = 2**28
+"""Size up to which a file with one frame is hashed in memory, as it is read; a larger one is hashed
+later, in pieces. [byte]"""
+
+
 @dataclass(frozen=True)
 class Page:
     """One image in a file.
@@ -87,7 +92,8 @@ class PageContent(NamedTuple):
     counts : Counts
         (y, x), uint8 or uint16. [DN]
     digest : str
-        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file.
+        SHA-256 of the file, hexadecimal; empty where other pages or readers share the file, and for
+        a file above 256 MiB.
     """
 
     counts: Counts
@@ -294,7 +300,7 @@ def read_content(
 
 def _decode(page: Page, *, digest: bool) -> PageContent:
     """Image of a page as it is stored; the hash belongs to the bytes that are decoded."""
-    if not digest or not page.alone:
+    if not digest or not page.alone or page.path.stat().st_size > _LARGEST_HASHED:
         image = read_plain_page(page.path, page.header) if page.header else None
         return PageContent(page.selection.crop(_read_frame(page) if image is None else image))
 

@@ -19,6 +19,9 @@ from erlif.readers.source import Source
 _DENSEST = 1100
 """Decoded bytes per byte of a file that deflate can reach."""
 
+_LARGEST_REST = 2**26
+"""Size of what a PNG may hold beside its image. [byte]"""
+
 _PALETTE = "it is a palette image, whose values are no counts. Save the raw counts as grey TIFF."
 _COLOURS = "it is a colour image. Save the raw counts of the camera, one channel, as grey TIFF."
 
@@ -51,6 +54,8 @@ class PngPicture(FrameFile):
 
         kind = FrameKind((height, width), f"uint{depth}")
         check_claim(1, kind, size, packing=_DENSEST)
+        if size > _LARGEST_REST + 2 * height * width * depth // 8:
+            raise FrameError(f"the file is damaged: {size} bytes are too many for its {kind}")
         self.kinds = [kind]
 
     def read(self, index: int) -> AnyArray:

@@ -190,7 +190,9 @@ def close_frames() -> None:
     _kept.clear()
 
 
-_Key = tuple[str, str, int, int]
+_Key = tuple[str, str, int, int, int]
+"""Path and dataset, and size, time of change and place on the disk: a copy that takes the name of a
+file may have its size and time."""
 
 
 @dataclass
@@ -220,7 +222,7 @@ class _KeptFiles:
             found = path.stat()
         except OSError as error:
             raise FrameError(f"the file cannot be read: {error.strerror or error}") from error
-        key = (str(path), dataset, found.st_size, found.st_mtime_ns)
+        key = (str(path), dataset, found.st_size, found.st_mtime_ns, found.st_ino)
 
         # two threads that open the same file at once: the second waits and finds it open
         with self.lock:

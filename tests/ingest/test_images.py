@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path, PurePath
 
@@ -327,3 +328,20 @@ def test_a_recording_of_two_files_keeps_its_times(tmp_path):
         np.testing.assert_allclose(find_pages(tmp_path, pattern, "x").times, [0, 5e-4, 1e-3])
     write_mraw(tmp_path / "n.mraw", np.zeros((3, 64, 80), np.uint16), rate=2000)
     assert find_pages(tmp_path, "*.mraw", "x").times is None
+
+
+def test_a_frame_in_a_file_of_a_gigabyte_takes_no_gigabyte(tmp_path):
+    """A file may be longer than its frame; it was read whole for its hash."""
+    path = tmp_path / "a.npy"
+    image = np.arange(64 * 80, dtype=np.uint16).reshape(64, 80)
+    np.save(path, image)
+    with path.open("ab") as file:
+        file.truncate(2**30)
+    (page,) = find_pages(tmp_path, "a.npy", "x").pages
+    tracemalloc.start()
+    content = read_content(page, tmp_path, (64, 80), digest=True)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000_000
+    np.testing.assert_array_equal(content.counts, image)
+    assert content.digest == ""

@@ -158,3 +158,11 @@ def test_blanks_without_a_number_are_refused_at_once(tmp_path):
     start = time.perf_counter()
     assert "not a PGM" in refusal(path)
     assert time.perf_counter() - start < 1.0
+
+
+def test_a_png_of_a_gigabyte_for_few_pixels_is_refused_when_it_is_opened(tmp_path):
+    path = tmp_path / "a.png"
+    assert cv2.imwrite(str(path), GREY)
+    with path.open("ab") as file:
+        file.truncate(2**30)
+    assert "1073741824 bytes are too many for its 81 x 64 uint16" in refusal(path)

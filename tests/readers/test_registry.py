@@ -236,3 +236,17 @@ def test_threads_share_the_open_files(tmp_path, foreign, monkeypatch):
 def test_a_missing_file_is_a_fault(tmp_path):
     with pytest.raises(FrameError, match="No such file"), borrow_frames(tmp_path / "a.tif"):
         pass
+
+
+def test_a_file_that_took_the_name_of_an_open_one_is_opened_anew(tmp_path):
+    """Programs that copy with the time of change leave size and time as they were."""
+    path, other = tmp_path / "a.npy", tmp_path / "b.npy"
+    np.save(path, np.zeros((2, 64, 80), np.uint16))
+    np.save(other, np.ones((2, 64, 80), np.uint16))
+    found = path.stat()
+    os.utime(other, ns=(found.st_atime_ns, found.st_mtime_ns))
+    with borrow_frames(path) as file:
+        assert file.read(1).max() == 0
+    other.replace(path)
+    with borrow_frames(path) as file:
+        assert file.read(1).min() == 1
