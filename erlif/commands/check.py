@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.status import BAD_INPUT, DEFECT
 from erlif.core.notes import Level
@@ -43,7 +44,8 @@ def check(
     if page is not None:
         expect_suffix(page, ".html")
         refuse_existing(page, overwrite=overwrite)
-    found = audit(directory, allow_outside=allow_outside)
+    with announced_compiling():
+        found = audit(directory, allow_outside=allow_outside)
     if as_json:
         click.echo(json.dumps(found.to_record(), indent=1))
     else:

@@ -26,6 +26,7 @@ from erlif.plots.style import (
 _LOOKS = ((OUTWARD, "o", OUTWARD), (RETURN, "s", "white"))
 _WITHIN = (0.5, 99.5)  # percentiles at the ends of a colour scale
 _AROUND = 0.55  # inch above and below an image
+_STEADY = 0.01  # relative change of the time step that the axis shows at least
 _ROOM = 1.1  # height of an axis over the highest value
 _BARS = 256  # of a histogram at most
 
@@ -189,6 +190,11 @@ def steps_figure(steps: Steps) -> Figure | None:
             np.arange(drawn.size), drawn, color=OUTWARD, marker="o", markersize=2, linewidth=0.5
         )
         ax.set_ylabel(f"{name} [{unit}]")
+        ax.ticklabel_format(axis="y", useOffset=False)
+        if name == "time step":  # digits that a logger rounds are no scatter of its clock
+            middle = float(np.median(drawn))
+            room = max(float(np.abs(drawn - middle).max()), _STEADY * middle)
+            ax.set_ylim(middle - 1.1 * room, middle + 1.1 * room)
         letter(ax, mark)
     axes[-1].set_xlabel("frame pair [1]")
     return figure

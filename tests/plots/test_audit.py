@@ -78,3 +78,11 @@ def test_angles_and_steps_of_time_are_drawn():
     npt.assert_allclose(upper.lines[0].get_ydata(), [0, 1, 3])
     npt.assert_allclose(lower.lines[0].get_ydata(), [10, 20])
     assert steps_figure(Steps(None, None)) is None
+
+
+def test_rounded_times_are_drawn_as_even_steps():
+    time = np.round(np.arange(20) / 24.003, 6)
+    (ax,) = steps_figure(Steps(None, time)).axes
+    low, high = ax.get_ylim()
+    assert high - low > 0.02 * 41.66
+    assert ax.yaxis.get_major_formatter().get_useOffset() is False
