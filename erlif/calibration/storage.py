@@ -21,7 +21,13 @@ from erlif.calibration.soundness import (
     check_rise,
     places,
 )
-from erlif.core.errors import CalibrationError, ErlifError, OutputError, RegistrationError
+from erlif.core.errors import (
+    CalibrationError,
+    ErlifError,
+    OutputError,
+    RegistrationError,
+    reason_of,
+)
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
 from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, write_dataset
@@ -130,7 +136,7 @@ Make one with: erlif calibrate FIXTURE_DIR
     except Exception as error:  # damaged bytes make HDF5 raise errors of any kind
         raise CalibrationError(
             f"Expected a calibration as erlif calibrate writes it; {path} is damaged or something "
-            f"else ({error}). Make one with: erlif calibrate FIXTURE_DIR"
+            f"else ({reason_of(error)}). Make one with: erlif calibrate FIXTURE_DIR"
         ) from error
 
 

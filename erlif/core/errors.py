@@ -45,3 +45,28 @@ class ModelError(ErlifError, ValueError):
 
 class UnitWarning(UserWarning):
     """An argument of a model that is probably given in another unit than the SI unit expected."""
+
+
+LONGEST_REASON = 200
+"""Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
+
+
+def reason_of(error: BaseException) -> str:
+    """What another program states about a file, as a part of a message.
+
+    Parameters
+    ----------
+    error : BaseException
+
+    Returns
+    -------
+    str
+        The first line of its text, cut to a length that can be read, or its class.
+
+    Examples
+    --------
+    >>> reason_of(OSError("bad symbol\\nat 0x10.")), reason_of(MemoryError())
+    ('bad symbol', 'MemoryError')
+    """
+    first = str(error).strip().partition("\n")[0].rstrip(".")
+    return first[:LONGEST_REASON] or type(error).__name__

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import mmap
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,9 @@ _OLD_VERSIONS = {0: 24, 1: 28}
 
 _LENGTHS = {0: 14, 1: 14, 2: 10, 3: 10}
 """Place of the size of a length in the superblock by its version. [byte]"""
+
+_VARIABLE_KIND, _SEQUENCE = 3, 0
+"""Place and value of the kind of a type of variable length, in its encoded form."""
 
 _HEAP = re.compile(b"GCOL\x01\0\0\0")
 """Start of a collection of a global heap."""
@@ -73,22 +77,25 @@ def open_hdf5(path: Path) -> Any:
     return h5py.File(path, "r")
 
 
-def check_heaps(file: Any) -> None:
-    """Refuse a file with a damaged global heap, where values of variable length lie.
+def check_variable_lengths(file: Any) -> None:
+    """Refuse a file whose values of variable length the library does not survive.
 
-    The library searches without end in a collection whose free space has no size. Attributes and
+    They lie in global heaps; the library searches without end in one whose free space has no size.
+    A type of variable length that is neither text nor a sequence ends the process. Attributes and
     datasets of variable length are read after this check alone.
 
     Parameters
     ----------
     file : h5py.File
-        Opened for reading; chunks of its datasets are not searched.
+        Opened for reading; chunks of its datasets are not searched for heaps.
 
     Raises
     ------
     ValueError
         With the bare reason.
     """
+    for kind in _types(file):
+        _check_type(kind)
     with Path(file.filename).open("rb") as raw:
         place = _find_superblock(raw)
         raw.seek(place)
@@ -168,6 +175,34 @@ def find_chunks(data: Any) -> Mask:
 
 def _chunk_grid(data: Any) -> list[int]:
     return [-(-length // chunk) for length, chunk in zip(data.shape, data.chunks, strict=True)]
+
+
+def _types(file: Any) -> Iterator[Any]:
+    """Types of all datasets and attributes of a file."""
+    import h5py
+
+    items: list[Any] = [file]
+    file.visititems(lambda name, item: items.append(item))
+    for item in items:
+        if isinstance(item, h5py.Dataset):
+            yield item.id.get_type()
+        for number in range(h5py.h5a.get_num_attrs(item.id)):
+            yield h5py.h5a.open(item.id, index=number).get_type()
+
+
+def _check_type(kind: Any) -> None:
+    """Refuse a type of variable length that is neither text nor a sequence, also within others."""
+    import h5py
+
+    if isinstance(kind, h5py.h5t.TypeCompoundID):
+        for number in range(kind.get_nmembers()):
+            _check_type(kind.get_member_type(number))
+    elif isinstance(kind, h5py.h5t.TypeArrayID):
+        _check_type(kind.get_super())
+    elif isinstance(kind, h5py.h5t.TypeVlenID):
+        if kind.encode()[_VARIABLE_KIND] & 0x0F != _SEQUENCE:  # text has a class of its own
+            raise ValueError("it has values of an unknown variable length")
+        _check_type(kind.get_super())
 
 
 def _find_superblock(raw: Any) -> int:

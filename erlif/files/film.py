@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from erlif.core.errors import OutputError
+from erlif.core.errors import OutputError, reason_of
 from erlif.files.headers import check_netcdf, check_zarr
 from erlif.files.netcdf import fix_text, open_netcdf
 from erlif.files.replacing import replacing, take_name, write_error
@@ -215,10 +215,9 @@ def _is_from_zarr(error: BaseException) -> bool:
 
 
 def _damaged(path: Path, error: Exception) -> OutputError:
-    reason = str(error).strip().rstrip(".").partition("\n")[0]
     return OutputError(
         f"Expected a film as erlif process writes it; {path} is damaged or something else "
-        f"({reason}). {_MAKE_ONE}"
+        f"({reason_of(error)}). {_MAKE_ONE}"
     )
 
 

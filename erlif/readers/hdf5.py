@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array, Mask
-from erlif.core.errors import FrameError
+from erlif.core.errors import FrameError, reason_of
 from erlif.core.hdf5 import (
     SIGNATURE,
-    check_heaps,
+    check_variable_lengths,
     chunk_count,
     filters_of,
     find_chunks,
@@ -58,7 +58,7 @@ class Hdf5Frames(FrameFile):
         try:
             self._file = open_hdf5(path)
         except Exception as error:  # h5py raises several types on damaged bytes
-            raise FrameError(f"the file is damaged or not HDF5 ({_first_line(error)})") from error
+            raise FrameError(f"the file is damaged or not HDF5 ({reason_of(error)})") from error
         try:
             self._data = self._find(dataset)
             self._check(path.stat().st_size)
@@ -67,7 +67,7 @@ class Hdf5Frames(FrameFile):
             raise
         except Exception as error:  # as above
             self._file.close()
-            raise FrameError(f"the file is damaged ({_first_line(error)})") from error
+            raise FrameError(f"the file is damaged ({reason_of(error)})") from error
 
     def read(self, index: int) -> AnyArray:
         """As `FrameFile.read`."""
@@ -78,7 +78,7 @@ class Hdf5Frames(FrameFile):
         except FrameError:
             raise
         except Exception as error:  # as above
-            raise FrameError(f"the dataset is damaged ({_first_line(error)})") from error
+            raise FrameError(f"the dataset is damaged ({reason_of(error)})") from error
         image = np.asarray(image)
         return image.astype(image.dtype.newbyteorder("="), copy=False)
 
@@ -286,7 +286,7 @@ def _read_unit(item: Any) -> str:
         return ""
     if _is_variable(item, "units"):
         try:
-            check_heaps(item.file)
+            check_variable_lengths(item.file)
         except ValueError:  # times are no reason to refuse the frames
             return ""
     unit = item.attrs["units"]
@@ -310,10 +310,6 @@ def _array_beside(data: Any, name: str) -> Any:
     # times are no reason to refuse the frames: what cannot be decoded is left out
     decodable = all(h5py.h5z.filter_avail(code) for code in filters_of(item))
     return item if decodable and _chunk_size(item) <= _LARGEST_TIMES else None
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).strip().split("\n")[0] or type(error).__name__
 
 
 def _open_dataset(path: Path, dataset: str) -> FrameFile:

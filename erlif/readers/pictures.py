@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from erlif.core.arrays import AnyArray
-from erlif.core.errors import FrameError
+from erlif.core.errors import FrameError, reason_of
 from erlif.readers.base import Format, FrameFile, FrameKind, check_claim
 from erlif.readers.raw import FrameLayout, RawFrames
 from erlif.readers.source import Source
@@ -68,7 +68,7 @@ class PngPicture(FrameFile):
             with PngImageFile(BytesIO(data)) as image:
                 counts = np.asarray(image)
         except Exception as error:  # Pillow raises several types on damaged bytes
-            raise FrameError(f"the picture is damaged ({error})") from error
+            raise FrameError(f"the picture is damaged ({reason_of(error)})") from error
         shape, dtype = self.kinds[index]
         if counts.shape != shape:
             raise FrameError("the picture is damaged: it has another size than its header")

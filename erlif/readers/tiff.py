@@ -14,7 +14,7 @@ import numpy as np
 import tifffile
 
 from erlif.core.arrays import AnyArray
-from erlif.core.errors import FrameError
+from erlif.core.errors import FrameError, reason_of
 from erlif.readers.base import (
     TRUNCATED,
     Format,
@@ -154,7 +154,7 @@ class TiffFrames(FrameFile):
         except (OSError, FrameError):
             raise
         except Exception as error:  # tifffile raises exceptions of many types on damaged bytes
-            raise FrameError(f"the file is damaged or not a TIFF ({error})") from error
+            raise FrameError(f"the file is damaged or not a TIFF ({reason_of(error)})") from error
         self.stack = _contiguous(self._pages[0])
         return text.encode("utf-8", "replace")
 
@@ -292,7 +292,7 @@ def _contiguous(page: object) -> tuple[FrameLayout, int] | None:
 
 def _reason(error: Exception, page: tifffile.TiffPage) -> str:
     """Why a page cannot be decoded, with the package that is missing where one is."""
-    text = str(error).strip().split("\n")[0] or type(error).__name__
+    text = reason_of(error)
     if "imagecodecs" not in text and not isinstance(error, ModuleNotFoundError):
         return text
     name = getattr(page.compression, "name", page.compression)

@@ -2,6 +2,7 @@
 
 import json
 
+import h5py
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -127,3 +128,12 @@ def test_film_of_an_earlier_version_lacks_some_fields(wedge, tmp_path):
 def test_a_film_without_calibration_is_refused():
     with pytest.raises(OutputError, match="there is none"):
         calibration_of(xr.Dataset())
+
+
+def test_a_long_text_in_place_of_a_number_is_shown_in_part(wedge, tmp_path):
+    path = save_calibration(wedge, tmp_path / "calibration.nc")
+    with h5py.File(path, "r+") as file:
+        file.attrs["band_camera1_nm"] = "x" * 60_000
+    with pytest.raises(CalibrationError, match=r"calibration\.nc is damaged") as refused:
+        open_calibration(path)
+    assert len(str(refused.value)) < 1000

@@ -28,3 +28,9 @@ def test_unit_warning_is_a_user_warning_and_no_error():
 @pytest.mark.parametrize("kind", CLASSES, ids=lambda c: c.__name__)
 def test_every_class_is_documented(kind):
     assert kind.__doc__.strip().endswith(".")
+
+
+def test_a_foreign_reason_is_one_line_that_can_be_read():
+    assert errors.reason_of(ValueError("no float: 'x'.\nat 0x10")) == "no float: 'x'"
+    assert len(errors.reason_of(ValueError("x" * 70_000))) == 200
+    assert errors.reason_of(MemoryError()) == "MemoryError"

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from erlif.core.hdf5 import check_heaps, chunk_count, find_chunks, open_hdf5
+from erlif.core.hdf5 import check_variable_lengths, chunk_count, find_chunks, open_hdf5
 
 HEAD = 16
 """Length of the head of a heap, and of each object in it, for lengths of eight bytes."""
@@ -43,7 +43,7 @@ def damage(path, change):
 def test_a_whole_file_is_opened(tmp_path, options):
     path = write(tmp_path / "a.h5", **options)
     with open_hdf5(path) as file:
-        check_heaps(file)
+        check_variable_lengths(file)
         assert file.attrs["unit"] == "degree"
 
 
@@ -59,7 +59,41 @@ def test_a_heap_in_which_the_library_searches_without_end_is_refused(tmp_path, o
 
     damage(path, change)
     with open_hdf5(path) as file, pytest.raises(ValueError, match="free space of no size"):
-        check_heaps(file)
+        check_variable_lengths(file)
+
+
+TEXT, SEQUENCE = b"\x19\x01", b"\x19\x00"
+"""Class and kind of types of variable length in version 1 (section IV.A.2.d)."""
+
+
+@pytest.mark.parametrize(
+    ("dtype", "written"),
+    [
+        (h5py.string_dtype(), TEXT),
+        (h5py.vlen_dtype("i4"), SEQUENCE),
+        (np.dtype([("number", "i4"), ("list", h5py.vlen_dtype("i4"))]), SEQUENCE),
+        (np.dtype((h5py.vlen_dtype("i4"), (2,))), SEQUENCE),
+    ],
+    ids=["text", "sequence", "compound", "array"],
+)
+@pytest.mark.parametrize("place", ["dataset", "attribute"])
+def test_an_unknown_variable_length_is_refused(tmp_path, dtype, written, place):
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        if place == "dataset":
+            file.create_dataset("a", (1,), dtype)
+        else:
+            space = h5py.h5s.create_simple((1,))
+            h5py.h5a.create(file.id, b"a", h5py.h5t.py_create(dtype, logical=True), space)
+    with open_hdf5(path) as file:
+        check_variable_lengths(file)
+
+    def change(content):
+        content[content.index(written + b"\0\0\x10" if written == SEQUENCE else written) + 1] |= 8
+
+    damage(path, change)
+    with open_hdf5(path) as file, pytest.raises(ValueError, match="unknown variable length"):
+        check_variable_lengths(file)
 
 
 def test_the_rest_of_a_heap_that_was_given_back_is_not_refused(tmp_path):
@@ -68,7 +102,7 @@ def test_the_rest_of_a_heap_that_was_given_back_is_not_refused(tmp_path):
     with h5py.File(path, "r+") as file:
         file["stale"] = np.frombuffer(stale, "u1")
     with open_hdf5(path) as file:
-        check_heaps(file)
+        check_variable_lengths(file)
 
 
 def test_a_block_of_a_driver_that_claims_a_gigabyte_is_refused(tmp_path):

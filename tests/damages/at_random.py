@@ -24,7 +24,10 @@ from erlif.report import render_budget, write_report
 from erlif.settings import read_fixture_settings, read_run_settings, to_toml
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 1e9, 2.0**31)
-ATTRIBUTES = (7, "[[", np.nan, "", np.inf, [1.0, 2.0], "{}", "x" * 70_000)
+LONGEST = 60_000
+"""Length of an attribute that HDF5 can store. [byte]"""
+
+ATTRIBUTES = (7, "[[", np.nan, "", np.inf, [1.0, 2.0], "{}", "x" * LONGEST)
 RENAMED = "of another program"
 
 
@@ -105,7 +108,7 @@ def damage_entry(file: h5py.File, rng: np.random.Generator) -> None:
             value = holder.attrs[name]
             if isinstance(value, bytes | str | np.bytes_):
                 text = value.encode() if isinstance(value, str) else bytes(value)
-                holder.attrs[name] = np.bytes_(mutate(text, rng) or b" ")
+                holder.attrs[name] = np.bytes_(mutate(text, rng)[:LONGEST] or b" ")
         case _ if own:
             name = own[rng.integers(len(own))]
             holder.attrs[name] = ATTRIBUTES[rng.integers(len(ATTRIBUTES))]

@@ -13,8 +13,8 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray
 from erlif.core.bounded import read_bounded
-from erlif.core.errors import EncoderError
-from erlif.core.hdf5 import SIGNATURE, check_heaps, find_chunks, open_hdf5
+from erlif.core.errors import EncoderError, reason_of
+from erlif.core.hdf5 import SIGNATURE, check_variable_lengths, find_chunks, open_hdf5
 from erlif.ingest.logs.matlab import read_matlab
 from erlif.ingest.logs.table import (
     LARGEST_FILE,
@@ -104,8 +104,8 @@ def read_binary_table(path: Path) -> LogTable:
         raise
     except Exception as error:  # the packages raise errors of many classes for a damaged file
         raise EncoderError(
-            f"Expected {path.name} to be a {kind} file; it cannot be read: {error}. Export the log "
-            "again."
+            f"Expected {path.name} to be a {kind} file; it cannot be read: "
+            f"{reason_of(error)}. Export the log again."
         ) from error
     return _make_table(path, kind or "", found)
 
@@ -260,7 +260,7 @@ def _read_hdf5(path: Path) -> _Found:
     import h5py
 
     with open_hdf5(path) as file:
-        check_heaps(file)
+        check_variable_lengths(file)
         datasets: list[Any] = []
 
         def collect(name: str, item: object) -> None:
