@@ -126,7 +126,8 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
             for moment, place in zip(history, path, strict=True)
         )
         if lowest >= cavity:
-            return follow_orbit(bearing, moments, load=load, rotation=speed)[1:]
+            distinct, place = np.unique(moments, return_inverse=True)
+            return follow_orbit(bearing, distinct, load=load, rotation=speed)[place][1:]
 
     stiffness = {"free": 0.0, "guided": np.inf}.get(str(rig.sideways), rig.sideways)
     return follow_cavitated(

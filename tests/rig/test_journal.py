@@ -91,6 +91,12 @@ def test_a_guided_pin_keeps_its_line():
     npt.assert_allclose(1e6 * follow_pin(np.array([0.0, 0.1]), stiff)[:, 0], along, rtol=1e-3)
 
 
+def test_the_first_moment_may_be_that_of_loading():
+    for held in ("free", "guided"):
+        rig = replace(RIG, elapsed=0.0, sideways=held)
+        npt.assert_allclose(follow_pin(np.array([0.0, 0.01]), rig)[0], 0, atol=1e-12)
+
+
 def test_a_vented_film_has_cavities():
     """Sideways motion pulls at a full film; without that pull the pin sinks a little faster."""
     rig = replace(RIG, elapsed=0.2, cavitation_pressure=0.0)
