@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 THINNEST_FILM = 1e-9
 """Film below which oil is no continuum: the size of its molecules. [m]"""
 
+FEWEST_COMPILED = 1000
+"""Steps above which the compiled form is loaded; it is compiled once on each machine."""
+
 MOST_HALVINGS = 8
 """How often a step that does not converge is cut in half."""
 
@@ -42,6 +45,7 @@ def solve_journal(
     maps: Sequence[int] | None = None,
     grooves: Sequence[Groove] | None = None,
     frame: str = "half-angle",
+    compiled: bool | None = None,
 ) -> "xr.Dataset":
     """Solve the transient Reynolds equation of a journal bearing with cavitation.
 
@@ -71,6 +75,9 @@ def solve_journal(
     frame : str
         "half-angle" for the frame above. "laboratory" keeps the entrainment and its numerical
         diffusion, for comparison: an oscillating joint then shows a film that does not exist.
+    compiled : bool, optional
+        Whether the steps are compiled, where they can be: half-angle frame, no foundation. By
+        default above 1000 steps: the first use on a machine takes some seconds.
 
     Returns
     -------
@@ -105,15 +112,25 @@ def solve_journal(
     ride = Ride(bearing, motion, mount, np.asarray(start, dtype=float), frame)
     wanted = _wanted(maps, motion.time.size)
 
-    rows, pictures = [ride.row(0)], []
-    for k in range(1, motion.time.size):
-        ride.go_to(k)
-        rows.append(ride.row(k))
-        if k in wanted:
-            pictures.append((k, *ride.picture(k)))
-    if 0 in wanted:
-        pictures.insert(0, (0, *ride.first_picture))
-    return _dataset(bearing, motion, rows, pictures)
+    steps = motion.time.size
+    if compiled is None:
+        compiled = steps > FEWEST_COMPILED
+    compiled = compiled and ride.turning and journal.foundation is None
+
+    # from map to map, so that only their films are kept
+    pictures = [(0, *ride.first_picture)] if 0 in wanted else []
+    done = 0
+    for stop in sorted({*wanted, steps - 1} - {0}):
+        while done < stop:
+            if compiled:
+                done = ride.march(done + 1, stop + 1) - 1
+            if done < stop:
+                done += 1
+                ride.go_to(done)
+                ride.record(done)
+        if stop in wanted:
+            pictures.append((stop, *ride.picture()))
+    return _dataset(bearing, motion, ride.table, pictures)
 
 
 @dataclass(frozen=True)
@@ -267,7 +284,9 @@ class Ride:
                 f"{start[1] * 1e6:.4g} um leave no film in a clearance of "
                 f"{bearing.journal.clearance * 1e6:.4g} um."
             )
-        self.first_picture = self.picture(0)
+        self.table = {name: np.full(motion.time.size, np.nan) for name in SERIES}
+        self.record(0)
+        self.first_picture = self.picture()
 
     def moment(self, k: int, part: float) -> "_Moment":
         """The motion at a part of the way to a step."""
@@ -356,37 +375,87 @@ class Ride:
         held[: self.state.position.size] = self.state.position
         return _turned(held, self.toward)
 
-    def row(self, k: int) -> dict[str, float]:
+    def record(self, k: int) -> None:
         """Numbers of one step."""
-        bearing, state = self.bearing, self.state
+        bearing, state, table = self.bearing, self.state, self.table
         medium, journal = bearing.medium, bearing.journal
-        load, side = self.pin()
-        row = {
-            "displacement_load": load,
-            "displacement_side": side,
-            "film_min": float(state.walls.centre.min()),
-            "eccentricity": float(np.hypot(load, side)) / journal.clearance,
-            "attitude": float(np.arctan2(side, load)),
-            "oil_volume": medium.images * float((state.content @ medium.grid.area).sum()),
-        }
-        if journal.foundation is None and journal.axial_shape is None:
-            row["film_min"] = journal.clearance * (1 - row["eccentricity"])
+        table["displacement_load"][k], table["displacement_side"][k] = self.pin()
+        table["film_min"][k] = min(state.walls.centre.min(), state.walls.along.min())
+        table["oil_volume"][k] = medium.images * (state.content @ medium.grid.area).sum()
         if k == 0:
-            return row
+            return
         pressure, _ = medium.pressure(state.reduced)
-        turned = self.turned(self.instant)
-        along, across = forces(medium, bearing.directions(turned, 0.0), pressure)
-        return {
-            **row,
-            "peak_pressure": float(pressure.max()),
-            "reaction_load": float(along),
-            "reaction_side": float(across),
+        axes = bearing.directions(self.turned(self.instant), 0.0)
+        along, across = forces(medium, axes, pressure)
+        found = {
+            "peak_pressure": pressure.max(),
+            "reaction_load": along,
+            "reaction_side": across,
             **losses(medium, state, self.speed[k] * journal.radius, journal.radius),
             "supply_flow": self.supply,
-            "iterations": float(self.iterations),
+            "iterations": self.iterations,
         }
+        for name, value in found.items():
+            table[name][k] = value
 
-    def picture(self, k: int) -> tuple[Array, Array, Array]:
+    def march(self, first: int, last: int) -> int:
+        """Make steps in compiled form; the first that was not made."""
+        from erlif.models.reynolds import compiled  # only here, because numba loads slowly
+
+        bearing, motion, state, mount = self.bearing, self.motion, self.state, self.mount
+        journal, medium, grid = bearing.journal, bearing.medium, bearing.medium.grid
+        apart = motion.load_direction - self.toward
+        position = np.array([*state.position, *self.held[state.position.size :]])
+        earlier = np.zeros(3)
+        if self.earlier is not None:
+            earlier[2], earlier[: state.position.size] = self.earlier
+        reduced, full = state.reduced.copy(), state.full.copy()
+        content, void = state.content.copy(), state.void.copy()
+        rows = np.empty((motion.time.size, len(compiled.COLUMNS)))
+        fluid, sides = medium.fluid, np.array(grid.open_sides[2:])[:, np.newaxis]
+        done = compiled.march(
+            first,
+            last,
+            _owned(motion.time),
+            _owned(motion.angle / 2),
+            self.toward,
+            _owned(motion.load * [np.cos(apart), np.sin(apart)]),
+            _owned(self.speed * journal.radius),
+            _owned([mount.guided, 0.0 if mount.guided else mount.stiffness, self.rest]),
+            _owned(np.broadcast_to(bearing.rigid.centre[0], grid.across)),
+            _owned(np.broadcast_to(bearing.rigid.across[0], grid.across + 1)),
+            _owned([grid.dx, grid.dz[0], medium.images, journal.radius]),
+            _owned(grid.ways_across),
+            _owned(np.array(grid.end_weights) * np.concatenate([sides | True, sides], axis=1)),
+            _owned([fluid.viscosity, fluid.pressure_viscosity, fluid.roughness, medium.floor]),
+            _owned(np.reshape([[each.angle, each.width] for each in bearing.grooves], (-1, 2))),
+            position,
+            earlier,
+            reduced,
+            full,
+            content,
+            void,
+            rows,
+        )
+        if done == first:
+            return first
+
+        # the film of the last step that was made, and the numbers of all
+        made = slice(first, done)
+        self.instant, free = self.moment(done - 1, 1.0), state.position.size
+        step = self.step(self.instant, None)
+        self.earlier = (float(earlier[2]), earlier[:free].copy())
+        self.state = State(
+            position[:free], reduced, void, full, content, displaced(step, position[:free])
+        )
+        for place, name in enumerate(compiled.COLUMNS):
+            self.table[name][made] = rows[made, place]
+        for kind in ("displacement", "reaction"):
+            load, side = self.table[f"{kind}_load"][made], self.table[f"{kind}_side"][made]
+            load[:], side[:] = _turned(np.stack([load, side]), self.toward)
+        return int(done)
+
+    def picture(self) -> tuple[Array, Array, Array]:
         """Film, pressure and void fraction at places at rest in the image, whole length."""
         bearing, state = self.bearing, self.state
         pressure, _ = bearing.medium.pressure(state.reduced)
@@ -430,6 +499,8 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     # the pressures on both sides of each face; a closed film has its last face twice
     last = -1 if grid.closed else None
     drops = faces.steps(pressure) if medium.fluid.pressure_viscosity else steps
+    if not faces.single:
+        drops[1][:, [0, -1]] = steps[1][:, [0, -1]]  # to ambient, where viscosity hardly rises
     along = drops[0][:last]
     drag = 0.5 * medium.images * float(((walls.along[:last] * along) @ grid.dz).sum())
     heat = float((faces.along[:last] * steps[0][:last] * along).sum())
@@ -442,12 +513,33 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     }
 
 
+def _owned(values: Any) -> Array:
+    """A copy in the one layout for which the steps are compiled."""
+    return np.array(values, dtype=float, order="C")
+
+
 def _turned(vector: Array, angle: float) -> Array:
     """A vector (along, sideways) after a rotation."""
     along, side = vector
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.array([along * cosine - side * sine, along * sine + side * cosine])
 
+
+SERIES = (
+    "displacement_load",
+    "displacement_side",
+    "film_min",
+    "peak_pressure",
+    "reaction_load",
+    "reaction_side",
+    "friction_torque",
+    "side_flow",
+    "supply_flow",
+    "oil_volume",
+    "power",
+    "iterations",
+)
+"""Variables over time."""
 
 UNITS = {
     "displacement_load": ("m", "displacement of the pin along the load line"),
@@ -492,17 +584,22 @@ def describe(found: "xr.Dataset") -> "xr.Dataset":
 def _dataset(
     bearing: Bearing,
     motion: Motion,
-    rows: list[dict[str, float]],
+    table: dict[str, Array],
     pictures: list[tuple[int, Array, Array, Array]],
 ) -> "xr.Dataset":
     """The results with dimensions, coordinates and units."""
     import xarray as xr  # only here, because models load without it
 
-    variables: dict[str, Any] = {
-        name: ("time", np.array([row.get(name, np.nan) for row in rows]))
-        for name in UNITS
-        if name in rows[-1]
+    journal = bearing.journal
+    load, side = table["displacement_load"], table["displacement_side"]
+    whole = {
+        **table,
+        "eccentricity": np.hypot(load, side) / journal.clearance,
+        "attitude": np.arctan2(side, load),
     }
+    if journal.foundation is None and journal.axial_shape is None:
+        whole["film_min"] = journal.clearance * (1 - whole["eccentricity"])
+    variables: dict[str, Any] = {name: ("time", whole[name]) for name in UNITS if name in whole}
     coordinates: dict[str, Any] = {"time": motion.time}
     if pictures:
         dims = ("time_of_map", "circumference", "axial")
