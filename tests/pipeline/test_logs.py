@@ -157,7 +157,7 @@ def more_rows(rows):
         (lambda rows: rows, "bins = 5", ["give either bins or triggers_per_cycle"]),
         (lambda rows: rows, 'direction = "up"', ["[encoder] direction"]),
         (lambda rows: rows, 'frame_rate = "50 Hz"', ["frame_rate needs the time", 'start = "fit"']),
-        (lambda rows: rows, 'start = "soon"', ["[encoder] start", "number with a unit"]),
+        (lambda rows: rows, 'start = "soon"', ["[encoder] start", "or a time such as"]),
         (lambda rows: rows, 'direction = "falling"', ["cannot reach"]),
         (more_rows, "", ["a log in time", "18 rows for 6 frames", "pulse", "frame_rate"]),
         (
