@@ -120,6 +120,7 @@ STAGES = (
     "thickness",
     "kinematics",
     "trend",
+    "prediction",
     "pipeline",
     "audit",
     "files",

@@ -52,6 +52,7 @@ class Attribute:
 T, F, YX = ("trigger",), ("frame",), ("y", "x")
 MAP = ("trigger", "y", "x")
 THEORY = "[joint] and [oil] are given, and speed and load are known"
+PREDICTED = "[mechanism] is a crank-rocker and its film is predicted"
 TREND = "speed and load are known"
 JOINT = "[joint] is given"
 POSITION = ("trigger", "parameter", "parameter_other")
@@ -291,8 +292,51 @@ FILM = (
         T,
         "float64",
         "um",
-        "Prediction of the lubrication regime of this joint; regime and reason are attributes.",
+        "Prediction for this joint; regime and reason are attributes. The minimum of the transient "
+        "film over the cycle where it is predicted, else that of the regime map.",
         THEORY,
+    ),
+    Variable(
+        "film_regime_map",
+        T,
+        "float64",
+        "um",
+        "Film of the regime that the regime map selects for steady motion at the speed and load of "
+        "the trigger.",
+        THEORY,
+    ),
+    Variable(
+        "film_predicted_min",
+        T,
+        "float64",
+        "um",
+        "Transient film over the cycle: minimum in the region, mean of the frames. Attributes: "
+        "start_film [um] and start_film_fitted.",
+        PREDICTED,
+    ),
+    Variable(
+        "film_predicted_mean",
+        T,
+        "float64",
+        "um",
+        "The same, mean over the region.",
+        PREDICTED,
+    ),
+    Variable(
+        "eccentricity",
+        T,
+        "float64",
+        "1",
+        "Predicted displacement of the pin over the radial clearance.",
+        PREDICTED,
+    ),
+    Variable(
+        "attitude",
+        T,
+        "float64",
+        "degree",
+        "Predicted angle from the load line to the smallest gap, positive along sliding.",
+        PREDICTED,
     ),
     Variable(
         "film_parameter",
@@ -411,10 +455,25 @@ VARIABLE_ATTRIBUTES = (
     Attribute("load_line", "Of displacement and tilt: load line along sliding [mm]."),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute("expected", "Of film_curvature: that of circles, for each trigger [um/mm2]."),
-    Attribute("regime", "Of film_theory: the lubrication regime of most triggers."),
-    Attribute("regimes_by_trigger", "Of film_theory: the regime of each trigger."),
-    Attribute("reason", "Of film_theory: why this regime was selected."),
-    Attribute("notes", "Of film_theory: assumptions of the formula and how far they hold."),
+    Attribute(
+        "regime",
+        "Of film_theory: the name of the prediction; of film_regime_map: the "
+        "lubrication regime of most triggers.",
+    ),
+    Attribute("regimes_by_trigger", "Of film_regime_map: the regime of each trigger."),
+    Attribute("reason", "Of film_theory and film_regime_map: why this one was selected."),
+    Attribute(
+        "notes",
+        "Of film_theory and film_regime_map: assumptions and how far they hold, one a line.",
+    ),
+    Attribute(
+        "start_film", "Of film_predicted_min: minimum film at the first frame [um].", PREDICTED
+    ),
+    Attribute(
+        "start_film_fitted",
+        "Of film_predicted_min: 1 where the start film was fitted to the measured minima.",
+        PREDICTED,
+    ),
     Attribute(
         "mounted_on",
         "Of the encoder angle: link that carries the encoder.",
@@ -472,6 +531,17 @@ FRAMES = (
         "float64",
         "1",
         "The same from the log, where it has a column pulse_energy, laser_energy or laser_mJ.",
+    ),
+    Variable(
+        "film_predicted_min",
+        F,
+        "float64",
+        "um",
+        "Predicted minimum film in the region at the frame.",
+        PREDICTED,
+    ),
+    Variable(
+        "elapsed_cycles", F, "float64", "1", "Turns of the crank since the first frame.", PREDICTED
     ),
     Variable("file_camera1", F, "text", "", "File name of the frame of camera 1."),
     Variable("file_camera2", F, "text", "", "File name of the frame of camera 2."),

@@ -6,8 +6,8 @@
 >>> erlif.plots.thickness_map(film, trigger=12)  # doctest: +SKIP
 
 The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`,
-`calibration`, `thickness`, `kinematics`, `trend`. Each holds plain functions. `models` is theory,
-`rig` the virtual rig, `plots` the figures.
+`calibration`, `thickness`, `kinematics`, `trend`, `prediction`. Each holds plain functions.
+`models` is theory, `rig` the virtual rig, `plots` the figures.
 """
 
 from importlib import import_module
@@ -45,6 +45,7 @@ _MODULES = (
     "models",
     "pipeline",
     "plots",
+    "prediction",
     "ratio",
     "registration",
     "report",
@@ -76,6 +77,7 @@ __all__ = [
     "open_film",
     "pipeline",
     "plots",
+    "prediction",
     "process",
     "ratio",
     "registration",
@@ -100,6 +102,7 @@ if TYPE_CHECKING:
         models,
         pipeline,
         plots,
+        prediction,
         ratio,
         registration,
         report,

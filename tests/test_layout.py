@@ -25,6 +25,7 @@ ORDER = (
     "thickness",
     "kinematics",
     "trend",
+    "prediction",
     "passes",
     "pipeline",
     "audit",

@@ -89,6 +89,11 @@ FILM: Mapping[str, _Form] = {
     "temperature": _Form(unit="degree_Celsius", low=-273.15),
     "film_hamrock_dowson": _Form(unit="um", low=0),
     "film_theory": _Form(unit="um", low=0),
+    "film_regime_map": _Form(unit="um", low=0),
+    "film_predicted_min": _Form(unit="um", low=0, known=True),
+    "film_predicted_mean": _Form(unit="um", low=0, known=True),
+    "eccentricity": _Form(unit="1", low=0, known=True),
+    "attitude": _Form(unit="degree", low=-180, known=True),
     "film_parameter": _Form(),
     "axis": _Form(("axis",), kinds="OUST"),
     "parameter": _Form(("parameter",), kinds="OUST"),
@@ -115,6 +120,8 @@ FRAMES: Mapping[str, _Form] = {
     "drift_x": _Form(("frame",), "px", required=True),
     "drift_y": _Form(("frame",), "px", required=True),
     "pulse_energy": _Form(("frame",), required=True, low=0),
+    "film_predicted_min": _Form(("frame",), "um", low=0, known=True),
+    "elapsed_cycles": _Form(("frame",), "1", low=0, known=True),
     "file_camera1": _Form(("frame",), kinds="OUST"),
     "file_camera2": _Form(("frame",), kinds="OUST"),
 }
@@ -143,12 +150,15 @@ _TOGETHER = (
         "film_curvature_axial",
         "film_curvature_axial_std",
     ),
+    ("film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"),
     ("speed_exponent", "speed_exponent_std", "speed_exponent_mean", "speed_exponent_mean_std"),
 )
 """Variables that a film has together or not at all."""
 
 _NEEDED = {
     "film_theory": ("sliding_speed", "load"),
+    "film_regime_map": ("film_theory",),
+    "film_predicted_min": ("film_theory", "film_regime_map"),
     "speed_exponent": ("load",),
     "rocker_speed": ("crank_angle", "encoder_angle"),
 }

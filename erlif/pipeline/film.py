@@ -22,6 +22,7 @@ from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
 from erlif.pipeline.position import choose_view, describe_positions, note_form
+from erlif.pipeline.prediction import Prediction, choose_theory
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
@@ -195,6 +196,7 @@ def describe_film(
     results: Sequence[TriggerResult],
     calibration: Calibration,
     *,
+    prediction: Prediction,
     hashes: Mapping[str, str],
     notes: Iterable[Note],
 ) -> xr.Dataset:
@@ -208,6 +210,8 @@ def describe_film(
     results : sequence of TriggerResult
         In the order of the triggers.
     calibration : Calibration
+    prediction : Prediction
+        Of the transient film.
     hashes : mapping of str to str
         Of the inputs.
     notes : iterable of Note
@@ -228,11 +232,12 @@ def describe_film(
     settings = run.settings
     view, positions = choose_view(settings, run.pairs.shape), [one.position for one in results]
     film = film.assign(describe_positions(positions, calibration, view))
-    film = film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
+    theory = choose_theory(settings, predict_theory(settings, film), prediction.triggers)
+    film = film.merge(theory, combine_attrs="drop_conflicts")
     film = film.assign(describe_exponents(film, results, calibration))
 
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
-    own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film)]
+    own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film), *prediction.notes]
     load = float(np.median(film["load"])) if "load" in film else float("nan")
     own += [*_censoring_notes(results), *note_form(positions, calibration, view, settings, load)]
     from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]

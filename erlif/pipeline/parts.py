@@ -23,6 +23,8 @@ from erlif.pipeline.film import (
     describe_film,
     describe_frames,
     describe_registration,
+    describe_statistics,
+    pixel_positions,
 )
 from erlif.pipeline.light import (
     LightFindings,
@@ -36,6 +38,7 @@ from erlif.pipeline.light import (
     widen_errors,
 )
 from erlif.pipeline.position import choose_view
+from erlif.pipeline.prediction import Prediction, build_view, frames_of_run, try_prediction
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
 from erlif.pipeline.pulses import read_energies
@@ -255,17 +258,28 @@ def complete_film(
     found = ready.light.complete(remaining, options)
     light, notes_on_light = describe_light(found, results, run, ready.measuring)
 
+    with stage("prediction", _logger):
+        prediction = _predict(run, cycle, triggers.assign(describe_statistics(results)))
     film = describe_film(
         run,
         triggers,
         results,
         ready.measuring,
+        prediction=prediction,
         hashes=hashes,
         notes=[*notes, *notes_on_light],
     )
     film = widen_errors(film.assign(light), found, results, options, calibration)
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
-        "frames": describe_frames(run, cycle, results, drift),
+        "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),
         "registration": describe_registration(camera_map, ready.chain.blur),
     }
+
+
+def _predict(run: Run, cycle: xr.Dataset, measured: xr.Dataset) -> Prediction:
+    """The transient film of a run whose film_min (trigger) is measured."""
+    settings, shape = run.settings, run.pairs.shape
+    region = choose_region(settings, shape)
+    view = build_view(settings, *pixel_positions(settings, shape), region)
+    return try_prediction(settings, measured, frames_of_run(run, cycle), view)

@@ -23,6 +23,7 @@ from erlif.trend.theory import (
     VogelLaw,
     compare_with_roughness,
     predict_film,
+    viscosity_at,
 )
 
 __all__ = [
@@ -63,4 +64,5 @@ __all__ = [
     "sum_blocks",
     "summarise_blocks",
     "summarise_film",
+    "viscosity_at",
 ]

@@ -130,7 +130,7 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
     require(triggers, "sliding_speed", "load")
     contact = {
         "load_per_length": triggers["load"].values / joint.length,
-        "viscosity": _viscosity(triggers, joint.viscosity),
+        "viscosity": viscosity_at(triggers, joint.viscosity),
         "pressure_viscosity": joint.pressure_viscosity,
         "radius": joint.radius,
         "contact_modulus": contact_modulus(
@@ -212,17 +212,40 @@ def compare_with_roughness(
     return xr.Dataset({"film_parameter": ("trigger", np.asarray(ratio), attrs)})
 
 
-def _viscosity(triggers: xr.Dataset, viscosity: float | VogelLaw) -> Array:
-    """Dynamic viscosity of each trigger. [Pa s]"""
+def viscosity_at(conditions: xr.Dataset, viscosity: float | VogelLaw) -> Array:
+    """Dynamic viscosity of each trigger or frame.
+
+    Parameters
+    ----------
+    conditions : xarray.Dataset
+        With one dim; temperature [degree_Celsius] on it where the viscosity follows Vogel's law.
+    viscosity : float or VogelLaw
+        [Pa s]
+
+    Returns
+    -------
+    array
+        On the dim of `conditions`. [Pa s]
+
+    Raises
+    ------
+    ConfigError
+        If Vogel's law has no temperature.
+
+    Examples
+    --------
+    >>> viscosity_at(xr.Dataset({"load": ("trigger", [220.0, 230.0])}), 0.12)
+    array([0.12, 0.12])
+    """
     if not isinstance(viscosity, VogelLaw):
-        return np.full(triggers.sizes["trigger"], viscosity)
-    if "temperature" not in triggers:
+        return np.full(next(iter(conditions.sizes.values())), viscosity)
+    if "temperature" not in conditions:
         raise ConfigError(
             "Expected a column temperature_C in the encoder log, because [oil] gives the viscosity "
             "by Vogel's law; there is none. Log the temperature, or give viscosity = "
             '"0.12 Pa s".'
         )
-    kelvin = triggers.temperature.values + _ZERO_CELSIUS
+    kelvin = conditions.temperature.values + _ZERO_CELSIUS
     return np.asarray(
         vogel_viscosity(kelvin, a=viscosity.a, b=viscosity.b, c=viscosity.c + _ZERO_CELSIUS)
     )

@@ -49,14 +49,17 @@ def test_a_linkage_without_a_joint_lacks_the_sliding_speed():
     variables = [name for name in MOTION if name != "sliding_speed"]
     found = note(variables, without=("joint", "oil"))
     assert list(found) == ["[joint]"]
-    assert "left out: sliding_speed, film_hamrock_dowson, film_theory" in found["[joint]"]
+    assert (
+        "left out: sliding_speed, film_hamrock_dowson, film_theory, film_regime_map"
+        in found["[joint]"]
+    )
 
 
 def test_a_joint_without_an_oil_lacks_the_theory_alone():
     found = note(MOTION, without=("oil",))
     assert found == {
-        "[oil]": "run.toml has no such table; left out: film_hamrock_dowson, film_theory. Add "
-        "[oil] for the theory."
+        "[oil]": "run.toml has no such table; left out: film_hamrock_dowson, film_theory, "
+        "film_regime_map. Add [oil] for the theory."
     }
 
 

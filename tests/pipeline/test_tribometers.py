@@ -38,7 +38,14 @@ EXPECTED = {
 """What the film has beside maps and statistics."""
 
 TREND = {f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")}
-MOTION = {*EXPECTED["sinusoidal"], "rocker_speed", "film_theory", "film_hamrock_dowson", *TREND}
+MOTION = {
+    *EXPECTED["sinusoidal"],
+    "rocker_speed",
+    "film_theory",
+    "film_regime_map",
+    "film_hamrock_dowson",
+    *TREND,
+}
 
 
 class Case(NamedTuple):

@@ -1,0 +1,310 @@
+"""The transient prediction of a run: its journal, its motion, and its place in the film."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.notes import Level, Note
+from erlif.ingest import Run
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal
+from erlif.pipeline.joint import build_linkage, describe_joint
+from erlif.prediction import FrameMotion, View, follow_motion, predict_triggers
+from erlif.prediction.triggers import CELLS
+from erlif.settings import CrankRockerSettings, PredictionOptions, RunSettings
+from erlif.trend import Region, viscosity_at
+
+_RIGID = "isoviscous-rigid"
+"""Regime whose surfaces keep their shape, as the transient prediction takes them."""
+
+
+class Prediction(NamedTuple):
+    """The transient prediction of a run.
+
+    Attributes
+    ----------
+    triggers : xarray.Dataset
+        film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], on
+        dim trigger; empty without a prediction.
+    frames : xarray.Dataset
+        film_predicted_min [um] and elapsed_cycles [1], on dim frame; empty without a prediction.
+    notes : list of Note
+        Why there is none, or what limits it.
+    """
+
+    triggers: xr.Dataset
+    frames: xr.Dataset
+    notes: list[Note]
+
+
+NO_PREDICTION = Prediction(xr.Dataset(), xr.Dataset(), [])
+
+
+def swings(settings: RunSettings) -> bool:
+    """Whether the tables describe a joint whose film can be predicted over the cycle."""
+    tables = settings.joint, settings.oil
+    return isinstance(settings.mechanism, CrankRockerSettings) and None not in tables
+
+
+def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
+    """What the prediction needs of every frame.
+
+    Parameters
+    ----------
+    run : Run
+    cycle : xarray.Dataset
+        As `locate_run` returns it.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim frame: trigger, cycle, crank_angle [degree], load [N], used (whether the frame was
+        measured), and where they are logged time [s] and temperature [degree_Celsius].
+    """
+    names = [name for name in ("trigger", "cycle", "crank_angle") if name in cycle]
+    frames = cycle[names].reset_coords(drop=True)
+    for name in ("time", "temperature", "load"):
+        if name in run.log:
+            frames[name] = ("frame", run.log[name].values)
+    if "load" not in frames and run.settings.load is not None:
+        frames["load"] = xr.full_like(cycle.trigger, run.settings.load, float)
+    used = np.zeros(cycle.sizes["frame"], bool)
+    used[list(run.pairs.usable)] = True
+    return frames.assign(used=("frame", used))
+
+
+def build_journal(settings: RunSettings, viscosity: float) -> Journal:
+    """The joint of the settings with a viscosity [Pa s], as the solver needs it.
+
+    Raises
+    ------
+    ConfigError
+        If [joint] or [oil] is absent.
+    """
+    joint, options = settings.joint, settings.prediction
+    if joint is None or settings.oil is None:
+        raise ConfigError("Expected [joint] and [oil] in run.toml for the prediction; add them.")
+    return Journal(
+        pin_radius=joint.pin_radius,
+        bushing_radius=joint.bushing_radius,
+        length=joint.length,
+        viscosity=viscosity,
+        pressure_viscosity=settings.oil.pressure_viscosity,
+        cavitation_pressure=options.cavitation_pressure,
+        long=options.long,
+    )
+
+
+def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
+    """The motion of the joint through its frames; `frames` as `frames_of_run` returns them.
+
+    Raises
+    ------
+    ConfigError
+        If the settings describe no joint that swings.
+    EncoderError
+        As `erlif.prediction.follow_motion`.
+    """
+    links, joint = settings.mechanism, describe_joint(settings)
+    if not isinstance(links, CrankRockerSettings) or joint is None:
+        raise ConfigError(
+            'Expected [mechanism] of kind "crank-rocker", [joint] and [oil] in run.toml for the '
+            "prediction of an oscillating joint; one of them is missing. Add it."
+        )
+    linkage = build_linkage(links)
+    assert isinstance(linkage, CrankRocker)
+    return follow_motion(
+        frames,
+        linkage,
+        crank_speed=links.crank_speed,
+        viscosity=viscosity_at(frames, joint.viscosity),
+        direction=1 if settings.prediction.direction == "along" else -1,
+    )
+
+
+def build_view(settings: RunSettings, x: Array, y: Array, region: Region) -> View:
+    """The image and its region of interest along sliding, from the load line.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    x, y : array
+        Positions of columns and rows. [mm]
+    region : Region
+
+    Returns
+    -------
+    View
+    """
+    along = settings.optics.x_axis == "sliding"
+    place = (x if along else y) * 1e-3
+    line = settings.prediction.load_line
+    middle = float(place.mean()) if line is None else line
+    return View(place - middle, region.columns if along else region.rows)
+
+
+def predict_run(
+    settings: RunSettings,
+    film: xr.Dataset,
+    frames: xr.Dataset,
+    view: View,
+    *,
+    cells: tuple[int, int] = CELLS,
+) -> Prediction:
+    """Predict the film of a run.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        film_min and film_min_std (trigger) [um], from which the start film is found unless the
+        settings give it.
+    frames : xarray.Dataset
+        As `frames_of_run` returns them.
+    view : View
+        From `build_view`.
+    cells : (int, int)
+        As for `erlif.prediction.predict_frames`.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    ErlifError
+        If the film cannot be predicted.
+    """
+    options = settings.prediction
+    motion = build_motion(settings, frames)
+    found = predict_triggers(
+        film,
+        build_journal(settings, motion.viscosity),
+        motion,
+        trigger=frames.trigger.values,
+        used=frames.used.values,
+        view=view,
+        sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
+        start_film=None if options.start_film == "fit" else float(options.start_film),
+        cells=cells,
+    )
+    by_frame = xr.Dataset(
+        {
+            "film_predicted_min": found["film_predicted_min_frame"],
+            "elapsed_cycles": found["elapsed_cycles"],
+        }
+    )
+    names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
+    return Prediction(found[names], by_frame, [])
+
+
+def try_prediction(
+    settings: RunSettings, film: xr.Dataset, frames: xr.Dataset, view: View
+) -> Prediction:
+    """Predict the film of a run where its tables allow it; a failure becomes a note.
+
+    Parameters
+    ----------
+    settings, film, frames, view
+        As for `predict_run`.
+
+    Returns
+    -------
+    Prediction
+        Without variables where the joint does not swing, or the prediction failed.
+    """
+    if not swings(settings) or "load" not in frames or "crank_angle" not in frames:
+        return NO_PREDICTION
+    try:
+        return predict_run(settings, film, frames, view)
+    # a measured film is worth more than its prediction, whatever went wrong in the latter
+    except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
+        text = f"the film over the cycle is not predicted: {error}"
+        return NO_PREDICTION._replace(notes=[Note(Level.WARNING, "[prediction]", text)])
+
+
+def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Dataset) -> xr.Dataset:
+    """The films by theory: the transient one in place of the regime map where there is one.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    steady : xarray.Dataset
+        As `erlif.trend.predict_film` returns it.
+    predicted : xarray.Dataset
+        The triggers of a `Prediction`.
+
+    Returns
+    -------
+    xarray.Dataset
+        film_theory, film_regime_map and the rest of `steady`, and `predicted`; the steady films
+        alone without a prediction.
+    """
+    if "film_theory" not in steady:
+        return steady
+    regime_map = steady["film_theory"]
+    both = steady.assign(film_regime_map=regime_map)
+    if not predicted:
+        return both
+
+    reason = _why_transient(settings)
+    both = both.merge(predicted, combine_attrs="drop_conflicts")
+    both["film_theory"] = (
+        "trigger",
+        predicted["film_predicted_min"].values,
+        {
+            "units": "um",
+            "long_name": "transient film over the cycle, minimum in the region of interest",
+            "regime": f"transient Reynolds, {describe_sideways(settings.prediction)}",
+            "reason": reason,
+            "notes": _describe_assumptions(settings, predicted, regime_map.attrs["regime"]),
+        },
+    )
+    for name in ("film_regime_map", "film_hamrock_dowson"):
+        both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
+    return both
+
+
+def describe_sideways(options: PredictionOptions) -> str:
+    """How the pin is held, in words."""
+    if isinstance(options.sideways, str):
+        return f"pin {options.sideways}" + (" sideways" if options.sideways == "free" else "")
+    return f"pin held sideways by {options.sideways * 1e-3:.4g} N/mm"
+
+
+def _why_transient(settings: RunSettings) -> str:
+    """Why a steady formula does not describe this joint."""
+    links, joint = settings.mechanism, describe_joint(settings)
+    assert isinstance(links, CrankRockerSettings)
+    assert joint is not None
+    low, high = build_linkage(links).limits()
+    half = np.pi / links.crank_speed
+    return (
+        f"the joint swings by {np.degrees(high - low):.1f} deg in {half:.3g} s and carries oil "
+        f"{joint.stroke * 1e3:.3g} mm to and fro; a steady formula describes a surface that moves "
+        "one way for long"
+    )
+
+
+def _describe_assumptions(settings: RunSettings, predicted: xr.Dataset, regime: str) -> str:
+    """What the transient prediction rests on, one a line."""
+    start, fitted = (
+        predicted["film_predicted_min"].attrs[name] for name in ("start_film", "start_film_fitted")
+    )
+    source = "fitted to the measured minima" if fitted else "as given"
+    lines = [
+        f"minimum film of {start:.3g} um at the first frame, {source}",
+        "round rigid bodies with parallel axes, flooded at the unloaded side and at the ends; the "
+        f"film ruptures at {settings.prediction.cavitation_pressure * 1e-3:.3g} kPa",
+    ]
+    if regime != _RIGID:
+        lines.append(
+            f"the regime map finds the {regime} regime, in which the surfaces deflect or the oil "
+            "thickens: the prediction takes the surfaces as rigid"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,189 @@
+"""The motion of the joint from the first frame to the last, in the steps of the solver."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EncoderError
+from erlif.core.products import require
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Motion
+
+STEPS_PER_CYCLE = 100
+"""Steps of a turn of the crank: the film of the free joint is then within 0.2 % of the orbit."""
+
+MOST_STEPS = 40_000
+"""Steps of a whole run, which take about half a minute."""
+
+STEADY_CRANK = 0.02
+"""Rms deviation from the link angles of a crank at constant speed, in parts of the swing, up to
+which the crank is taken as one."""
+
+_TURN = 2 * math.pi
+_BACK = 0.75
+"""A larger step of a slow crank, in turns, is a small one backwards."""
+
+
+@dataclass(frozen=True)
+class FrameMotion:
+    """Motion of the joint under its load, and the steps at which the frames were taken.
+
+    Attributes
+    ----------
+    motion : Motion
+        Times from the first frame on, rotation of the bushing and load.
+    steps : numpy.ndarray
+        Step of each frame. (frame,)
+    crank : Array
+        Crank angle, counted on from turn to turn. (step,) [rad]
+    viscosity : float
+        Viscosity to which the times are scaled, that of the frames in the mean. [Pa s]
+    """
+
+    motion: Motion
+    steps: npt.NDArray[np.int64]
+    crank: Array
+    viscosity: float
+
+    @property
+    def cycles(self) -> Array:
+        """Turns of the crank since the first frame, at each frame. (frame,)"""
+        turned = self.crank[self.steps] - self.crank[0]
+        return np.asarray(turned / _TURN)
+
+
+def follow_motion(
+    frames: xr.Dataset,
+    linkage: CrankRocker,
+    *,
+    crank_speed: float,
+    viscosity: Array | float,
+    direction: int = 1,
+    steps_per_cycle: int = STEPS_PER_CYCLE,
+) -> FrameMotion:
+    """Follow the bushing from the first frame to the last.
+
+    Times are those of the log where they rise, else they follow from the turns of the crank. A
+    crank whose logged times fit one speed turns at that speed; another one turns evenly from frame
+    to frame. Where the viscosity changes, the times are scaled by its inverse: without entrainment
+    the film is a function of the integral of dt / viscosity alone.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        In the order of the recording: crank_angle [degree], cycle and load [N]; time [s] where it
+        is logged; dim frame.
+    linkage : CrankRocker
+        Its rocker turns the bushing.
+    crank_speed : float
+        As set. [rad s-1]
+    viscosity : array, (frame,), or float
+        [Pa s]
+    direction : int
+        +1 where the bushing moves along image x while the rocker angle rises, -1 where against it.
+    steps_per_cycle : int
+        Steps of a turn of the crank; every frame has a step of its own besides.
+
+    Returns
+    -------
+    FrameMotion
+
+    Raises
+    ------
+    EncoderError
+        If the frames were taken at one time, or over too many turns.
+
+    Examples
+    --------
+    Three frames, a quarter of a turn apart:
+
+    >>> rig = CrankRocker(0.055, 0.44, 0.26, 0.51)
+    >>> frames = xr.Dataset({"crank_angle": ("frame", [350.0, 80.0, 170.0]),
+    ...                      "cycle": ("frame", [0, 0, 0]), "load": ("frame", [222.4] * 3)})
+    >>> moved = follow_motion(frames, rig, crank_speed=10.0, viscosity=0.12)
+    >>> moved.steps.tolist(), round(float(moved.motion.time[-1]), 4)
+    ([0, 25, 50], 0.3142)
+    """
+    require(frames, "crank_angle", "cycle", "load")
+    time, crank = _clock(frames, linkage, crank_speed)
+    nodes, steps = np.unique(time, return_inverse=True)
+    if nodes.size < 2:
+        raise EncoderError(
+            "Expected two or more frames at different crank angles, between which the film "
+            "changes; all were taken at one. Record frames over the cycle."
+        )
+
+    # a frame is a step, and between frames no step is longer than that of an even cycle
+    turned = np.interp(nodes, time, crank)
+    parts = np.ceil(np.diff(turned) / _TURN * steps_per_cycle - 1e-6)
+    parts = np.maximum(parts, 1).astype(np.int64)
+    if parts.sum() > MOST_STEPS:
+        raise EncoderError(
+            f"Expected a recording of at most {MOST_STEPS / steps_per_cycle:.0f} turns of the "
+            f"crank for the prediction; it covers {np.ptp(crank) / _TURN:.0f}. Process its parts."
+        )
+    place = np.concatenate([[0], np.cumsum(parts)])
+    at = np.interp(np.arange(place[-1] + 1), place, nodes)
+    fine = np.interp(at, nodes, turned)
+
+    middle = float(np.mean(linkage.limits()))
+    angle = direction * (np.asarray(linkage.rocker_angle(fine)) - middle)
+    load = np.interp(at, time, frames["load"].values)
+    mean, since = _scaled_time(at, time, np.broadcast_to(viscosity, time.shape))
+    return FrameMotion(Motion(since, angle=angle, load=load), place[steps], fine, mean)
+
+
+def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tuple[Array, Array]:
+    """Time since the first frame, rising, and crank angle counted on. [s; rad]"""
+    crank = np.radians(frames.crank_angle.values.astype(float))
+    time = frames["time"].values.astype(float) if "time" in frames else None
+    if time is None or not (np.diff(time) > 0).all():
+        turned = _count_on(crank, frames["cycle"].values)
+        return (turned - turned[0]) / crank_speed, turned
+
+    # between two frames the crank turns by whole turns more, as many as fit its speed best
+    time = time - time[0]
+    step = np.diff(crank)
+    step += _TURN * np.rint((crank_speed * np.diff(time) - step) / _TURN)
+    turned = crank[0] + np.concatenate([[0.0], np.cumsum(step)])
+    even = _even_turning(time, turned, linkage)
+    return time, np.maximum.accumulate(turned) if even is None else even
+
+
+def _count_on(crank: Array, cycle: npt.NDArray[np.int64]) -> Array:
+    """Crank angle without jumps, rising; noise about a dead point may hold it. [rad]"""
+    step = np.diff(crank) % _TURN
+    if step.size and np.median(step) < math.pi:
+        step = np.where(step > _BACK * _TURN, step - _TURN, step)
+    missed = np.maximum(np.diff(cycle) - 1, 0)
+    turned = crank[0] + np.concatenate([[0.0], np.cumsum(step + _TURN * missed)])
+    return np.asarray(np.maximum.accumulate(turned))
+
+
+def _even_turning(time: Array, turned: Array, linkage: CrankRocker) -> Array | None:
+    """The crank at constant speed through the frames; None where it turns unevenly. [rad]"""
+    # near a dead point the angle of the rocker hardly determines that of the crank
+    weight = np.abs(np.asarray(linkage.rocker_speed(turned, crank_speed=1.0))) + 1e-3
+    speed, start = np.polyfit(time, turned, 1, w=weight)
+    even = start + speed * time
+    low, high = linkage.limits()
+    off = np.asarray(linkage.rocker_angle(even)) - np.asarray(linkage.rocker_angle(turned))
+    if speed <= 0 or math.sqrt(float(np.mean(off**2))) > STEADY_CRANK * (high - low):
+        return None
+    return np.asarray(even)
+
+
+def _scaled_time(at: Array, time: Array, viscosity: Array) -> tuple[float, Array]:
+    """Mean viscosity, and the integral of dt over the relative viscosity. [Pa s; s]"""
+    mean = float(viscosity.mean())
+    if np.ptp(viscosity) == 0:
+        return mean, at - at[0]
+    rate = mean / np.interp(at, time, viscosity)
+    since = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(at))
+    return mean, np.concatenate([[0.0], since])

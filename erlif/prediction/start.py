@@ -1,0 +1,118 @@
+"""The film at the first frame from which the predicted minima are nearest to the measured ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+
+MOST_TRIALS = 12
+"""Predictions until the search ends; four are usual."""
+
+CONVERGED = 1e-3
+"""Relative change of the start film below which the search ends: below the error of the steps."""
+
+_THINNEST, _THICKEST = 1e-9, 0.999
+"""Bounds of the start film: a nanometre [m], and a share of the clearance."""
+
+_LARGEST_STEP = 1.0
+"""Largest change of the logarithm of the start film in one trial."""
+
+_INSENSITIVE = 1e-3
+"""Change of the predicted films with the start film, relative, below which it is not determined."""
+
+
+class StartFilm(NamedTuple):
+    """A start film and the films that follow from it.
+
+    Attributes
+    ----------
+    value : float
+        Minimum film thickness at the first frame. [m]
+    predicted : Array
+        Films that follow from it, (trigger,). [m]
+    trials : int
+        Predictions that the search took.
+    """
+
+    value: float
+    predicted: Array
+    trials: int
+
+
+def find_start_film(
+    predict: Callable[[float], Array],
+    measured: Array,
+    measured_std: Array,
+    *,
+    clearance: float,
+) -> StartFilm:
+    """Find the start film of the least squares.
+
+    Parameters
+    ----------
+    predict : callable
+        Start film [m] to the minimum film of each trigger. [m]
+    measured, measured_std : array, (trigger,)
+        Measured minimum film and its standard deviation; NaN where there is none. [m]
+    clearance : float
+        Radial clearance of the joint. [m]
+
+    Returns
+    -------
+    StartFilm
+
+    Raises
+    ------
+    ModelError
+        If no film was measured.
+
+    Examples
+    --------
+    Films that sink by a tenth from trigger to trigger:
+
+    >>> sinking = 0.9 ** np.arange(4)
+    >>> measured = 5e-6 * sinking
+    >>> found = find_start_film(
+    ...     lambda start: start * sinking, measured, 0.01 * measured, clearance=230e-6)
+    >>> round(found.value * 1e6, 3)
+    5.0
+    """
+    known = np.isfinite(measured) & (measured > 0) & np.isfinite(measured_std) & (measured_std > 0)
+    if not known.any():
+        raise ModelError(
+            "Expected a measured minimum film from which to find the start film; no trigger has "
+            'one. Give start_film = "20 um" in [prediction].'
+        )
+    film, weight = np.log(measured[known]), (measured[known] / measured_std[known]) ** 2
+    low, high = np.log(_THINNEST), np.log(_THICKEST * clearance)
+
+    def miss(logarithm: float) -> tuple[Array, Array]:
+        found = predict(float(np.exp(logarithm)))
+        return film - np.log(found[known]), found
+
+    # the first film is the natural start; films scale with it unless something else carries them
+    place = float(np.clip(film[0], low, high))
+    off, found = miss(place)
+    cost, slope, largest = float(weight @ off**2), np.ones_like(off), _LARGEST_STEP
+    trials = 1
+    while trials < MOST_TRIALS:
+        curvature = float(weight @ slope**2)
+        if curvature < _INSENSITIVE**2 * float(weight.sum()):
+            break
+        step = float(np.clip(weight @ (slope * off) / curvature, -largest, largest))
+        step = float(np.clip(place + step, low, high)) - place
+        if abs(step) < CONVERGED:
+            break
+
+        # the change of the films along a step is the slope of the next one, also where it misled
+        there, films = miss(place + step)
+        trials += 1
+        slope, largest = (off - there) / step, abs(step) / 2
+        if (reached := float(weight @ there**2)) < cost:
+            place, off, found, cost, largest = place + step, there, films, reached, _LARGEST_STEP
+    return StartFilm(float(np.exp(place)), found, trials)

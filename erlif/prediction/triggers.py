@@ -1,0 +1,271 @@
+"""The predicted position of the pin and the predicted film, by frame and by trigger."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.models.reynolds import Journal, solve_journal
+from erlif.prediction.motion import FrameMotion
+from erlif.prediction.start import find_start_film
+from erlif.prediction.view import View, summarise_gap
+
+CELLS = (128, 4)
+"""Cells round the joint and along half of its length: within 0.6 % of the film of 256 x 8."""
+
+_MICRO = 1e6
+
+
+def predict_frames(
+    journal: Journal,
+    motion: FrameMotion,
+    *,
+    start_film: float,
+    sideways: str | float = "free",
+    cells: tuple[int, int] = CELLS,
+) -> xr.Dataset:
+    """Predict the position of the pin at every frame.
+
+    The pin starts at rest in the frame that turns with half the bushing angle where it is free, for
+    there it stays while the film is squeezed; else on the load line.
+
+    Parameters
+    ----------
+    journal : Journal
+        The joint, with any viscosity: that of `motion` takes its place.
+    motion : FrameMotion
+    start_film : float
+        Minimum film thickness at the first frame. [m]
+    sideways : str or float
+        "free", "guided", or a stiffness. [N/m]
+    cells : (int, int)
+        Cells round the joint, and along half of its length; a long one has one along.
+
+    Returns
+    -------
+    xarray.Dataset
+        displacement_load and displacement_side [m], on dim frame.
+
+    Raises
+    ------
+    ModelError
+        If no film carries the load, or a step does not converge.
+
+    Examples
+    --------
+    A joint that is at rest under its load sinks:
+
+    >>> from erlif.models.reynolds import Motion
+    >>> time = np.linspace(0.0, 1.0, 51)
+    >>> rest = FrameMotion(Motion(time, 0 * time, 222.4), np.array([0, 50]), time, 0.12)
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+    >>> found = predict_frames(joint, rest, start_film=20e-6)
+    >>> (1e6 * (joint.clearance - found.displacement_load.values)).round()
+    array([20., 16.])
+    """
+    eccentric = journal.clearance - start_film
+    toward = motion.motion.angle[0] / 2 if sideways == "free" else 0.0
+    solved = solve_journal(
+        replace(journal, viscosity=motion.viscosity),
+        motion.motion,
+        start=(eccentric * np.cos(toward), eccentric * np.sin(toward)),
+        sideways=sideways,
+        cells=(cells[0], 1) if journal.long else cells,
+    )
+    names = "displacement_load", "displacement_side"
+    return xr.Dataset(
+        {name: ("frame", solved[name].values[motion.steps], solved[name].attrs) for name in names}
+    )
+
+
+def average_triggers(
+    frames: xr.Dataset,
+    trigger: npt.NDArray[np.integer[Any]],
+    *,
+    used: npt.NDArray[np.bool_] | None = None,
+) -> xr.Dataset:
+    """Average what is predicted for the frames of each trigger.
+
+    The gap is linear in the displacements: the mean of the maps is the map of the mean.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        From `predict_frames`.
+    trigger : array, (frame,)
+        Trigger of each frame, from 0 without gaps.
+    used : array of bool, (frame,), optional
+        Frames that were measured; a trigger without any is that of all its frames. Default: all.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same variables on dim trigger.
+
+    Examples
+    --------
+    >>> frames = xr.Dataset({"displacement_load": ("frame", [1.0, 3.0, 5.0])})
+    >>> average_triggers(frames, np.array([0, 1, 1])).displacement_load.values
+    array([1., 4.])
+    """
+    taken = np.ones(trigger.shape, bool) if used is None else used
+    weight = np.where(np.bincount(trigger, taken)[trigger] > 0, taken, 1.0)
+    count = np.bincount(trigger, weight)
+    return xr.Dataset(
+        {
+            name: ("trigger", np.bincount(trigger, weight * column.values) / count, column.attrs)
+            for name, column in frames.items()
+        }
+    )
+
+
+def predict_triggers(
+    film: xr.Dataset,
+    journal: Journal,
+    motion: FrameMotion,
+    *,
+    trigger: npt.NDArray[np.integer[Any]],
+    view: View,
+    used: npt.NDArray[np.bool_] | None = None,
+    sideways: str | float = "free",
+    start_film: float | None = None,
+    cells: tuple[int, int] = CELLS,
+) -> xr.Dataset:
+    """Predict the film of every trigger.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        film_min and film_min_std [um], dim trigger, to find the start film; not used otherwise.
+    journal : Journal
+        The joint, with any viscosity: that of `motion` takes its place.
+    motion : FrameMotion
+    trigger : array, (frame,)
+        Trigger of each frame.
+    view : View
+        Where the image and its region of interest lie.
+    used : array of bool, (frame,), optional
+        As for `average_triggers`.
+    sideways : str or float
+        "free", "guided", or a stiffness. [N/m]
+    start_film : float, optional
+        Minimum film thickness at the first frame; default: that of the least squares. [m]
+    cells : (int, int)
+        As for `predict_frames`.
+
+    Returns
+    -------
+    xarray.Dataset
+        On dim trigger: film_predicted_min and film_predicted_mean over the region of interest [um],
+        eccentricity [1] and attitude [degree]; on dim frame: film_predicted_min_frame [um] and
+        elapsed_cycles [1]. Attributes of film_predicted_min: start_film [um] and start_film_fitted.
+
+    Raises
+    ------
+    ModelError
+        If no film carries the load, a step does not converge, or nothing was measured.
+
+    Examples
+    --------
+    >>> from erlif.models.reynolds import Motion
+    >>> time = np.linspace(0.0, 1.0, 51)
+    >>> rest = FrameMotion(Motion(time, 0 * time, 222.4), np.array([0, 50]), time, 0.12)
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+    >>> view = View(np.linspace(-0.01, 0.01, 501), slice(501))
+    >>> found = predict_triggers(xr.Dataset(), joint, rest, trigger=np.array([0, 1]), view=view,
+    ...                          start_film=20e-6)
+    >>> found.film_predicted_min.values.round()
+    array([20., 16.])
+    """
+
+    @cache
+    def positions(start: float) -> tuple[xr.Dataset, xr.Dataset]:
+        frames = predict_frames(journal, motion, start_film=start, sideways=sideways, cells=cells)
+        return frames, average_triggers(frames, trigger, used=used)
+
+    def minima(start: float) -> Array:
+        at = positions(start)[1]
+        return summarise_gap(at.displacement_load, at.displacement_side, journal, view)[0]
+
+    fitted = start_film is None
+    if start_film is None:
+        measured, std = film["film_min"].values, film["film_min_std"].values
+        start_film = find_start_film(
+            minima, measured / _MICRO, std / _MICRO, clearance=journal.clearance
+        ).value
+    frames, triggers = positions(start_film)
+    each = summarise_gap(frames.displacement_load, frames.displacement_side, journal, view)[0]
+    predicted = _describe_triggers(triggers, journal, view)
+    predicted["film_predicted_min_frame"] = (
+        "frame",
+        _MICRO * each,
+        {"units": "um", "long_name": "predicted minimum film in the region"},
+    )
+    predicted["elapsed_cycles"] = (
+        "frame",
+        motion.cycles,
+        {"units": "1", "long_name": "turns of the crank since the first frame"},
+    )
+    predicted["film_predicted_min"].attrs.update(
+        start_film=_MICRO * start_film, start_film_fitted=int(fitted)
+    )
+    return predicted
+
+
+def _describe_triggers(triggers: xr.Dataset, journal: Journal, view: View) -> xr.Dataset:
+    """The predicted film of positions of the pin."""
+    load, side = triggers.displacement_load.values, triggers.displacement_side.values
+    minimum, mean = summarise_gap(load, side, journal, view)
+    columns = {
+        "film_predicted_min": (_MICRO * minimum, "um", "predicted minimum film in the region"),
+        "film_predicted_mean": (_MICRO * mean, "um", "predicted mean film over the region"),
+        "eccentricity": (
+            np.hypot(load, side) / journal.clearance,
+            "1",
+            "predicted displacement of the pin over the radial clearance",
+        ),
+        "attitude": (
+            np.degrees(np.arctan2(side, load)),
+            "degree",
+            "predicted angle from the load line to the smallest gap, positive along sliding",
+        ),
+    }
+    return xr.Dataset(
+        {
+            name: ("trigger", values, {"units": unit, "long_name": meaning})
+            for name, (values, unit, meaning) in columns.items()
+        }
+    )
+
+
+def speed_correlation(film: Array, speed: Array) -> float:
+    """Correlation of the film with the size of the speed; NaN below three values.
+
+    Parameters
+    ----------
+    film : array, (trigger,)
+        Film thickness; NaN is left out.
+    speed : array, (trigger,)
+        Speed; its sign does not matter.
+
+    Returns
+    -------
+    float
+        Pearson's coefficient.
+
+    Examples
+    --------
+    >>> speed_correlation(np.array([1.0, 2.0, 3.0, 2.0]), np.array([1.0, 2.0, -3.0, -2.0]))
+    1.0
+    """
+    known = np.isfinite(film) & np.isfinite(speed)
+    size = np.abs(speed[known])
+    if known.sum() < 3 or np.ptp(size) == 0 or np.ptp(film[known]) == 0:
+        return float("nan")
+    return float(np.corrcoef(film[known], size)[0, 1])

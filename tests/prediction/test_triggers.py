@@ -1,0 +1,133 @@
+"""The predicted film, against the orbit of a pin in an infinitely long joint full of oil.
+
+The orbit, with K = 12 pi eta L R^3 / c^2, is an ordinary differential equation:
+2 dphi/dt = omega - W sin phi (2 + e^2) sqrt(1 - e^2) / (K e) and
+de/dt = W cos phi (1 - e^2)^1.5 / K.
+"""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal
+from erlif.prediction import (
+    View,
+    average_triggers,
+    follow_motion,
+    predict_frames,
+    predict_triggers,
+    speed_correlation,
+)
+
+RIG = CrankRocker(0.055, 0.44, 0.26, 0.51)
+SPEED = 114 * np.pi / 30  # rad/s
+LOAD = 222.4
+LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+VIEW = View(np.linspace(-0.009, 0.009, 301), slice(301))
+
+
+def motion(count=25, cycles=1, viscosity=0.12):
+    turned = 40 + np.arange(count * cycles) * (360 / count)
+    cycle = np.arange(count * cycles) // count
+    frames = xr.Dataset(
+        {
+            "crank_angle": ("frame", turned % 360),
+            "cycle": ("frame", cycle),
+            "load": ("frame", np.full(turned.size, LOAD)),
+        }
+    )
+    return follow_motion(frames, RIG, crank_speed=SPEED, viscosity=viscosity), turned
+
+
+def orbit(start_film, turned):
+    """Eccentricity and attitude [degree] of the orbit at these crank angles [degree]."""
+    clearance, radius = 230e-6, np.sqrt(0.03336 * 0.03359)
+    stiffness = 12 * np.pi * 0.12 * 0.237 * radius**3 / clearance**2
+
+    def rates(time, state):
+        e, phi = state
+        crank = np.radians(turned[0]) + SPEED * time
+        omega = float(RIG.rocker_speed(crank, crank_speed=SPEED))
+        slip = LOAD * np.sin(phi) * (2 + e**2) * np.sqrt(1 - e**2) / (stiffness * e)
+        return LOAD * np.cos(phi) * (1 - e**2) ** 1.5 / stiffness, (omega - slip) / 2
+
+    low, high = RIG.limits()
+    toward = (float(RIG.rocker_angle(np.radians(turned[0]))) - (low + high) / 2) / 2
+    time = np.radians(turned - turned[0]) / SPEED
+    start = [1 - start_film / clearance, toward]
+    found = solve_ivp(rates, (0, time[-1]), start, t_eval=time, rtol=1e-9, atol=1e-12)
+    return found.y[0], np.degrees(found.y[1])
+
+
+@pytest.mark.parametrize("start_film", [5e-6, 60e-6])
+def test_the_free_pin_follows_the_orbit(start_film):
+    moved, turned = motion()
+    eccentricity, attitude = orbit(start_film, turned)
+    found = predict_triggers(
+        xr.Dataset(), LONG, moved, trigger=np.arange(25), view=VIEW, start_film=start_film
+    )
+    film = 230 * (1 - found.eccentricity.values)
+    npt.assert_allclose(film, 230 * (1 - eccentricity), rtol=3e-3)
+    npt.assert_allclose(found.attitude, attitude, atol=0.1)
+    npt.assert_allclose(found.film_predicted_min, film, rtol=1e-9)
+
+
+def test_frames_of_several_cycles_stand_for_themselves_and_are_averaged():
+    moved, turned = motion(count=10, cycles=3)
+    eccentricity, _ = orbit(20e-6, turned)
+    trigger = np.arange(30) % 10
+    found = predict_triggers(
+        xr.Dataset(), LONG, moved, trigger=trigger, view=VIEW, start_film=20e-6
+    )
+    film = 230 * (1 - eccentricity)
+    npt.assert_allclose(found.film_predicted_min_frame, film, rtol=5e-3)
+    npt.assert_allclose(found.elapsed_cycles, np.arange(30) / 10, atol=1e-12)
+    mean = film.reshape(3, 10).mean(axis=0)
+    npt.assert_allclose(found.film_predicted_min, mean, rtol=5e-3)
+
+
+def test_frames_that_were_left_out_do_not_count():
+    frames = xr.Dataset({"displacement_load": ("frame", [1.0, 3.0, 5.0, 7.0])})
+    trigger, used = np.array([0, 1, 0, 1]), np.array([True, False, False, False])
+    found = average_triggers(frames, trigger, used=used)
+    npt.assert_array_equal(found.displacement_load, [1.0, 5.0])
+
+
+def test_the_start_film_is_found_from_noisy_minima():
+    moved, turned = motion()
+    eccentricity, _ = orbit(12e-6, turned)
+    minimum = 230 * (1 - eccentricity) + 0.05 * np.random.default_rng(2).standard_normal(25)
+    film = xr.Dataset(
+        {"film_min": ("trigger", minimum), "film_min_std": ("trigger", np.full(25, 0.05))}
+    )
+    found = predict_triggers(film, LONG, moved, trigger=np.arange(25), view=VIEW)
+    attrs = found.film_predicted_min.attrs
+    assert attrs["start_film_fitted"] == 1
+    assert attrs["start_film"] == pytest.approx(12.0, abs=0.05)
+
+
+def test_a_guided_pin_stays_on_the_load_line():
+    moved, _ = motion()
+    found = predict_frames(LONG, moved, start_film=20e-6, sideways="guided")
+    npt.assert_allclose(found.displacement_side, 0.0, atol=1e-12)
+
+
+def test_a_thin_film_twice_as_thick_in_oil_of_root_two_the_viscosity_sinks_alike():
+    """Near contact h^-1/2 rises by a constant times W t / eta."""
+    ratios = []
+    for film, viscosity in ((1e-6, 0.02), (2e-6, 0.02 * 2**0.5)):
+        moved, _ = motion(count=4, viscosity=viscosity)
+        found = predict_frames(LONG, moved, start_film=film)
+        ratios.append((230e-6 - np.hypot(*found.to_array().values)) / film)
+    npt.assert_allclose(ratios[1], ratios[0], rtol=5e-3)
+    assert ratios[0][-1] < 0.95
+
+
+def test_correlation_needs_three_values_that_differ():
+    falling = speed_correlation(np.array([3.0, 2.0, 1.0]), np.array([-1.0, 2.0, 3.0]))
+    assert falling == pytest.approx(-1.0)
+    assert np.isnan(speed_correlation(np.array([3.0, np.nan, 1.0]), np.array([1.0, 2.0, 3.0])))
+    assert np.isnan(speed_correlation(np.array([3.0, 2.0, 1.0]), np.full(3, 2.0)))
