@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -129,7 +129,7 @@ class _Rotation:
                 f"No film carries {load:g} N at {self.speed:g} rad/s: even at an eccentricity of "
                 f"{LARGEST_ECCENTRICITY} it carries less."
             )
-        found = brentq(surplus, 1e-9, LARGEST_ECCENTRICITY, xtol=1e-9, rtol=1e-9)
+        found = scipy.optimize.brentq(surplus, 1e-9, LARGEST_ECCENTRICITY, xtol=1e-9, rtol=1e-9)
         state, force = self.held_at(found * clearance)
         ahead = -float(np.arctan2(force[1], force[0]))
         return state, found * clearance * np.array([np.cos(ahead), np.sin(ahead)])
