@@ -172,4 +172,6 @@ def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film, convert)
             for name in tiff.variables:
                 values, expected = new[name].values, tiff[name].values
                 assert values.dtype == expected.dtype
+                if values.dtype.kind == "O":  # texts, of which the array holds the addresses
+                    values, expected = values.astype(str), expected.astype(str)
                 assert values.tobytes() == expected.tobytes(), name
