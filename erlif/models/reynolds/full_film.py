@@ -176,7 +176,7 @@ def follow_full_film(
     >>> sunk = follow_full_film(joint, rest, start=np.zeros((1, 2)))[0, -1, 0]
     >>> ratio = 5.0 * 222.4 / joint.squeeze_constant
     >>> print(f"{sunk / joint.clearance:.6f} {ratio / np.hypot(1, ratio):.6f}")
-    0.825614 0.825614
+    0.825510 0.825510
     """
     film, clearance = FullFilm.of(journal), journal.clearance
     place = np.array(start, dtype=float, ndmin=2) / clearance

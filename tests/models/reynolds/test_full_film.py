@@ -74,7 +74,7 @@ def test_half_the_fluidity_is_twice_the_viscosity():
 def test_lowest_pressure_is_that_of_the_film():
     motion = Motion(np.array([0.0, 1e-3]), angle=np.zeros(2), load=222.4)
     for start in (0.0, 115e-6, 200e-6):
-        solved = solve_journal(JOINT, motion, start=(start, 0.0), cells=(256, 16), maps=[1])
+        solved = solve_journal(JOINT, motion, start=(start, 0.0), cells=(256, 32), maps=[1])
         film = 1 - solved.displacement_load.values[-1:] / JOINT.clearance
         bound = FullFilm.of(JOINT).lowest_pressure(film, np.array([[222.4, 0.0]]))[0]
         npt.assert_allclose(float(solved.pressure.min()), bound, rtol=0.01)
