@@ -120,14 +120,14 @@ def follow_pin(time: Array, rig: RigSettings) -> Array:
     cavity = 1e3 * rig.cavitation_pressure
     if rig.sideways == "free":
         history = np.linspace(moments[0], moments[-1], _HISTORY)
-        path = follow_orbit(bearing, history, load=load, rotation=speed)
+        looked_up = np.union1d(history, moments)
+        path = follow_orbit(bearing, looked_up, load=load, rotation=speed)
         lowest = min(
-            lowest_pressure(bearing, place, load(moment))
-            for moment, place in zip(history, path, strict=True)
+            lowest_pressure(bearing, path[np.searchsorted(looked_up, moment)], load(moment))
+            for moment in history
         )
         if lowest >= cavity:
-            distinct, place = np.unique(moments, return_inverse=True)
-            return follow_orbit(bearing, distinct, load=load, rotation=speed)[place][1:]
+            return path[np.searchsorted(looked_up, moments)][1:]
 
     stiffness = {"free": 0.0, "guided": np.inf}.get(str(rig.sideways), rig.sideways)
     return follow_cavitated(

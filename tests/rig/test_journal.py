@@ -83,12 +83,13 @@ def test_a_film_doubles_its_time_with_the_viscosity():
 
 
 def test_a_guided_pin_keeps_its_line():
-    rig = replace(RIG, sideways="guided", elapsed=1.0)
-    along, side = 1e6 * follow_pin(np.array([0.0, 0.1]), rig).T
-    npt.assert_array_equal(side, 0)
-    assert 230 - along[0] == pytest.approx(175, rel=0.01)  # it sinks like the free one at first
-    stiff = replace(rig, sideways=1e12)
-    npt.assert_allclose(1e6 * follow_pin(np.array([0.0, 0.1]), stiff)[:, 0], along, rtol=1e-3)
+    guided, held, free = (
+        1e6 * follow_pin(np.array([0.0, 0.05]), replace(RIG, sideways=sideways, elapsed=0.2))
+        for sideways in ("guided", 1e12, "free")
+    )
+    npt.assert_array_equal(guided[:, 1], 0)
+    npt.assert_allclose(held, guided, rtol=1e-3, atol=1e-3)
+    npt.assert_allclose(guided[:, 0], free[:, 0], rtol=0.02)  # it sinks like the free one at first
 
 
 def test_the_first_moment_may_be_that_of_loading():
