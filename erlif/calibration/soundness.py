@@ -68,6 +68,9 @@ def check_file(dataset: xr.Dataset) -> None:
             "it was written by a later version of erlif, "
             f"{dataset.attrs.get('erlif_version', 'unknown')}"
         )
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "c":
+            raise ValueError(f"{name} has complex values")
     for name, accepted in UNITS.items():
         unit = dataset[name].attrs.get("units", accepted[0]) if name in dataset else accepted[0]
         if unit not in accepted:

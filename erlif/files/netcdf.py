@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any, Literal
 
@@ -48,7 +49,12 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
         check_variable_lengths(file)
         list(file.attrs.items())
         file.visititems(lambda name, item: None)
-    return xr.open_dataset(path, engine="h5netcdf", group=group)
+
+    # Dimensions that a file does not name get names, and impossible fill values are dropped. Both
+    # are found when the variables are checked, and stated there.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", xr.SerializationWarning)
+        return xr.open_dataset(path, engine="h5netcdf", group=group, phony_dims="access")
 
 
 def write_netcdf(

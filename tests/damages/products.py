@@ -81,6 +81,15 @@ def _first(name, value):
     return change
 
 
+def _complex(name):
+    def change(file):
+        values = file[name][()].astype("c16")
+        del file[name]
+        file[name] = values
+
+    return change
+
+
 CALIBRATIONS = [
     _calibration("K is NaN", _set("ratio_at_zero", np.nan), "ratio_at_zero", "erlif calibrate"),
     _calibration("K is negative", _set("ratio_at_zero", -0.3), "ratio_at_zero"),
@@ -111,6 +120,7 @@ CALIBRATIONS = [
         "process run",
         *("calibration.nc", "heap", "erlif calibrate"),
     ),
+    _calibration("complex curve", _complex("curve_ratio"), "curve_ratio", "complex"),
     _calibration("range to 1e9 um", _set("thickness_range", [0.1, 1e9]), "thickness_range"),
     _calibration("range in reverse", _set("thickness_range", [12.0, 0.1]), "thickness_range"),
     _calibration("later format", _attribute("format_version", 99), "later version of erlif"),

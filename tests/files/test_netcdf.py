@@ -119,3 +119,13 @@ def test_writing_loads_no_scheduler(tmp_path):
         "assert 'distributed' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "load.nc")], check=True)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_file_of_another_program_is_opened_without_a_warning(tmp_path):
+    path = tmp_path / "film.nc"
+    with h5py.File(path, "w") as file:
+        file["load"] = [220.0, 221.0]  # its dimension has no name
+        file["load"].attrs["_FillValue"] = "none"
+    with open_netcdf(path) as dataset:
+        assert dataset["load"].values.tolist() == [220.0, 221.0]
