@@ -37,6 +37,7 @@ from erlif.settings import RunSettings, SinusoidalSettings
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
 _TALL, _PANELS = 1.15, (1.35, 1)  # height by width, and ratio of film to speed
 _DASHES = (0, (3, 1.5))
+_HEADROOM = 1.25  # limit of the film thickness over the thickest film, for a legend of two rows
 
 
 @dataclass(frozen=True)
@@ -314,8 +315,12 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel(along.label)
     ax.set_ylabel("film thickness [µm]")
-    ax.set_ylim(0, None)  # from contact, so that the film is seen in proportion
-    frame_legend(ax, loc="lower center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
+
+    # from contact, so that the film is seen in proportion; the legend has room above all curves,
+    # because the thinnest films are at the dead points, close to the lower edge
+    _, top = ax.get_ylim()
+    ax.set_ylim(0, _HEADROOM * top)
+    frame_legend(ax, loc="upper center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
     return artists
 
 

@@ -116,6 +116,23 @@ def test_film_thickness_starts_at_zero_and_is_named(film):
     assert legend.get_title().get_text() == "with 95 % bands"
 
 
+@pytest.mark.parametrize("draw", [plots.cycle_figure, plots.film_over_cycle])
+@pytest.mark.parametrize("thinnest", [0.05, 1.0])
+def test_legend_covers_no_film(film, draw, thinnest):
+    """Near the second dead point, at 200 degrees of the crank, the film is close to contact."""
+    thick = thinnest + 3.0 * np.sin(np.radians(scene.CRANK - 200) / 2) ** 2
+    known = film.assign(film_min=("trigger", thick), film_mean=("trigger", thick + 0.5))
+    drawn = draw(known)
+    ax = drawn[0].axes if isinstance(drawn, list) else drawn.axes[0]
+    ax.get_figure().draw_without_rendering()
+
+    box = ax.get_legend().get_window_extent()
+    curves = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 2]
+    bands = [path.vertices for band in ax.collections for path in band.get_paths()]
+    points = ax.transData.transform(np.concatenate([*curves, *bands]))
+    assert not any(box.contains(*xy) for xy in points)
+
+
 def test_dotted_lines_stand_at_the_dead_points(film):
     figure = plots.cycle_figure(film)
     crank = np.arange(0.0, 360.0, 0.1)
