@@ -3,6 +3,7 @@
     pip install -e .
     python benchmarks/uncertainty.py maps      # five seeds, three levels of light, two contrasts
     python benchmarks/uncertainty.py fixtures  # film statistics of one run under 200 fixtures
+    python benchmarks/uncertainty.py pins --rigs 20  # position of the pin, films of load and motion
 
 Coverage is the share of errors within one and two stated standard deviations, 68.3 and 95.4 %
 where the error bars are true.
@@ -26,6 +27,7 @@ FILMS = {701: (0.62, 6.0), 702: (0.40, 4.0), 703: (0.62, 3.0), 704: (0.50, 5.0),
 LIGHTS = (1.0, 0.3, 0.1)
 TEXTURES = (0.08, 0.03)
 OCTAVES = ((1, 2), (2, 4), (4, 8), (8, 10))
+PIN = ("displacement_load", "displacement_side", "tilt_load", "tilt_side")
 BORDER = 8  # pixels left out at the edge of the image
 
 
@@ -188,6 +190,56 @@ def fixtures(scratch: Path, processes: int, rigs: int) -> None:
         )
 
 
+def weigh_pin(case: tuple[Path, int]) -> dict:
+    """A rig of its own with the film that load and motion produce.
+
+    Returns the pulls of displacements and tilts, of the curvature beyond that of circles, and the
+    random standard deviations of both displacements [um].
+    """
+    import erlif
+    from erlif.rig import RigSettings, simulate
+
+    warnings.simplefilter("ignore")
+    scratch, seed = case
+    elapsed = float(np.random.default_rng(seed).uniform(20, 40))
+    rig = RigSettings(spacing=7.0, fixture_frames=6, film="reynolds", tilt=0.0, elapsed=elapsed)
+    made = simulate(scratch / f"rig{seed}", seed=seed, rig=rig)
+    with xr.open_dataset(made / "truth.nc", engine="h5netcdf") as truth:
+        truth.load()
+    film = erlif.process(made / "run", calibration=erlif.calibrate(made / "fixture"), workers=1)
+    shutil.rmtree(made)
+
+    known = np.stack([truth.pin_displacement_load, truth.pin_displacement_side], axis=1)
+    error = np.hstack([film.pin_displacement.values - known, film.pin_tilt.values])
+    std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
+    random = np.sqrt(np.diagonal(film.pin_position_cov_random.values, axis1=1, axis2=2))
+    excess = film.film_curvature.values - film.film_curvature.attrs["expected"]
+    return {
+        **dict(zip(PIN, (error / std).T, strict=True)),
+        "curvature": excess / film.film_curvature_std.values,
+        "bend": (film.film_curvature_axial / film.film_curvature_axial_std).values,
+        "random": random[:, :2],
+        "std": std[:, :2],
+    }
+
+
+def pins(scratch: Path, processes: int, rigs: int) -> None:
+    with ProcessPoolExecutor(processes) as pool:
+        results = list(pool.map(weigh_pin, [(scratch, 6000 + n) for n in range(rigs)]))
+    print(f"{rigs} rigs of 320 x 256 pixels with a sinking pin, each drawn anew")
+    for name in (*PIN, "curvature", "bend"):
+        pulls = np.concatenate([r[name] for r in results])
+        within = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
+        print(
+            f"{name:18s}{pulls.size:5d} values {within[0]:7.1%} within one, {within[1]:6.1%} "
+            f"within two standard deviations; mean pull {pulls.mean():+.2f}, "
+            f"rms {np.sqrt(np.mean(pulls**2)):.2f}"
+        )
+    for name in ("random", "std"):
+        load, side = 1e3 * np.sqrt(np.mean(np.concatenate([r[name] for r in results]) ** 2, axis=0))
+        print(f"{name} standard deviation: {load:.1f} nm towards the load, {side:.1f} nm sideways")
+
+
 def maps(scratch: Path, processes: int, *, exact: bool) -> None:
     cases = [(scratch, *case, exact) for case in itertools.product(FILMS, LIGHTS, TEXTURES)]
     with ProcessPoolExecutor(processes) as pool:
@@ -238,7 +290,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=["maps", "fixtures"])
+    parser.add_argument("what", choices=["maps", "fixtures", "pins"])
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--exact", action="store_true", help="a profile without error")
     parser.add_argument("--rigs", type=int, default=200)
@@ -248,6 +300,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="erlif-benchmark-") as scratch:
         if options.what == "maps":
             maps(options.keep or Path(scratch), options.processes, exact=options.exact)
+        elif options.what == "pins":
+            pins(Path(scratch), options.processes, options.rigs)
         else:
             fixtures(Path(scratch), options.processes, options.rigs)
 

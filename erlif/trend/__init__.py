@@ -13,6 +13,7 @@ from erlif.trend.position import (
     PinView,
     find_pin_in_blocks,
     find_pin_position,
+    pin_covariance,
 )
 from erlif.trend.profile import RigidGap, average_across_sliding, rigid_gap
 from erlif.trend.region import Region, find_region
@@ -59,6 +60,7 @@ __all__ = [
     "fit_gap_minimum",
     "fit_trend",
     "judge_form",
+    "pin_covariance",
     "predict_film",
     "rigid_gap",
     "sum_blocks",

@@ -12,8 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
+import xarray as xr
 
-from erlif.calibration import Calibration
+from erlif.calibration import Calibration, calibration_of
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
 from erlif.core.products import RatioImages, require
@@ -309,6 +311,67 @@ def find_pin_in_blocks(
         form_surface_cov=surface[f, f],
         form_gradient=gradient[f],
     )
+
+
+def pin_covariance(film: xr.Dataset) -> Array:
+    """Covariance of the positions of all triggers of a film.
+
+    Noise is new at every trigger. Marks of the surfaces are taken as the same at every trigger, and
+    an error of the calibration is common to all: neither is averaged away by many triggers.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        As `erlif.process` returns it, with the position of the pin.
+
+    Returns
+    -------
+    array, (trigger x parameter, trigger x parameter)
+        In the order of the triggers, for each that of `PARAMETERS`: displacements in um, tilts in
+        um/mm. NaN where a trigger has no position.
+
+    Raises
+    ------
+    ErlifError
+        If the film holds no position.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> film = example_film()
+    >>> whole = pin_covariance(film)
+    >>> whole.shape
+    (24, 24)
+    >>> bool(np.allclose(whole[4:8, 4:8], film.pin_position_cov[1]))
+    True
+    """
+    require(film, "pin_position_cov", "pin_position_cov_random", "pin_position_gradient")
+    calibration_cov = calibration_of(film).full_covariance
+    whole, random, gradient = (
+        film[name].values
+        for name in ("pin_position_cov", "pin_position_cov_random", "pin_position_gradient")
+    )
+    triggers = len(whole)
+    gradient = gradient.reshape(triggers * _PINNED, -1)
+    total = gradient @ calibration_cov @ gradient.T
+
+    # the root of what is left at each trigger links the marks of one with those of another
+    roots = np.zeros((triggers, _PINNED, _PINNED))
+    for k in range(triggers):
+        here = slice(k * _PINNED, (k + 1) * _PINNED)
+        roots[k] = _root(whole[k] - random[k] - total[here, here])
+    marks = roots.reshape(triggers * _PINNED, _PINNED)
+    return np.asarray(total + marks @ marks.T + scipy.linalg.block_diag(*random))
+
+
+def _root(covariance: Array) -> Array:
+    """Symmetric root of a covariance; rounding may have left small negative variances."""
+    if not np.isfinite(covariance).all():
+        return np.full_like(covariance, np.nan)
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    variance, axes = np.linalg.eigh(covariance / scale / scale[:, None])
+    root = (axes * np.sqrt(np.maximum(variance, 0.0))) @ axes.T
+    return np.asarray(root * scale[:, None])
 
 
 def _span(pixels: slice, pitch: float) -> tuple[float, float]:
