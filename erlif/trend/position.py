@@ -281,15 +281,16 @@ def find_pin_in_blocks(
     # the position with the form held at zero follows from the free fit in one linear step
     curvature = fit.curvature
     pinned = curvature[:_PINNED, :_PINNED]
-    released = np.linalg.solve(pinned, curvature[:_PINNED, _PINNED:])
+    inverse = np.linalg.inv(pinned)
+    released = inverse @ curvature[:_PINNED, _PINNED:]
     held = fit.amplitudes[:_PINNED] + released @ fit.amplitudes[_PINNED:]
     value = np.concatenate([held, fit.amplitudes[_PINNED:]]) * scale
 
     # change of each number with the ratio of each block, through the reweighted fit
     pull = scale[:, None] * np.concatenate(
         [
-            np.linalg.solve(pinned, fit.jacobian[:_PINNED]),
-            np.linalg.solve(curvature, fit.jacobian)[_PINNED:],
+            inverse @ fit.jacobian[:_PINNED],
+            np.linalg.inv(curvature)[_PINNED:] @ fit.jacobian,
         ]
     )
     gradient = -(pull * (fit.response / fit.total_var)) @ curve.calibration.gradient(fit.film).T
