@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from erlif.core.flags import Flag
@@ -56,6 +56,43 @@ PREDICTED = "[mechanism] is a crank-rocker and its film is predicted"
 TREND = "speed and load are known"
 JOINT = "[joint] is given"
 POSITION = ("trigger", "parameter", "parameter_other")
+
+PREDICTED_FILM = (
+    Variable(
+        "film_predicted_min",
+        T,
+        "float64",
+        "um",
+        "Transient film over the cycle: minimum in the region, mean of the frames. Attributes: "
+        "start_film [um] and start_film_fitted.",
+        PREDICTED,
+    ),
+    Variable(
+        "film_predicted_mean",
+        T,
+        "float64",
+        "um",
+        "The same, mean over the region.",
+        PREDICTED,
+    ),
+    Variable(
+        "eccentricity",
+        T,
+        "float64",
+        "1",
+        "Predicted displacement of the pin over the radial clearance.",
+        PREDICTED,
+    ),
+    Variable(
+        "attitude",
+        T,
+        "float64",
+        "degree",
+        "Predicted angle from the load line to the smallest gap, positive along sliding.",
+        PREDICTED,
+    ),
+)
+"""What is predicted for each trigger, in film.nc and prediction.nc."""
 
 FILM = (
     Variable("trigger", T, "int64", "", "Number of the encoder trigger within the cycle, from 0."),
@@ -305,39 +342,7 @@ FILM = (
         "the trigger.",
         THEORY,
     ),
-    Variable(
-        "film_predicted_min",
-        T,
-        "float64",
-        "um",
-        "Transient film over the cycle: minimum in the region, mean of the frames. Attributes: "
-        "start_film [um] and start_film_fitted.",
-        PREDICTED,
-    ),
-    Variable(
-        "film_predicted_mean",
-        T,
-        "float64",
-        "um",
-        "The same, mean over the region.",
-        PREDICTED,
-    ),
-    Variable(
-        "eccentricity",
-        T,
-        "float64",
-        "1",
-        "Predicted displacement of the pin over the radial clearance.",
-        PREDICTED,
-    ),
-    Variable(
-        "attitude",
-        T,
-        "float64",
-        "degree",
-        "Predicted angle from the load line to the smallest gap, positive along sliding.",
-        PREDICTED,
-    ),
+    *PREDICTED_FILM,
     Variable(
         "film_parameter",
         T,
@@ -440,6 +445,47 @@ FILM_ATTRIBUTES = (
     Attribute("smoothing_comment", "What was smoothed and what was not.", "smoothing is set"),
 )
 
+MEASURED = "a film was there"
+PREDICTION = (
+    *FILM[:3],
+    Variable(
+        "film_predicted",
+        MAP,
+        "float32",
+        "um",
+        "Predicted film thickness, mean of the frames of the trigger.",
+    ),
+    *(replace(one, when="") for one in PREDICTED_FILM),
+    *(
+        replace(one, when=MEASURED)
+        for one in FILM
+        if one.name
+        in (
+            "film_min",
+            "film_min_std",
+            "film_mean",
+            "film_mean_std",
+            "encoder_angle",
+            "crank_angle",
+            "stroke",
+            "rocker_speed",
+            "load",
+        )
+    ),
+)
+
+PREDICTION_ATTRIBUTES = (
+    *(one for one in FILM_ATTRIBUTES[:6]),
+    Attribute(
+        "input_hashes",
+        "SHA-256 of settings and log, and the identity of the film, by their names, as JSON.",
+    ),
+    Attribute("model", "The equation, and how the pin is held."),
+    Attribute("cells", "Cells round the joint and along half of its length."),
+    Attribute("start_film", "Minimum film at the first frame. [um]"),
+    Attribute("start_film_fitted", "1 where it was fitted to the measured minima."),
+)
+
 VARIABLE_ATTRIBUTES = (
     Attribute("units", "Unit, in the notation of UDUNITS."),
     Attribute("long_name", "Short description."),
@@ -509,6 +555,26 @@ VARIABLE_ATTRIBUTES = (
     Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
 )
 
+PREDICTED_FRAMES = (
+    *(
+        replace(one, dims=F, meaning=meaning)
+        for one, meaning in zip(
+            PREDICTED_FILM,
+            (
+                "Predicted minimum film in the region at the frame.",
+                "The same, mean over the region.",
+                "Predicted displacement of the pin at the frame over the radial clearance.",
+                "Predicted angle from the load line to the smallest gap at the frame.",
+            ),
+            strict=True,
+        )
+    ),
+    Variable(
+        "elapsed_cycles", F, "float64", "1", "Turns of the crank since the first frame.", PREDICTED
+    ),
+)
+"""The same for each frame pair."""
+
 FRAMES = (
     Variable("frame", F, "int64", "", "Number of the frame pair, from 0."),
     Variable("trigger", F, "int64", "1", "Trigger within the cycle."),
@@ -532,17 +598,7 @@ FRAMES = (
         "1",
         "The same from the log, where it has a column pulse_energy, laser_energy or laser_mJ.",
     ),
-    Variable(
-        "film_predicted_min",
-        F,
-        "float64",
-        "um",
-        "Predicted minimum film in the region at the frame.",
-        PREDICTED,
-    ),
-    Variable(
-        "elapsed_cycles", F, "float64", "1", "Turns of the crank since the first frame.", PREDICTED
-    ),
+    *PREDICTED_FRAMES,
     Variable("file_camera1", F, "text", "", "File name of the frame of camera 1."),
     Variable("file_camera2", F, "text", "", "File name of the frame of camera 2."),
 )
@@ -810,7 +866,7 @@ INTRODUCTION = """\
 # Files
 
 erlif reads `run.toml`, `fixture.toml`, `encoder.csv`, `profile.csv` and frames; it writes
-`calibration.nc` and `film.nc`. This page is generated from the program.
+`calibration.nc`, `film.nc` and `prediction.nc`. This page is generated from the program.
 
 In settings files a quantity is text with a unit, `"50 lbf"` or `"114 rpm"`, in any unit of its
 kind. A bare number in place of a quantity is refused, and so is an unknown key; the message names
@@ -858,6 +914,12 @@ trigger. Their names must differ from the variables of film.nc."""
 CAMERA_MAP_TEXT = """\
 Group `registration`: the camera map of the fixture, with the variables and attributes of the
 [same group in film.nc](#group-registration), without `blur_difference`."""
+
+
+PREDICTION_TEXT = """\
+netCDF-4, written by `erlif predict`: the film that theory predicts for a joint that oscillates. One
+chunk of `film_predicted` is the map of one trigger, with 14 bits of mantissa (0.003 % at most).
+Maps of single frames follow from their eccentricity and attitude, as docs/prediction.md shows."""
 
 
 def render() -> str:
@@ -916,6 +978,13 @@ def render() -> str:
     ]
     lines += variables_table(REGISTRATION)
     lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
+
+    lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
+    lines += variables_table(PREDICTION)
+    lines += ["Attributes of the file:", ""]
+    lines += attributes_table(PREDICTION_ATTRIBUTES)
+    lines += ["Group `frames`, what belongs to single frame pairs:", ""]
+    lines += variables_table([*FRAMES[:3], *(replace(one, when="") for one in PREDICTED_FRAMES)])
     return "\n".join(lines).rstrip("\n") + "\n"
 
 

@@ -30,6 +30,7 @@ _FUNCTIONS = {
     "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
+    "predict": "erlif.pipeline.predict",
     "process": "erlif.pipeline.run",
     "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
@@ -77,6 +78,7 @@ __all__ = [
     "open_film",
     "pipeline",
     "plots",
+    "predict",
     "prediction",
     "process",
     "ratio",
@@ -120,6 +122,7 @@ if TYPE_CHECKING:
     from erlif.pipeline.budget import budget
     from erlif.pipeline.fixture import calibrate
     from erlif.pipeline.init import init
+    from erlif.pipeline.predict import predict
     from erlif.pipeline.run import process
     from erlif.report import summarise
     from erlif.rig import simulate

@@ -25,6 +25,7 @@ from erlif.commands.ending import (
 from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
+from erlif.commands.predict import predict
 from erlif.commands.process import process
 from erlif.commands.report import report
 from erlif.commands.simulate import simulate
@@ -107,5 +108,17 @@ def main(verbose: int) -> None:
             stream.reconfigure(errors="replace")
 
 
-for command in (simulate, init, check, calibrate, process, batch, budget, figures, report, sources):
+for command in (
+    simulate,
+    init,
+    check,
+    calibrate,
+    process,
+    batch,
+    predict,
+    budget,
+    figures,
+    report,
+    sources,
+):
     main.add_command(command)

@@ -32,7 +32,7 @@ class Prediction(NamedTuple):
         film_predicted_min and film_predicted_mean [um], eccentricity [1] and attitude [degree], on
         dim trigger; empty without a prediction.
     frames : xarray.Dataset
-        film_predicted_min [um] and elapsed_cycles [1], on dim frame; empty without a prediction.
+        The same and elapsed_cycles [1], on dim frame; empty without a prediction.
     notes : list of Note
         Why there is none, or what limits it.
     """
@@ -193,14 +193,10 @@ def predict_run(
         start_film=None if options.start_film == "fit" else float(options.start_film),
         cells=cells,
     )
-    by_frame = xr.Dataset(
-        {
-            "film_predicted_min": found["film_predicted_min_frame"],
-            "elapsed_cycles": found["elapsed_cycles"],
-        }
-    )
     names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
-    return Prediction(found[names], by_frame, [])
+    by_frame = found[[f"{name}_frame" for name in names]]
+    by_frame = by_frame.rename({f"{name}_frame": name for name in names})
+    return Prediction(found[names], by_frame.assign(elapsed_cycles=found.elapsed_cycles), [])
 
 
 def try_prediction(

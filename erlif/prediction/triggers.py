@@ -163,7 +163,7 @@ def predict_triggers(
     -------
     xarray.Dataset
         On dim trigger: film_predicted_min and film_predicted_mean over the region of interest [um],
-        eccentricity [1] and attitude [degree]; on dim frame: film_predicted_min_frame [um] and
+        eccentricity [1] and attitude [degree]; on dim frame the same with the ending _frame, and
         elapsed_cycles [1]. Attributes of film_predicted_min: start_film [um] and start_film_fitted.
 
     Raises
@@ -200,13 +200,9 @@ def predict_triggers(
             minima, measured / _MICRO, std / _MICRO, clearance=journal.clearance
         ).value
     frames, triggers = positions(start_film)
-    each = summarise_gap(frames.displacement_load, frames.displacement_side, journal, view)[0]
-    predicted = _describe_triggers(triggers, journal, view)
-    predicted["film_predicted_min_frame"] = (
-        "frame",
-        _MICRO * each,
-        {"units": "um", "long_name": "predicted minimum film in the region"},
-    )
+    predicted = _describe_positions(triggers, journal, view, "trigger")
+    each = _describe_positions(frames, journal, view, "frame")
+    predicted = predicted.merge(each.rename({name: f"{name}_frame" for name in each}))
     predicted["elapsed_cycles"] = (
         "frame",
         motion.cycles,
@@ -218,9 +214,11 @@ def predict_triggers(
     return predicted
 
 
-def _describe_triggers(triggers: xr.Dataset, journal: Journal, view: View) -> xr.Dataset:
+def _describe_positions(
+    positions: xr.Dataset, journal: Journal, view: View, dim: str
+) -> xr.Dataset:
     """The predicted film of positions of the pin."""
-    load, side = triggers.displacement_load.values, triggers.displacement_side.values
+    load, side = positions.displacement_load.values, positions.displacement_side.values
     minimum, mean = summarise_gap(load, side, journal, view)
     columns = {
         "film_predicted_min": (_MICRO * minimum, "um", "predicted minimum film in the region"),
@@ -238,7 +236,7 @@ def _describe_triggers(triggers: xr.Dataset, journal: Journal, view: View) -> xr
     }
     return xr.Dataset(
         {
-            name: ("trigger", values, {"units": unit, "long_name": meaning})
+            name: (dim, values, {"units": unit, "long_name": meaning})
             for name, (values, unit, meaning) in columns.items()
         }
     )

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from erlif.report.budget import render_budget
 from erlif.report.maps import MapCoding, decode_map, embed_map
+from erlif.report.prediction import summarise_prediction
 from erlif.report.summary import describe_calibration, summarise, summarise_in_a_line
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ __all__ = [
     "render_budget",
     "summarise",
     "summarise_in_a_line",
+    "summarise_prediction",
     "write_check_page",
     "write_report",
 ]

@@ -9,6 +9,7 @@ from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.core.units import count_of
 from erlif.files import flag_shares
+from erlif.report.prediction import correlation_lines, difference_lines
 
 _TITLE = 28  # columns of the titles of a film
 _CALIBRATION_TITLE = 34  # columns of the titles of a calibration
@@ -50,6 +51,8 @@ def summarise(film: xr.Dataset) -> str:
         *_flag_lines(film),
         *_trend_lines(film),
         *_theory_lines(film),
+        *difference_lines(film),
+        *correlation_lines(film),
     ]
     notes = [note for note in str(film.attrs.get("notes", "")).split("\n") if note]
     lines += [_line("notes" if n == 0 else "", note) for n, note in enumerate(notes)]

@@ -93,6 +93,15 @@ def test_film_holds_the_variables_and_attributes_of_the_page(page, film):
         check_names(used, page.VARIABLE_ATTRIBUTES)
 
 
+def test_prediction_holds_the_variables_and_attributes_of_the_page(page, film, tmp_path):
+    erlif.predict(film, output=tmp_path / "prediction.nc").close()
+    with h5netcdf.File(tmp_path / "prediction.nc") as file:
+        check_variables(contents(file), page.PREDICTION)
+        check_names(file.attrs, page.PREDICTION_ATTRIBUTES)
+        frames = [one for one in page.FRAMES if one.name in ("frame", "trigger", "cycle")]
+        check_variables(contents(file.groups["frames"]), [*frames, *page.PREDICTED_FRAMES])
+
+
 def test_calibration_holds_the_variables_and_attributes_of_the_page(page, small_rig):
     with h5netcdf.File(small_rig.fixture / "calibration.nc") as file:
         check_variables(contents(file), page.CALIBRATION)

@@ -1,0 +1,50 @@
+"""``erlif predict``: maps of the film that theory predicts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.compiling import announced_compiling
+from erlif.commands.loading import large_imports
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
+from erlif.commands.progress import show_progress
+
+
+@click.command()
+@click.argument("source", metavar="RUN_DIR|FILM", type=PATH)
+@click.option("-o", "--output", type=PATH, help="Default: prediction.nc in RUN_DIR or beside FILM.")
+@ALLOW_OUTSIDE
+@OVERWRITE
+def predict(source: Path, output: Path | None, allow_outside: bool, overwrite: bool) -> None:
+    """Predict the film of an oscillating joint at every trigger, as its camera would see it.
+
+    The transient Reynolds equation is solved over the motion of the frames. [prediction] in
+    run.toml holds what it takes for given. A run directory is predicted with its present settings,
+    a film with those that it holds.
+
+    \b
+    Example:
+      erlif predict data_samples/straight_bushing
+      erlif predict data_samples/straight_bushing/film.nc -o guess.nc
+    """
+    with large_imports():
+        from erlif.pipeline.predict import is_film
+        from erlif.pipeline.predict import predict as predict_maps
+        from erlif.report import summarise_prediction
+
+    place = source.parent if is_film(source) else source
+    output = output or place / "prediction.nc"
+    expect_suffix(output, ".nc")
+    with announced_compiling(), show_progress() as progress:
+        prediction = predict_maps(
+            source,
+            output=output,
+            overwrite=overwrite,
+            allow_outside=allow_outside,
+            progress=progress,
+        )
+    with prediction:
+        click.echo(summarise_prediction(prediction))
+    click.echo(f"written: {output}")

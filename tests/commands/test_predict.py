@@ -1,0 +1,48 @@
+"""``erlif predict``: where it writes, what it shows, what it refuses."""
+
+import re
+
+import pytest
+
+
+@pytest.fixture
+def own(film, tmp_path):
+    """A copy of the film in a directory of its own."""
+    path = tmp_path / "lab" / "film.nc"
+    path.parent.mkdir()
+    path.write_bytes(film.read_bytes())
+    return path
+
+
+def test_a_prediction_lies_beside_its_film_with_a_summary(own, command):
+    result = command("predict", own)
+    assert (own.parent / "prediction.nc").is_file()
+    assert "transient Reynolds, pin free sideways, 6 triggers" in result.stdout
+    assert re.search(r"correlation with \|speed\| +measured [+-]\d\.\d\d, predicted", result.stdout)
+    assert "written: " in result.stdout
+    assert "prediction: 6 done" in result.stderr
+
+
+def test_an_existing_prediction_is_replaced_on_request_only(own, command, refused):
+    first = own.parent / "prediction.nc"
+    command("predict", own)
+    before = first.read_bytes()
+    assert "use --overwrite" in refused("predict", own)
+    command("predict", own, "--overwrite")
+    assert first.read_bytes() == before
+    assert "something else" in refused("predict", own, "-o", own, "--overwrite")
+    assert "a name in .nc" in refused("predict", own, "-o", own.with_suffix(".txt"))
+
+
+def test_what_is_neither_run_nor_film_is_refused(own, refused):
+    assert "does not exist" in refused("predict", own.with_name("other.nc"))
+    assert "run.toml" in refused("predict", own.parent)
+    other = own.with_name("notes.nc")
+    other.write_text("no film")
+    assert "notes.nc is damaged or something else" in refused("predict", other)
+
+
+def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
+    lab.film.write_bytes(film.read_bytes())
+    lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))
+    assert "outside the clearance" in refused("predict", lab.run)
