@@ -1,5 +1,7 @@
 """The film that theory predicts for an oscillating joint, at every frame and trigger."""
 
+from erlif.prediction.fit import Estimate, MotionFit, fit_motion
+from erlif.prediction.measured import MeasuredMotion, measured_minima, measured_positions
 from erlif.prediction.motion import FrameMotion, follow_motion
 from erlif.prediction.start import StartFilm, find_start_film
 from erlif.prediction.triggers import (
@@ -11,13 +13,19 @@ from erlif.prediction.triggers import (
 from erlif.prediction.view import View, gap_in_view, summarise_gap
 
 __all__ = [
+    "Estimate",
     "FrameMotion",
+    "MeasuredMotion",
+    "MotionFit",
     "StartFilm",
     "View",
     "average_triggers",
     "find_start_film",
+    "fit_motion",
     "follow_motion",
     "gap_in_view",
+    "measured_minima",
+    "measured_positions",
     "predict_frames",
     "predict_triggers",
     "speed_correlation",

@@ -1,0 +1,353 @@
+"""What nobody knows of a joint, fitted to the measured positions of its pin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ConfigError
+from erlif.core.notes import Level, Note
+from erlif.models.reynolds import Journal, Motion
+from erlif.prediction.least_squares import (
+    ONE_SIDED,
+    TWO_SIDED,
+    LeastSquares,
+    Minimum,
+    interval,
+)
+from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits
+from erlif.prediction.problem import Frames, Problem
+
+FEWEST_TRIGGERS = 4
+"""Measured positions below which nothing is fitted."""
+
+LOAD_LINE_STD = 5e-3
+"""Standard deviation of the place of the load line where only the image is known. [m]"""
+
+MISFIT = 1.5
+"""Factor of the stated random errors that the residuals require, from which it is reported."""
+
+_TRIALS = (0.03, 1.0, 30.0)  # dampings tried together where many orbits are quick
+
+SIDEWAYS = ("free", "guided", "spring")
+"""How a pin may be held."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted quantity.
+
+    Attributes
+    ----------
+    value : float
+        Its value at the least squares.
+    std : float
+        Standard deviation in the linear approximation, errors shared by all triggers included.
+    low : float
+        Lower end of the 95 % interval of the profile likelihood; zero or infinite without one.
+        Where only one end exists, it is the 95 % limit of one side.
+    high : float
+        Upper end.
+    unit : str
+        Unit of all four.
+    """
+
+    value: float
+    std: float
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def determined(self) -> bool:
+        """Whether both ends of the interval exist."""
+        return bool(np.isfinite(self.low) and np.isfinite(self.high) and self.low != 0)
+
+    def times(self, factor: float, unit: str) -> Estimate:
+        """The estimate of a multiple, in the unit of that."""
+        low, high = sorted((float(factor * self.low), float(factor * self.high)))
+        return Estimate(factor * self.value, abs(factor) * self.std, low, high, unit)
+
+
+@dataclass(frozen=True)
+class MotionFit:
+    """A model of the joint, fitted to measured positions.
+
+    Attributes
+    ----------
+    sideways : str
+        "free", "guided" or "spring".
+    estimates : mapping of str to Estimate
+        viscosity [Pa s], squeeze_time K/W [s], start_film [m], and what else was fitted.
+    names : tuple of str
+        Unknowns in the order of the correlations.
+    correlation : Array
+        Correlations of the unknowns, (unknown, unknown).
+    shared : Array
+        Errors that all triggers share, as fitted, in standard deviations, (source,).
+    shared_std : Array
+        What remains of these standard deviations, (source,).
+    chi_square : float
+        Sum of squares of what remains, in stated errors.
+    freedom : int
+        Observations less unknowns.
+    inflation : float
+        Factor of the stated random errors that the residuals require, at least 1. The standard
+        deviations contain it.
+    log_likelihood : float
+        Of the observations, the shared errors integrated out.
+    residual : Array
+        What remains, in stated random errors, (observation,).
+    predicted : Array
+        Displacement of the pin along the load and sideways, in the coordinates of the measured
+        ones, (trigger, 2). [m]
+    frames : Array
+        The same at every frame, (frame, 2). [m]
+    notes : tuple of Note
+        What limits the result.
+    """
+
+    sideways: str
+    estimates: Mapping[str, Estimate]
+    names: tuple[str, ...]
+    correlation: Array
+    shared: Array
+    shared_std: Array
+    chi_square: float
+    freedom: int
+    inflation: float
+    log_likelihood: float
+    residual: Array
+    predicted: Array
+    frames: Array
+    notes: tuple[Note, ...] = field(default=())
+
+
+def fit_motion(
+    measured: MeasuredMotion,
+    journal: Journal,
+    motion: Motion,
+    *,
+    steps: npt.NDArray[np.integer[Any]],
+    trigger: npt.NDArray[np.integer[Any]] | None = None,
+    sideways: str = "free",
+    fitted: Sequence[str] = ("viscosity",),
+    load_line_std: float = LOAD_LINE_STD,
+    profiles: bool = True,
+) -> MotionFit:
+    """Fit viscosity, start film and mount of a joint to the measured positions of its pin.
+
+    Weighted least squares on the transient film. Errors that all triggers share and the place of
+    the load line are nuisance parameters: they are fitted with the rest, each within its own
+    standard deviation. Only K/W, squeeze constant over load, is measured; the viscosity follows
+    with the given radii, length and load.
+
+    Parameters
+    ----------
+    measured : MeasuredMotion
+    journal : Journal
+        The joint, with the expected viscosity.
+    motion : Motion
+        Rotation of the bushing and load from the first frame on.
+    steps : array, (frame,)
+        Step of the motion at which each frame was taken.
+    trigger : array, (frame,), optional
+        Trigger of each frame, a negative number for one that was not measured. By default each
+        frame is a trigger.
+    sideways : str
+        "free", "guided" or "spring".
+    fitted : sequence of str
+        "viscosity", and for a held pin "cavitation_pressure". The start of the pin is always
+        fitted, and the stiffness and rest of a spring.
+    load_line_std : float
+        Standard deviation of the place of the load line along sliding; 0 where it is known. [m]
+    profiles : bool
+        Whether intervals come from the profile of the likelihood, or from standard deviations.
+
+    Returns
+    -------
+    MotionFit
+
+    Raises
+    ------
+    ConfigError
+        Too few positions, an unknown name.
+    ModelError
+        No film carries the load, or no minimum was found.
+
+    Examples
+    --------
+    A joint at rest under its load, measured to 10 nm, whose oil is 25 % thicker than expected:
+
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+    >>> time = np.linspace(0.0, 4.0, 41)
+    >>> ratio = 3.0 + time * 222.4 / (1.25 * joint.squeeze_constant)
+    >>> place = np.stack([230e-6 * ratio / np.hypot(1, ratio), 0 * time], axis=1)
+    >>> measured = MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)),
+    ...                           np.zeros((41, 2, 0)))
+    >>> motion = Motion(time, angle=0 * time, load=222.4)
+    >>> found = fit_motion(measured, joint, motion, steps=np.arange(41))
+    >>> round(found.estimates["viscosity"].value, 4)
+    0.15
+    """
+    frames = Frames.of(measured, steps, trigger)
+    _check(measured, frames, sideways, fitted)
+    orbits: Orbits = FreeOrbits(journal, motion)
+    if sideways != "free":
+        orbits = HeldOrbits(journal, motion, sideways)
+    problem = Problem(orbits, frames, measured, sideways)
+    unknowns, fixed = problem.unknowns(fitted, load_line_std)
+    least = LeastSquares(
+        frames.observations(measured),
+        unknowns,
+        lambda sets: problem.predict(sets, unknowns, fixed),
+        trials=_TRIALS if sideways == "free" else (1.0,),
+    )
+    return _describe(problem, least, least.solve(), fixed, profiles)
+
+
+def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
+    """Refuse what cannot be fitted."""
+    if sideways not in SIDEWAYS:
+        raise ConfigError(
+            f"Expected a pin that is {', '.join(SIDEWAYS[:-1])} or {SIDEWAYS[-1]}, got "
+            f"{sideways!r}."
+        )
+    unknown = [name for name in fitted if name not in ("viscosity", "cavitation_pressure")]
+    if unknown:
+        raise ConfigError(
+            f"Expected viscosity or cavitation_pressure to fit, got {unknown[0]!r}; start, rest "
+            "and stiffness are always fitted where the pin has them."
+        )
+    if frames.measured.size < FEWEST_TRIGGERS:
+        raise ConfigError(
+            f"Expected {FEWEST_TRIGGERS} or more measured positions for a fit of the film, got "
+            f"{frames.measured.size} of {len(measured.value)} triggers. Widen roi in [thickness], "
+            "or record more triggers."
+        )
+    if sideways == "spring" and not measured.is_position:
+        raise ConfigError(
+            "Expected positions of the pin for the fit of a spring; minima do not contain the "
+            'sideways displacement. Fit "free" or "guided".'
+        )
+
+
+def _describe(
+    problem: Problem,
+    least: LeastSquares,
+    found: Minimum,
+    fixed: Mapping[str, float],
+    profiles: bool,
+) -> MotionFit:
+    """The minimum in physical quantities, with intervals and notes."""
+    names, journal, motion = least.unknowns.names, problem.orbits.journal, problem.orbits.motion
+    std = np.sqrt(np.diag(found.covariance))
+    ends = [
+        (value - 1.96 * one, value + 1.96 * one)
+        for value, one in zip(found.value, std, strict=True)
+    ]
+    low, high = least.unknowns.low, least.unknowns.high
+    if profiles:
+        wanted = [k for k, name in enumerate(names) if name != "load_line"]
+        for k, curve in zip(wanted, least.profiles(found, wanted), strict=True):
+            ends[k] = interval(*curve, TWO_SIDED)
+            if not np.isfinite(ends[k]).all():
+                one_sided = interval(*curve, ONE_SIDED)
+                ends[k] = (
+                    -np.inf if np.isinf(ends[k][0]) else one_sided[0],
+                    np.inf if np.isinf(ends[k][1]) else one_sided[1],
+                )
+
+    # an end at the bound of the search is none
+    ends = [
+        (a if a > low[k] else -np.inf, b if b < high[k] else np.inf)
+        for k, (a, b) in enumerate(ends)
+    ]
+    estimates: dict[str, Estimate] = {}
+    for name, value, one, (a, b) in zip(names, found.value, std, ends, strict=True):
+        estimates |= _estimate(name, float(value), float(one), a, b, journal, motion)
+
+    scale = np.where(std > 0, std, 1.0)
+    frames = problem.frame_positions(found.value[np.newaxis], least.unknowns, fixed)[0]
+    return MotionFit(
+        sideways=problem.sideways,
+        estimates=estimates,
+        names=names,
+        correlation=found.covariance / np.outer(scale, scale),
+        shared=found.shared,
+        shared_std=found.shared_std,
+        chi_square=found.chi_square,
+        freedom=found.freedom,
+        inflation=found.inflation,
+        log_likelihood=found.log_likelihood,
+        residual=found.residual,
+        predicted=problem.frames.average(frames[np.newaxis])[0],
+        frames=frames,
+        notes=tuple(_notes(estimates, found)),
+    )
+
+
+def _estimate(
+    name: str,
+    value: float,
+    std: float,
+    low: float,
+    high: float,
+    journal: Journal,
+    motion: Motion,
+) -> dict[str, Estimate]:
+    """An unknown of the search as a quantity of the joint."""
+    if name == "fluidity":
+        safe = max(value, 1e-9)
+        eta = journal.viscosity / safe
+        low_eta = journal.viscosity / high if np.isfinite(high) else 0.0
+        high_eta = journal.viscosity / low if low > 0 else np.inf
+        time = journal.squeeze_constant / journal.viscosity / float(motion.load.mean())
+        found = Estimate(eta, eta * std / safe, low_eta, high_eta, "Pa s")
+        return {"viscosity": found, "squeeze_time": found.times(time, "s")}
+    if name == "start_film":
+        film = float(np.exp(value))
+        return {name: Estimate(film, film * std, float(np.exp(low)), float(np.exp(high)), "m")}
+    if name == "stiffness":
+        size = float(10**value)
+        error = size * std * float(np.log(10))
+        return {name: Estimate(size, error, float(10**low), float(10**high), "N m-1")}
+    scale, unit = {
+        "start_attitude": (1.0, "rad"),
+        "rest": (journal.clearance, "m"),
+        "load_line": (journal.radius, "m"),
+        "cavitation_pressure": (-ATMOSPHERE, "Pa"),
+    }[name]
+    return {name: Estimate(value, std, low, high, unit).times(scale, unit)}
+
+
+def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
+    """What limits the result."""
+    notes = []
+    viscosity = estimates.get("viscosity")
+    if viscosity is not None and not viscosity.determined:
+        notes.append(
+            Note(
+                Level.WARNING,
+                "fit",
+                "The film does not change enough to determine the viscosity: it is at least "
+                f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of "
+                "loading on.",
+            )
+        )
+    if found.inflation > MISFIT:
+        notes.append(
+            Note(
+                Level.WARNING,
+                "fit",
+                f"The residuals are {found.inflation:.3g} times the stated random errors; the "
+                "standard deviations contain this factor.",
+            )
+        )
+    return notes

@@ -1,0 +1,455 @@
+"""Weighted least squares with errors that observations share, and profiles of the likelihood.
+
+The models are slow and follow many sets of unknowns at once, so an iteration evaluates a trial and
+its neighbours together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+
+MOST_ITERATIONS = 40
+"""Trials until the search ends without a minimum; four to ten are usual."""
+
+CONVERGED = 1e-4
+"""Decrease of chi-square that a further step promises, below which the search ends."""
+
+ONE_SIGMA, TWO_SIDED, ONE_SIDED = 1.0, 3.841, 2.706
+"""Rise of chi-square at the ends of the 68 % and 95 % intervals, and at a 95 % limit."""
+
+_DAMPING = 1e-3  # of the first step, over the curvature
+_LARGEST_DAMPING = 1e8
+_TARGETS = np.array([-2.4, -1.2, 1.2, 2.4])  # standard deviations at which a profile is computed
+
+Predict = Callable[[Array], Array]
+"""Sets of unknowns (case, unknown) to observations (case, observation)."""
+
+
+@dataclass(frozen=True)
+class Observations:
+    """What was measured, with errors of two kinds.
+
+    Attributes
+    ----------
+    value : Array
+        Measured values, in groups of equal size, (group, member).
+    random_cov : Array
+        Covariance of the errors that are new in each group, (group, member, member).
+    shared : Array
+        Change of the values with one standard deviation of each error that all groups share,
+        (group, member, source). These are fitted as nuisance parameters.
+    """
+
+    value: Array
+    random_cov: Array
+    shared: Array
+
+    def whiten(self, values: Array) -> Array:
+        """Values in units of their random standard deviations, (..., observation).
+
+        Parameters
+        ----------
+        values : array, (..., group, member)
+
+        Returns
+        -------
+        array, (..., observation)
+        """
+        inverse = np.linalg.inv(np.linalg.cholesky(self.random_cov))
+        found = np.einsum("gij,...gj->...gi", inverse, values)
+        return np.asarray(found.reshape(*values.shape[:-2], self.size))
+
+    @property
+    def size(self) -> int:
+        """Number of observations."""
+        return self.value.size
+
+    def log_determinant(self, inflation: float = 1.0) -> float:
+        """Logarithm of the determinant of the whole covariance.
+
+        Parameters
+        ----------
+        inflation : float
+            Factor of the random standard deviations.
+
+        Returns
+        -------
+        float
+        """
+        random = np.linalg.slogdet(self.random_cov)[1].sum() + 2 * self.size * np.log(inflation)
+        columns = self.whiten(np.moveaxis(self.shared, -1, 0)) / inflation
+        joint = np.linalg.slogdet(np.eye(len(columns)) + columns @ columns.T)[1]
+        return float(random + joint)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """What is fitted.
+
+    Attributes
+    ----------
+    names : tuple of str
+        One for each unknown.
+    start : Array
+        Values at which the search begins, (unknown,).
+    step : Array
+        Differences from which derivatives are computed, (unknown,).
+    low : Array
+        Lower bounds, (unknown,).
+    high : Array
+        Upper bounds, (unknown,).
+    largest : Array
+        Largest change in one iteration, (unknown,).
+    expected : Array
+        What is known beforehand, (unknown,).
+    expected_std : Array
+        Its standard deviations; infinite where nothing is known, (unknown,).
+    """
+
+    names: tuple[str, ...]
+    start: Array
+    step: Array
+    low: Array
+    high: Array
+    largest: Array
+    expected: Array
+    expected_std: Array
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """The least squares.
+
+    Attributes
+    ----------
+    value : Array
+        The unknowns, (unknown,).
+    covariance : Array
+        Their covariance in the linear approximation, all kinds of errors together.
+    shared : Array
+        The errors that the observations share, in standard deviations, (source,).
+    shared_std : Array
+        What remains of these standard deviations, (source,).
+    predicted : Array
+        Values without the shared errors, (group, member).
+    residual : Array
+        What remains, in random standard deviations, (observation,).
+    jacobian : Array
+        Derivatives of the whitened observations, (observation, unknown).
+    chi_square : float
+        Sum of squares of residuals, shared errors and departures from what was expected.
+    freedom : int
+        Observations less unknowns.
+    inflation : float
+        Factor of the random standard deviations that the residuals require, at least 1.
+    log_likelihood : float
+        With that factor, the shared errors integrated out.
+    """
+
+    value: Array
+    covariance: Array
+    shared: Array
+    shared_std: Array
+    predicted: Array
+    residual: Array
+    jacobian: Array
+    chi_square: float
+    freedom: int
+    inflation: float
+    log_likelihood: float
+
+
+class LeastSquares:
+    """The sum of squares of a model.
+
+    Parameters
+    ----------
+    observed : Observations
+    unknowns : Unknowns
+    predict : callable
+        Sets of unknowns (case, unknown) to values (case, group, member); NaN where the model has
+        none.
+    trials : sequence of float
+        Dampings that are tried together, over that of the iteration.
+    """
+
+    def __init__(
+        self,
+        observed: Observations,
+        unknowns: Unknowns,
+        predict: Predict,
+        trials: Sequence[float] = (1.0,),
+    ) -> None:
+        self.trials = trials
+        self.observed, self.unknowns, self.predict = observed, unknowns, predict
+        self.target = observed.whiten(observed.value)
+        self.columns = observed.whiten(np.moveaxis(observed.shared, -1, 0)).T
+        self.sources = self.columns.shape[1]
+        self.known = np.isfinite(unknowns.expected_std)
+
+    def misses(self, sets: Array) -> Array:
+        """Whitened differences of the observations from each set of unknowns."""
+        return np.asarray(self.target - self.observed.whiten(self.predict(sets)))
+
+    def neighbours(self, value: Array) -> Array:
+        """A set of unknowns and one beside it for each of them."""
+        step = np.where(value + self.unknowns.step > self.unknowns.high, -1, 1) * self.unknowns.step
+        return np.vstack([value, value + np.diag(step)])
+
+    def expected_miss(self, value: Array) -> Array:
+        """Departures from what was expected, in standard deviations."""
+        unknowns = self.unknowns
+        return np.asarray(((unknowns.expected - value) / unknowns.expected_std)[..., self.known])
+
+    def system(
+        self, miss: Array, jacobian: Array, value: Array, inflation: float
+    ) -> tuple[Array, Array]:
+        """Matrix and right side of the linear step of unknowns and shared errors."""
+        count = value.size
+        known = np.diag(1 / self.unknowns.expected_std)[self.known]
+        rows = [
+            np.hstack([jacobian, self.columns]) / inflation,
+            np.hstack([known, np.zeros((len(known), self.sources))]),
+            np.hstack([np.zeros((self.sources, count)), np.eye(self.sources)]),
+        ]
+        right = [miss / inflation, self.expected_miss(value), np.zeros(self.sources)]
+        return np.vstack(rows), np.concatenate(right)
+
+    def reduced(self, miss: Array, value: Array, inflation: float = 1.0) -> tuple[float, Array]:
+        """Chi-square with the best shared errors, and these errors."""
+        matrix = self.columns.T @ self.columns + inflation**2 * np.eye(self.sources)
+        shared = np.asarray(np.linalg.solve(matrix, self.columns.T @ miss))
+        left = (miss - self.columns @ shared) / inflation
+        known = self.expected_miss(value)
+        return float(left @ left + shared @ shared + known @ known), shared
+
+    def solve(self) -> Minimum:
+        """Search the minimum by the method of Levenberg and Marquardt.
+
+        Returns
+        -------
+        Minimum
+
+        Raises
+        ------
+        ModelError
+            If the model has no values at the start, or no minimum was found.
+        """
+        unknowns = self.unknowns
+        value = np.clip(unknowns.start, unknowns.low, unknowns.high)
+        ((miss, jacobian),) = self._evaluate(value)
+        if not np.isfinite(miss).all():
+            raise ModelError("The model has no film at the start of the fit.")
+        cost = self.reduced(miss, value)[0]
+        damping = _DAMPING
+        for _ in range(MOST_ITERATIONS):
+            promised = self._step(miss, jacobian, value, damping)[1]
+            if promised < CONVERGED * max(1.0, cost / self.target.size):
+                return self._minimum(value, miss, jacobian)
+
+            # trials and their neighbours at once: where one is better, its derivatives are there
+            dampings = [damping * factor for factor in self.trials]
+            steps = [self._step(miss, jacobian, value, one)[0] for one in dampings]
+            trials = [np.clip(value + step, unknowns.low, unknowns.high) for step in steps]
+            found = self._evaluate(*trials)
+            reached = [
+                self.reduced(there, trial)[0] if np.isfinite(there).all() else np.inf
+                for trial, (there, _) in zip(trials, found, strict=True)
+            ]
+            best = int(np.argmin(reached))
+            if reached[best] < cost:
+                value, (miss, jacobian), cost = trials[best], found[best], reached[best]
+                damping = max(dampings[best] / 3, 1e-9)
+            elif damping > _LARGEST_DAMPING:
+                return self._minimum(value, miss, jacobian)
+            else:
+                damping *= 10 * max(self.trials)
+        raise ModelError(
+            f"The fit found no minimum in {MOST_ITERATIONS} iterations: chi-square {cost:.4g} of "
+            f"{self.target.size} observations. Fix one of {', '.join(unknowns.names)}."
+        )
+
+    def _evaluate(self, *values: Array) -> list[tuple[Array, Array]]:
+        """Differences at sets of unknowns, and the derivatives of the prediction there."""
+        groups = [self.neighbours(value) for value in values]
+        misses = np.split(self.misses(np.vstack(groups)), len(groups))
+        found = []
+        for value, sets, there in zip(values, groups, misses, strict=True):
+            steps = np.diag(sets[1:] - value)
+            found.append((there[0], np.asarray((there[0] - there[1:]) / steps[:, np.newaxis]).T))
+        return found
+
+    def _step(
+        self, miss: Array, jacobian: Array, value: Array, damping: float
+    ) -> tuple[Array, float]:
+        """A damped step within the bounds, and the decrease of chi-square without damping."""
+        unknowns = self.unknowns
+        usable = np.nan_to_num(jacobian)
+        matrix, right = self.system(miss, usable, value, 1.0)
+        normal, gradient = matrix.T @ matrix, matrix.T @ right
+
+        # an unknown at its bound that would leave it is held there
+        count = value.size
+        held = np.zeros(normal.shape[0], dtype=bool)
+        held[:count] = ((value <= unknowns.low) & (gradient[:count] < 0)) | (
+            (value >= unknowns.high) & (gradient[:count] > 0)
+        )
+        free = ~held
+        small = 1e-12 * max(float(np.diag(normal)[:count].max(initial=0.0)), 1e-300)
+        diagonal = np.diag(normal)[free] + small
+        inner, pull = normal[np.ix_(free, free)], gradient[free]
+        best = np.linalg.solve(inner + np.diag(1e-12 * diagonal), pull)
+        now = self.reduced(miss, value)[0]
+        promised = float(now - right @ right + 2 * best @ pull - best @ inner @ best)
+        scale = np.where(np.arange(normal.shape[0])[free] < count, diagonal, 0.0)
+        taken = np.zeros(normal.shape[0])
+        taken[free] = np.linalg.solve(inner + np.diag(damping * scale + 1e-12 * diagonal), pull)
+        step = taken[:count]
+        step = step / max(1.0, float((np.abs(step) / unknowns.largest).max()))
+        return step, promised
+
+    def _inflation(self, miss: Array, value: Array) -> float:
+        """Factor of the random errors of the greatest likelihood, at least 1."""
+        inflation, freedom = 1.0, max(self.target.size - value.size, 1)
+        for _ in range(20):
+            shared = self.reduced(miss, value, inflation)[1]
+            left = miss - self.columns @ shared
+            found = max(1.0, float(np.sqrt(left @ left / freedom)))
+            if abs(found - inflation) < 1e-3 * inflation:
+                break
+            inflation = found
+        return inflation
+
+    def _minimum(self, value: Array, miss: Array, jacobian: Array) -> Minimum:
+        """The result at a set of unknowns."""
+        count, inflation = value.size, self._inflation(miss, value)
+        matrix, _ = self.system(miss, np.nan_to_num(jacobian), value, inflation)
+        normal = matrix.T @ matrix
+        scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-14, hermitian=True)
+        covariance = inverse / np.outer(scale, scale)
+        chi, shared = self.reduced(miss, value, inflation)
+        plain = self.reduced(miss, value)[0]
+        residual = miss - self.columns @ shared
+        likelihood = -0.5 * (
+            chi
+            + self.observed.log_determinant(inflation)
+            + self.target.size * float(np.log(2 * np.pi))
+        )
+        return Minimum(
+            value=value,
+            covariance=covariance[:count, :count],
+            shared=shared,
+            shared_std=np.sqrt(np.diag(covariance)[count:]),
+            predicted=self.predict(value[np.newaxis])[0],
+            residual=residual,
+            jacobian=jacobian,
+            chi_square=plain,
+            freedom=self.target.size - count,
+            inflation=inflation,
+            log_likelihood=likelihood,
+        )
+
+    def profile(self, found: Minimum, which: int) -> tuple[Array, Array]:
+        """Chi-square over one unknown, all others and the shared errors fitted again.
+
+        Parameters
+        ----------
+        found : Minimum
+        which : int
+            Number of the unknown.
+
+        Returns
+        -------
+        value, rise : array, (point,)
+            Values of the unknown, rising, and the rise of chi-square there; the minimum is one.
+        """
+        (points,) = self.profiles(found, [which])
+        return points
+
+    def profiles(self, found: Minimum, which: list[int]) -> list[tuple[Array, Array]]:
+        """Profiles of several unknowns, computed together; see `profile`."""
+        unknowns, count = self.unknowns, found.value.size
+        std = np.sqrt(np.diag(found.covariance))
+        sets, fixed = [], []
+        for one in which:
+            slope = found.covariance[:, one] / found.covariance[one, one]
+            for target in _TARGETS:
+                place = found.value[one] + target * std[one]
+                place = float(np.clip(place, unknowns.low[one], unknowns.high[one]))
+                moved = found.value + slope * (place - found.value[one])
+                moved = np.clip(moved, unknowns.low, unknowns.high)
+                moved[one] = place
+                sets.append(moved)
+                fixed.append(one)
+
+        # one step of the others with the derivatives of the minimum corrects for the curvature
+        trial = np.array(sets)
+        misses = self.misses(trial)
+        first = [self.reduced(m, v, found.inflation)[0] for m, v in zip(misses, trial, strict=True)]
+        again = trial.copy()
+        for k, one in enumerate(fixed):
+            if not np.isfinite(misses[k]).all():
+                continue
+            matrix, right = self.system(
+                misses[k], np.nan_to_num(found.jacobian), trial[k], found.inflation
+            )
+            others = np.delete(np.arange(matrix.shape[1]), one)
+            step = np.linalg.lstsq(matrix[:, others], right, rcond=1e-12)[0]
+            again[k, others[: count - 1]] += step[: count - 1]
+        again = np.clip(again, unknowns.low, unknowns.high)
+        misses = self.misses(again)
+        second = [
+            self.reduced(m, v, found.inflation)[0] for m, v in zip(misses, again, strict=True)
+        ]
+        least = self.reduced(self.misses(found.value[np.newaxis])[0], found.value, found.inflation)[
+            0
+        ]
+        rise = np.fmin(first, second) - least
+
+        curves = []
+        for n, one in enumerate(which):
+            part = slice(n * _TARGETS.size, (n + 1) * _TARGETS.size)
+            place = np.insert(trial[part, one], 2, found.value[one])
+            curves.append((place, np.insert(rise[part], 2, 0.0)))
+        return curves
+
+
+def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:
+    """Where a profile crosses a level; infinite where it does not.
+
+    Parameters
+    ----------
+    value, rise : array, (point,)
+        A profile, as from `LeastSquares.profile`.
+    level : float
+        Rise of chi-square.
+
+    Returns
+    -------
+    low, high : float
+
+    Examples
+    --------
+    >>> place = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+    >>> interval(place, place**2, 1.44)
+    (-1.2, 1.2)
+    """
+    root = np.sqrt(np.maximum(rise, 0.0)) * np.sign(np.arange(rise.size) - int(np.argmin(rise)))
+    ends = []
+    for wanted in (-np.sqrt(level), np.sqrt(level)):
+        inside = np.isfinite(root)
+        place, at = root[inside], value[inside]
+        order = np.argsort(place, kind="stable")
+        place, at = place[order], at[order]
+        if not place[0] <= wanted <= place[-1]:
+            ends.append(float(np.copysign(np.inf, wanted)))
+        else:
+            ends.append(float(np.interp(wanted, place, at)))
+    return ends[0], ends[1]

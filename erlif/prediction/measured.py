@@ -1,0 +1,160 @@
+"""Measured positions of the pin, with the errors that are new at each trigger and those shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError
+from erlif.core.products import require
+
+_MICRO = 1e6
+_NEGLIGIBLE = 1e-12  # share of the largest variance below which a source of errors is left out
+
+
+@dataclass(frozen=True)
+class MeasuredMotion:
+    """Where the pin was at each trigger, or how thin the film was.
+
+    Attributes
+    ----------
+    value : Array
+        Displacement of the pin along the load and sideways, (trigger, 2), or that towards the
+        thinnest film where only the minimum was measured, (trigger, 1). [m]
+    random_cov : Array
+        Covariance of the errors that are new at every trigger, (trigger, axis, axis). [m2]
+    shared : Array
+        Change with one standard deviation of each error that is common to all triggers,
+        (trigger, axis, source). [m]
+    """
+
+    value: Array
+    random_cov: Array
+    shared: Array
+
+    @property
+    def is_position(self) -> bool:
+        """Whether both displacements were measured."""
+        return bool(self.value.shape[1] == 2)
+
+    @property
+    def known(self) -> Mask:
+        """Triggers with a measured value and its error, (trigger,)."""
+        variances = np.diagonal(self.random_cov, axis1=1, axis2=2)
+        found = np.isfinite(self.value).all(axis=1) & np.isfinite(self.shared).all(axis=(1, 2))
+        return np.asarray(found & (np.isfinite(variances) & (variances > 0)).all(axis=1))
+
+
+def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -> MeasuredMotion:
+    """Take the positions of the pin from a film.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        pin_displacement [um], pin_position_cov, pin_position_cov_random and
+        pin_position_gradient, on dim trigger.
+    calibration_cov : array, optional
+        `Calibration.full_covariance`. Without it the whole part that is not random counts as one
+        set of errors that all triggers share.
+
+    Returns
+    -------
+    MeasuredMotion
+        Marks of the surfaces, which repeat from trigger to trigger, are shared like the
+        calibration.
+
+    Raises
+    ------
+    ErlifError
+        If a variable is missing.
+    ConfigError
+        If the covariance belongs to another calibration.
+
+    Examples
+    --------
+    >>> both = np.diag([4e-6, 9e-6]) * np.ones((3, 1, 1))
+    >>> film = xr.Dataset({
+    ...     "pin_displacement": (("trigger", "axis"), np.full((3, 2), 200.0)),
+    ...     "pin_position_cov": (("trigger", "parameter", "parameter_other"), 2 * both),
+    ...     "pin_position_cov_random": (("trigger", "parameter", "parameter_other"), both),
+    ... })
+    >>> found = measured_positions(film)
+    >>> np.sqrt(found.random_cov[0].diagonal()) * 1e9, np.abs(found.shared[0].diagonal()) * 1e9
+    (array([2., 3.]), array([2., 3.]))
+    """
+    require(film, "pin_displacement", "pin_position_cov", "pin_position_cov_random")
+    value = film.pin_displacement.values / _MICRO
+    whole = film.pin_position_cov.values[:, :2, :2] / _MICRO**2
+    random = film.pin_position_cov_random.values[:, :2, :2] / _MICRO**2
+    columns = np.zeros((len(value), 2, 0))
+    if calibration_cov is not None:
+        require(film, "pin_position_gradient")
+        gradient = film.pin_position_gradient.values[:, :2] / _MICRO
+        if gradient.shape[-1] != len(calibration_cov):
+            raise ConfigError(
+                f"Expected the covariance of the {gradient.shape[-1]} numbers of the calibration "
+                f"of this film, got one of {len(calibration_cov)}. Give the calibration with which "
+                "it was processed."
+            )
+        columns = gradient @ _root(calibration_cov)
+
+    # what is left repeats from trigger to trigger: marks of the surfaces
+    left = whole - random - columns @ np.swapaxes(columns, 1, 2)
+    return MeasuredMotion(value, random, np.concatenate([columns, _roots(left)], axis=2))
+
+
+def measured_minima(
+    film_min: Array, std: Array, *, clearance: float, std_shared: Array | float = 0.0
+) -> MeasuredMotion:
+    """Take minimum films where no positions were measured.
+
+    Parameters
+    ----------
+    film_min, std : array, (trigger,)
+        Minimum film and its standard deviation by what is new at every trigger. [m]
+    clearance : float
+        Radial clearance of the joint. [m]
+    std_shared : array, (trigger,), or float
+        Standard deviation by an error that all triggers share. [m]
+
+    Returns
+    -------
+    MeasuredMotion
+        The displacement towards the thinnest film; where this is leaves no trace in a minimum.
+
+    Examples
+    --------
+    >>> found = measured_minima(np.array([5e-6]), np.array([1e-8]), clearance=230e-6)
+    >>> print(f"{found.value[0, 0] * 1e6:.1f}", found.is_position)
+    225.0 False
+    """
+    film, random = np.asarray(film_min, dtype=float), np.asarray(std, dtype=float)
+    shared = np.broadcast_to(std_shared, film.shape).astype(float)
+    return MeasuredMotion(
+        (clearance - film)[:, np.newaxis],
+        (random**2)[:, np.newaxis, np.newaxis],
+        shared[:, np.newaxis, np.newaxis][:, :, : int(np.any(shared > 0))],
+    )
+
+
+def _root(covariance: Array) -> Array:
+    """A matrix whose square is a covariance that may be singular."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(scale > 0, scale, 1.0)
+    values, axes = np.linalg.eigh(covariance / np.outer(safe, safe))
+    return np.asarray(safe[:, np.newaxis] * axes * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _roots(covariances: Array) -> Array:
+    """Lower triangular roots of the covariances (trigger, 2, 2), which have one sign throughout."""
+    first = np.sqrt(np.maximum(covariances[:, 0, 0], 0.0))
+    safe = np.where(first > 0, first, 1.0)
+    mixed = np.where(first > 0, covariances[:, 1, 0] / safe, 0.0)
+    second = np.sqrt(np.maximum(covariances[:, 1, 1] - mixed**2, 0.0))
+    found = np.zeros((len(covariances), 2, 2))
+    found[:, 0, 0], found[:, 1, 0], found[:, 1, 1] = first, mixed, second
+    large = np.nanmax(np.nan_to_num(found) ** 2, axis=(0, 1), initial=0.0)
+    return found[:, :, large > _NEGLIGIBLE * large.max(initial=0.0)]

@@ -1,0 +1,168 @@
+"""Orbits of the pin for sets of unknowns: free in a full film, or held in one with cavities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal, Motion, Mount, solve_journal
+from erlif.models.reynolds.full_film import THINNEST, FullFilm, follow_full_film
+
+CELLS = (128, 4)
+"""Cells of the transient film round the joint and along half of its length."""
+
+ATMOSPHERE = 1e5
+"""Scale of the cavitation pressure. [Pa]"""
+
+_SMALLEST_FLUIDITY = 1e-3  # of a film with cavities, which a pin without load would never leave
+
+
+class Orbits(Protocol):
+    """What follows pins through the motion of a run.
+
+    Attributes
+    ----------
+    journal : Journal
+        The joint, with the viscosity to which the fitted fluidity is relative.
+    motion : Motion
+        Rotation of the bushing and load at each time.
+    """
+
+    @property
+    def journal(self) -> Journal: ...
+
+    @property
+    def motion(self) -> Motion: ...
+
+    def follow(self, unknowns: dict[str, Array]) -> Array:
+        """Displacement along the load and sideways, (case, step, axis). [m]
+
+        Unknowns are arrays (case,): fluidity, viscosity of the joint over that of the case;
+        start_film, logarithm of the film at the first step in metres; start_attitude [rad]; rest,
+        over the clearance; stiffness, decimal logarithm of that in N/m; cavitation_pressure,
+        suction in atmospheres. NaN where no film carries the load.
+        """
+
+
+@dataclass(frozen=True)
+class FreeOrbits:
+    """Pins that are free sideways, or on a soft spring, in a film that does not rupture.
+
+    Attributes
+    ----------
+    journal : Journal
+        The joint.
+    motion : Motion
+        Its motion.
+    """
+
+    journal: Journal
+    motion: Motion
+
+    def follow(self, unknowns: dict[str, Array]) -> Array:
+        """As `Orbits.follow`; fluidity, start_film and start_attitude, with a spring the others."""
+        clearance = self.journal.clearance
+        film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
+        eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
+        spring = {}
+        if "stiffness" in unknowns:
+            rest = unknowns["rest"] * clearance
+            spring = {"stiffness": 10 ** unknowns["stiffness"], "rest": rest}
+        return follow_full_film(
+            self.journal,
+            self.motion,
+            start=np.stack([eccentric * np.cos(attitude), eccentric * np.sin(attitude)], axis=1),
+            fluidity=unknowns["fluidity"],
+            **spring,
+        )
+
+    def lowest_pressure(self, orbit: Array) -> float:
+        """A bound of the lowest pressure on an orbit (step, axis). [Pa]"""
+        distance = np.maximum(np.hypot(orbit[:, 0], orbit[:, 1]), 1e-15)
+        motion, unit = self.motion, orbit / distance[:, np.newaxis]
+        force = motion.load[:, np.newaxis] * np.stack(
+            [
+                unit[:, 0] * np.cos(motion.load_direction)
+                + unit[:, 1] * np.sin(motion.load_direction),
+                unit[:, 0] * np.sin(motion.load_direction)
+                - unit[:, 1] * np.cos(motion.load_direction),
+            ],
+            axis=1,
+        )
+        film = 1 - distance / self.journal.clearance
+        return float(FullFilm.of(self.journal).lowest_pressure(film, force).min())
+
+
+@dataclass(frozen=True)
+class HeldOrbits:
+    """Pins in a film with cavities: guided, on a spring, or free.
+
+    Attributes
+    ----------
+    journal : Journal
+        The joint.
+    motion : Motion
+        Its motion.
+    sideways : str
+        "guided", "spring" or "free".
+    cells : (int, int)
+        Cells round the joint and along half of its length.
+    """
+
+    journal: Journal
+    motion: Motion
+    sideways: str
+    cells: tuple[int, int] = CELLS
+
+    def follow(self, unknowns: dict[str, Array]) -> Array:
+        """As `Orbits.follow`, one transient film for each case."""
+        cases = len(unknowns["fluidity"])
+        one = ({name: float(column[k]) for name, column in unknowns.items()} for k in range(cases))
+        return np.stack([self.follow_one(**case) for case in one])
+
+    def follow_one(
+        self,
+        *,
+        fluidity: float,
+        start_film: float,
+        start_attitude: float | None = None,
+        rest: float = 0.0,
+        stiffness: float = 0.0,
+        cavitation_pressure: float | None = None,
+    ) -> Array:
+        """Displacements of one pin, (step, axis). [m]"""
+        clearance = self.journal.clearance
+        viscosity = self.journal.viscosity / max(fluidity, _SMALLEST_FLUIDITY)
+        journal = replace(self.journal, viscosity=viscosity)
+        if cavitation_pressure is not None:
+            suction = ATMOSPHERE * max(cavitation_pressure, 0.0)
+            journal = replace(journal, cavitation_pressure=-suction)
+
+        # a pin whose mount has a place at rest starts there unless its attitude is known
+        eccentric = clearance - float(np.exp(start_film))
+        side = rest * clearance
+        if start_attitude is not None:
+            side = eccentric * float(np.sin(start_attitude))
+        start = float(np.sqrt(max(eccentric**2 - side**2, 0.0))), side
+        mount: Mount | str = "free"
+        if self.sideways == "guided":
+            mount = Mount(np.inf, rest=rest * clearance, direction=0.0)
+        elif self.sideways == "spring":
+            mount = Mount(10**stiffness, rest=rest * clearance, direction=0.0)
+        try:
+            solved = solve_journal(
+                journal,
+                self.motion,
+                start=start,
+                sideways=mount,
+                cells=(self.cells[0], 1) if self.journal.long else self.cells,
+                compiled=True,
+            )
+        except ModelError:
+            return np.full((self.motion.time.size, 2), np.nan)
+        both = solved.displacement_load.values, solved.displacement_side.values
+        return np.stack(both, axis=1)

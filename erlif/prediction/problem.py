@@ -1,0 +1,215 @@
+"""Frames, unknowns and start of a fit: from orbits of the pin to what was measured of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.core.arrays import Array
+from erlif.models.reynolds.full_film import FullFilm
+from erlif.prediction.least_squares import Observations, Unknowns
+from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.orbits import ATMOSPHERE, Orbits
+
+_TRIALS = (0.5, 1.0, 2.0)  # fluidities at which the search for that of a held pin may begin
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Step of an unknown for derivatives, its largest change, and its bounds."""
+
+    step: float
+    largest: float
+    low: float = -np.inf
+    high: float = np.inf
+
+
+_KINDS = {
+    "fluidity": _Kind(1e-3, 0.7, low=0.0, high=1e3),
+    "start_film": _Kind(1e-3, 1.0, low=-23.0),
+    "start_attitude": _Kind(1e-4, 0.5, low=-1.5, high=1.5),
+    "rest": _Kind(1e-4, 0.1, low=-0.9, high=0.9),
+    "stiffness": _Kind(2e-2, 1.0, low=2.0, high=12.0),
+    "cavitation_pressure": _Kind(1e-2, 0.5, low=0.0, high=100.0),
+    "load_line": _Kind(1e-4, 0.2, low=-1.0, high=1.0),
+}
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Which step of the motion, and which trigger, belongs to each frame.
+
+    Attributes
+    ----------
+    steps : numpy.ndarray
+        Step of the motion, (frame,).
+    trigger : numpy.ndarray
+        Trigger, negative for a frame that was not measured, (frame,).
+    measured : numpy.ndarray
+        Triggers with a measured value.
+    count : int
+        Number of triggers.
+    """
+
+    steps: npt.NDArray[np.integer[Any]]
+    trigger: npt.NDArray[np.integer[Any]]
+    measured: npt.NDArray[np.integer[Any]]
+    count: int
+
+    @classmethod
+    def of(
+        cls,
+        measured: MeasuredMotion,
+        steps: npt.NDArray[np.integer[Any]],
+        trigger: npt.NDArray[np.integer[Any]] | None,
+    ) -> Frames:
+        """Frames of measured positions; each frame is a trigger by default."""
+        which = np.arange(len(steps)) if trigger is None else np.asarray(trigger)
+        count = len(measured.value)
+        seen = np.bincount(which[which >= 0], minlength=count)[:count] > 0
+        return cls(np.asarray(steps), which, np.flatnonzero(measured.known & seen), count)
+
+    def average(self, values: Array) -> Array:
+        """Mean over the frames of each trigger, (case, frame, ...) to (case, trigger, ...)."""
+        used = self.trigger >= 0
+        order = np.argsort(self.trigger[used], kind="stable")
+        ranked = self.trigger[used][order]
+        first = np.flatnonzero(np.diff(ranked, prepend=-1))
+        total = np.add.reduceat(values[:, used][:, order], first, axis=1)
+        frames = np.diff(np.append(first, ranked.size))
+        mean = np.full((len(values), self.count, *values.shape[2:]), np.nan)
+        mean[:, ranked[first]] = total / frames.reshape(1, -1, *(1,) * (values.ndim - 2))
+        return mean
+
+    def observations(self, measured: MeasuredMotion) -> Observations:
+        """The measured triggers."""
+        good = self.measured
+        return Observations(measured.value[good], measured.random_cov[good], measured.shared[good])
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A way in which the pin may be held, and the frames in which it was seen.
+
+    Attributes
+    ----------
+    orbits : Orbits
+        The model.
+    frames : Frames
+        Frames and triggers.
+    measured : MeasuredMotion
+        Measured positions or minima.
+    sideways : str
+        "free", "guided" or "spring".
+    """
+
+    orbits: Orbits
+    frames: Frames
+    measured: MeasuredMotion
+    sideways: str
+
+    def unknowns(
+        self, fitted: Sequence[str], load_line_std: float
+    ) -> tuple[Unknowns, dict[str, float]]:
+        """What is searched from where, and what is held fixed."""
+        start = self._start()
+        names = ["fluidity"] if "viscosity" in fitted else []
+        names += ["start_film"]
+        if self.measured.is_position:
+            names += {"free": ["start_attitude"], "guided": ["rest"]}.get(
+                self.sideways, ["start_attitude", "rest", "stiffness"]
+            )
+            names += ["load_line"] if load_line_std > 0 else []
+        if "cavitation_pressure" in fitted and self.sideways != "free":
+            names += ["cavitation_pressure"]
+        kinds = [_KINDS[name] for name in names]
+        line = load_line_std / self.orbits.journal.radius
+        highest = {"start_film": float(np.log(0.9999 * self.orbits.journal.clearance))}
+        unknowns = Unknowns(
+            names=tuple(names),
+            start=np.array([start[name] for name in names]),
+            step=np.array([kind.step for kind in kinds]),
+            low=np.array([kind.low for kind in kinds]),
+            high=np.array([highest.get(name, _KINDS[name].high) for name in names]),
+            largest=np.array([kind.largest for kind in kinds]),
+            expected=np.zeros(len(names)),
+            expected_std=np.array([line if name == "load_line" else np.inf for name in names]),
+        )
+        fixed = {"fluidity": 1.0, "load_line": 0.0}
+        if self.sideways != "guided":
+            fixed["start_attitude"] = start["start_attitude"]
+        if self.sideways != "free":
+            fixed["rest"] = 0.0
+        return unknowns, {name: value for name, value in fixed.items() if name not in names}
+
+    def _start(self) -> dict[str, float]:
+        """Where the search begins: pure squeeze through the measured films."""
+        journal, motion = self.orbits.journal, self.orbits.motion
+        good = self.frames.measured
+        place = self.measured.value[good]
+        distance = np.clip(
+            np.hypot(*place.T) if self.measured.is_position else place[:, 0], 0, None
+        )
+        film = np.clip(1 - distance / journal.clearance, 1e-5, 0.9999)
+        gone = np.append(
+            0.0, np.cumsum(0.5 * np.diff(motion.time) * (motion.load[1:] + motion.load[:-1]))
+        )
+        impulse = self.frames.average(gone[self.frames.steps][np.newaxis, :, np.newaxis])[
+            0, good, 0
+        ]
+
+        # eps / sqrt(1 - eps^2) rises with the impulse over K; the ends let oil out besides
+        eccentricity = 1 - film
+        ratio = eccentricity / np.sqrt(1 - eccentricity**2)
+        weight = film**1.5
+        slope, first = (
+            np.polyfit(impulse, ratio, 1, w=weight) if np.ptp(impulse) > 0 else (0, ratio[0])
+        )
+        middle = FullFilm.of(journal).damping(np.array([np.median(film)]))[0, 0] * journal.clearance
+        long = journal.squeeze_constant * (1 - (1 - np.median(film)) ** 2) ** -1.5
+        fluidity = float(np.clip(slope * journal.squeeze_constant * middle / long, 0.02, 50.0))
+        begin = max(float(first), 1e-3)
+        start_film = journal.clearance * (1 - begin / np.hypot(1, begin))
+
+        # the direction at the start, from the trigger that was seen first
+        attitude = 0.5 * float(motion.angle[0])
+        rest = 0.0
+        if self.measured.is_position:
+            early = int(np.argmin(impulse))
+            attitude = float(np.arctan2(place[early, 1], place[early, 0]))
+            rest = float(np.mean(place[:, 1])) / journal.clearance
+        if self.sideways != "free":
+            start_film = journal.clearance * float(film[int(np.argmin(impulse))])
+            fluidity = 1.0
+        return {
+            "fluidity": fluidity,
+            "start_film": float(np.log(start_film)),
+            "start_attitude": attitude,
+            "rest": rest,
+            "stiffness": 7.0,
+            "cavitation_pressure": -journal.cavitation_pressure / ATMOSPHERE,
+            "load_line": 0.0,
+        }
+
+    def frame_positions(self, sets: Array, unknowns: Unknowns, fixed: Mapping[str, float]) -> Array:
+        """Displacements at every frame in the coordinates of the image, (case, frame, axis). [m]"""
+        columns = {name: sets[:, k] for k, name in enumerate(unknowns.names)}
+        columns |= {name: np.full(len(sets), value) for name, value in fixed.items()}
+        line = columns.pop("load_line")
+        orbit = self.orbits.follow(columns)[:, self.frames.steps]
+
+        # the true load line lies at the angle `line` from the assumed one
+        cosine, sine = np.cos(line)[:, np.newaxis], np.sin(line)[:, np.newaxis]
+        x, y = orbit[..., 0], orbit[..., 1]
+        return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+
+    def predict(self, sets: Array, unknowns: Unknowns, fixed: Mapping[str, float]) -> Array:
+        """What is expected of each measured trigger, (case, trigger, axis). [m]"""
+        place = self.frame_positions(sets, unknowns, fixed)
+        if not self.measured.is_position:
+            place = np.hypot(place[..., 0], place[..., 1])[..., np.newaxis]
+        return self.frames.average(place)[:, self.frames.measured]

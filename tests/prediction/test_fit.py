@@ -1,0 +1,171 @@
+"""Fits of simulated sequences whose truth is the orbit of the virtual rig."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ConfigError
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, Motion, crank_motion
+from erlif.prediction import MeasuredMotion, fit_motion, measured_minima
+from erlif.rig.orbit import Bearing, follow_orbit
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+SPEED = 114 * 2 * np.pi / 60
+STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+VISCOSITY = 0.15
+FRAMES = 100
+MOTION = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=2, steps_per_cycle=100)
+STEPS = np.arange(FRAMES) * 2
+STD = np.array([5e-9, 20e-9])
+SCALE = 0.005  # error of the calibration that all films share
+
+
+@pytest.fixture(scope="module")
+def orbit():
+    """Two cycles of a free pin in thicker oil than stated, by Chebyshev collocation."""
+    joint = Bearing(STATED.radius, STATED.clearance, STATED.length, VISCOSITY)
+    return follow_orbit(
+        joint,
+        MOTION.time[STEPS],
+        load=lambda time: 222.4,
+        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
+        start=(215e-6, 30e-6),
+    )
+
+
+def photograph(orbit, seed, line=0.0):
+    """Positions with noise, a scale of all films, and a load line beside the assumed one [m]."""
+    rng = np.random.default_rng(seed)
+    turn = line / STATED.radius
+    place = orbit @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    film = STATED.clearance - np.hypot(*orbit.T)
+    shared = np.zeros((FRAMES, 2, 1))
+    shared[:, 0, 0] = -SCALE * film
+    value = place + rng.normal(size=place.shape) * STD + shared[..., 0] * rng.normal()
+    return MeasuredMotion(value, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), shared)
+
+
+def test_viscosity_start_and_load_line_are_found_within_their_errors(orbit):
+    pulls = []
+    for seed in range(8):
+        found = fit_motion(photograph(orbit, seed, line=1e-3), STATED, MOTION, steps=STEPS)
+        truth = {
+            "viscosity": VISCOSITY,
+            "start_film": STATED.clearance - np.hypot(*orbit[0]),
+            "start_attitude": np.arctan2(*orbit[0, ::-1]),
+            "load_line": 1e-3,
+        }
+        pulls.append(
+            [(found.estimates[k].value - v) / found.estimates[k].std for k, v in truth.items()]
+        )
+        assert abs(found.estimates["viscosity"].value / VISCOSITY - 1) < 0.03
+    # a chi-square of 8 x 4 correlated pulls; three standard deviations of 8 independent ones
+    assert np.sqrt(np.mean(np.square(pulls), axis=0)).max() < 1 + 3 / np.sqrt(2 * 8)
+    assert np.sqrt(np.mean(np.square(pulls))) > 0.4
+
+
+def test_shared_error_is_not_averaged_away(orbit):
+    """A scale s of all films shifts 1/sqrt(h), and with it the viscosity, by s/2."""
+    found = fit_motion(photograph(orbit, 1), STATED, MOTION, steps=STEPS).estimates["viscosity"]
+    sure = photograph(orbit, 1)
+    sure = MeasuredMotion(sure.value, sure.random_cov, sure.shared[..., :0])
+    alone = fit_motion(sure, STATED, MOTION, steps=STEPS).estimates["viscosity"]
+    assert found.std > 1.5 * alone.std
+
+
+def test_profile_and_standard_deviation_agree_where_the_model_is_nearly_linear(orbit):
+    found = fit_motion(photograph(orbit, 2), STATED, MOTION, steps=STEPS).estimates["viscosity"]
+    npt.assert_allclose(found.high - found.low, 2 * 1.96 * found.std, rtol=0.05)
+
+
+def test_squeeze_time_is_what_the_positions_determine(orbit):
+    found = fit_motion(photograph(orbit, 3), STATED, MOTION, steps=STEPS).estimates
+    expected = STATED.squeeze_constant / 0.12 * found["viscosity"].value / 222.4
+    npt.assert_allclose(found["squeeze_time"].value, expected, rtol=1e-9)
+
+
+def test_minima_alone_determine_the_viscosity(orbit):
+    film = STATED.clearance - np.hypot(*orbit.T)
+    noisy = film + np.random.default_rng(5).normal(0, 1e-8, FRAMES)
+    measured = measured_minima(noisy, np.full(FRAMES, 1e-8), clearance=STATED.clearance)
+    found = fit_motion(measured, STATED, MOTION, steps=STEPS).estimates["viscosity"]
+    assert abs(found.value - VISCOSITY) < 3 * found.std
+    assert found.std < 0.01 * VISCOSITY
+
+
+def test_means_over_cycles_are_compared_with_means(orbit):
+    """Folded: each of fifty triggers holds a frame of either cycle."""
+    trigger = np.arange(FRAMES) % 50
+    both = photograph(orbit, 6)
+    folded = MeasuredMotion(
+        0.5 * (both.value[:50] + both.value[50:]),
+        0.5 * both.random_cov[:50],
+        0.5 * (both.shared[:50] + both.shared[50:]),
+    )
+    found = fit_motion(folded, STATED, MOTION, steps=STEPS, trigger=trigger)
+    viscosity = found.estimates["viscosity"]
+    assert abs(viscosity.value - VISCOSITY) < 3 * viscosity.std
+    assert found.predicted.shape == (50, 2)
+    assert found.frames.shape == (FRAMES, 2)
+
+
+def test_film_that_does_not_change_leaves_a_lower_limit_of_the_viscosity():
+    rng = np.random.default_rng(7)
+    place = np.array([225e-6, 0.0]) + rng.normal(size=(FRAMES, 2)) * STD
+    measured = MeasuredMotion(
+        place, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), np.zeros((FRAMES, 2, 0))
+    )
+    still = Motion(MOTION.time, 0 * MOTION.angle, 222.4)
+    found = fit_motion(measured, STATED, still, steps=STEPS)
+    viscosity = found.estimates["viscosity"]
+    assert not viscosity.determined
+    assert np.isinf(viscosity.high)
+    assert viscosity.low > 1.0
+    assert f"at least {viscosity.low:.3g} Pa s" in str(found.notes[0])
+
+
+def test_guided_pin_is_fitted_in_a_film_with_cavities():
+    """The model on itself, long and coarse: search, rest and bounds; the truth is in benchmarks."""
+    from erlif.prediction.orbits import HeldOrbits
+
+    joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+    truth = {"fluidity": 0.8, "start_film": np.log(24e-6), "rest": 0.02}
+    orbit = HeldOrbits(joint, MOTION, "guided").follow(
+        {name: np.array([value]) for name, value in truth.items()}
+    )[0, STEPS]
+    rng = np.random.default_rng(8)
+    measured = MeasuredMotion(
+        orbit + rng.normal(size=orbit.shape) * STD,
+        np.diag(STD**2) * np.ones((FRAMES, 1, 1)),
+        np.zeros((FRAMES, 2, 0)),
+    )
+    found = fit_motion(measured, joint, MOTION, steps=STEPS, sideways="guided", load_line_std=0)
+    for name, value in (("viscosity", 0.15), ("start_film", 24e-6), ("rest", 0.02 * 230e-6)):
+        estimate = found.estimates[name]
+        assert abs(estimate.value - value) < 3.5 * estimate.std
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sideways": "loose"}, "free, guided or spring, got 'loose'"),
+        ({"fitted": ("wear",)}, "viscosity or cavitation_pressure to fit, got 'wear'"),
+    ],
+)
+def test_unknown_names_are_refused(orbit, changes, message):
+    with pytest.raises(ConfigError, match=message):
+        fit_motion(photograph(orbit, 1), STATED, MOTION, steps=STEPS, **changes)
+
+
+def test_too_few_positions_are_refused(orbit):
+    measured = photograph(orbit, 1)
+    measured.value[3:] = np.nan
+    with pytest.raises(ConfigError, match=r"4 or more measured positions .* got 3 of 100"):
+        fit_motion(measured, STATED, MOTION, steps=STEPS)
+
+
+def test_spring_needs_positions():
+    measured = measured_minima(np.full(FRAMES, 5e-6), np.full(FRAMES, 1e-8), clearance=230e-6)
+    with pytest.raises(ConfigError, match="positions of the pin for the fit of a spring"):
+        fit_motion(measured, STATED, MOTION, steps=STEPS, sideways="spring")

@@ -1,0 +1,66 @@
+"""Orbits for sets of unknowns: both kinds agree where nothing ruptures."""
+
+import numpy as np
+import numpy.testing as npt
+
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, crank_motion
+from erlif.prediction.orbits import FreeOrbits, HeldOrbits
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+MOTION = crank_motion(RIG, crank_speed=11.94, load=222.4, cycles=1, steps_per_cycle=100)
+LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+FREE = {
+    "fluidity": np.array([1.0, 0.5]),
+    "start_film": np.log([20e-6, 30e-6]),
+    "start_attitude": np.array([0.05, 0.0]),
+}
+
+
+def test_free_pin_has_the_same_orbit_in_a_film_that_could_rupture():
+    quick = FreeOrbits(LONG, MOTION).follow(FREE)
+    solved = HeldOrbits(LONG, MOTION, "free", cells=(256, 1)).follow(FREE)
+    npt.assert_allclose(quick, solved, atol=3e-7)
+
+
+def test_pressure_of_the_free_film_is_far_above_cavitation():
+    orbits = FreeOrbits(LONG, MOTION)
+    assert -2e4 < orbits.lowest_pressure(orbits.follow(FREE)[0]) < 0
+
+
+def test_guided_pin_stays_at_its_rest():
+    unknowns = {"fluidity": np.ones(1), "start_film": np.log([25e-6]), "rest": np.array([0.1])}
+    orbit = HeldOrbits(LONG, MOTION, "guided", cells=(64, 1)).follow(unknowns)[0]
+    npt.assert_allclose(orbit[:, 1], 23e-6, rtol=1e-12)
+    npt.assert_allclose(np.hypot(*orbit[0]), 205e-6, rtol=1e-12)
+
+
+def test_stiff_spring_guides_and_soft_spring_frees():
+    unknowns = {**{name: one[:1] for name, one in FREE.items()}, "rest": np.zeros(1)}
+    unknowns["start_attitude"] = np.zeros(1)
+    at = {
+        size: HeldOrbits(LONG, MOTION, "spring", cells=(64, 1)).follow(
+            {**unknowns, "stiffness": np.array([size])}
+        )[0]
+        for size in (1.0, 12.0)
+    }
+    free = HeldOrbits(LONG, MOTION, "free", cells=(64, 1)).follow(
+        {name: one for name, one in unknowns.items() if name != "rest"}
+    )[0]
+    npt.assert_allclose(at[1.0], free, atol=1e-9)
+    npt.assert_allclose(at[12.0][:, 1], 0.0, atol=1e-8)
+
+
+def test_soft_spring_has_the_same_orbit_in_both():
+    unknowns = {name: one[:1] for name, one in FREE.items()}
+    unknowns |= {"rest": np.zeros(1), "stiffness": np.array([5.0])}
+    quick = FreeOrbits(LONG, MOTION).follow(unknowns)
+    solved = HeldOrbits(LONG, MOTION, "spring", cells=(256, 1)).follow(unknowns)
+    npt.assert_allclose(quick, solved, atol=3e-7)
+
+
+def test_load_that_no_film_carries_leaves_no_orbit():
+    heavy = crank_motion(RIG, crank_speed=11.94, load=1e9, cycles=1, steps_per_cycle=20)
+    unknowns = {"fluidity": np.array([1.0]), "start_film": np.log([20e-6])}
+    orbits = HeldOrbits(LONG, heavy, "guided", cells=(32, 1))
+    assert np.isnan(orbits.follow({**unknowns, "rest": np.zeros(1)})).all()
