@@ -183,8 +183,10 @@ def _example_maps(minimum: Array, settings: RunSettings) -> xr.Dataset:
     radius = conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius)
 
     # x^2/2R of x in mm and R in m is in um
-    gap = (x - x.mean()) ** 2 / (2 * radius)
-    truth = minimum[:, None, None] + np.broadcast_to(gap, (_ROWS, _COLUMNS))
+    clearance = 1e6 * (joint.bushing_radius - joint.pin_radius)
+    bend = (1 - minimum / clearance) / radius
+    gap = bend[:, None, None] * (x - x.mean()) ** 2 / 2
+    truth = minimum[:, None, None] + np.broadcast_to(gap, (minimum.size, _ROWS, _COLUMNS))
     noise = _NOISE * np.random.default_rng(1).standard_normal(truth.shape)
 
     flags = np.zeros(truth.shape, np.uint8)

@@ -285,7 +285,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
         text = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"of the rigid gap {1 / gap.radius:.4f} µm/mm²\n"
+            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²\n"
             f"minimum of the rigid gap {gap.minimum:.2f} µm"
         )
         ax.annotate(

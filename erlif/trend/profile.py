@@ -28,6 +28,8 @@ _BLOCK = 8
 """Pixels averaged before the gap is fitted: machining marks correlate closer neighbours. [px]"""
 
 _LEAST_BLOCKS = 6
+_WIDEST = 0.9  # of the clearance: radii that a thicker film contradicts give no curvature
+_PASSES = 3  # of the fit of the rigid gap, whose curvature depends a little on its minimum
 
 
 def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
@@ -119,7 +121,10 @@ def average_across_sliding(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class RigidGap:
-    """The gap of a rigid pin in a rigid bushing, h = h_min + (x - x_min)^2/(2 R), as fitted.
+    """The gap of a rigid pin in a rigid bushing, as fitted.
+
+    The middles of both circles are c - h_min apart, c the radial clearance, so that
+    h = h_min + (1 - h_min/c) (x - x_min)^2/(2 R). The circles of a vanishing film have 1/R.
 
     Attributes
     ----------
@@ -133,6 +138,8 @@ class RigidGap:
         Second derivative of a parabola with free curvature, for comparison with 1/R. [um/mm2]
     curvature_std : float
         Its standard deviation, from scatter and calibration. [um/mm2]
+    clearance : float
+        Radial clearance c; infinite for the parabola of a vanishing film. [um]
     """
 
     minimum: float
@@ -140,11 +147,17 @@ class RigidGap:
     radius: float
     curvature: float
     curvature_std: float
+    clearance: float = math.inf
+
+    @property
+    def rigid_curvature(self) -> float:
+        """Second derivative of the gap of the circles. [um/mm2]"""
+        return _bend(self.minimum, self.clearance, self.radius)
 
     def thickness(self, position: npt.ArrayLike) -> Array:
         """Gap at a position in mm. [um]"""
         away = np.asarray(position, float) - self.position_of_minimum
-        return self.minimum + away**2 / (2 * self.radius)  # mm2/m = um
+        return self.minimum + self.rigid_curvature * away**2 / 2
 
 
 def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
@@ -196,8 +209,13 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
     root = np.sqrt(weight[full])
     middle = float(x.mean())
     design = np.column_stack([np.ones_like(x), x - middle, (x - middle) ** 2 / 2])
-    rest = h - design[:, 2] / radius
-    level, slope = np.linalg.lstsq(design[:, :2] * root[:, None], rest * root, rcond=None)[0]
+    clearance = 1e6 * (joint.bushing_radius - joint.pin_radius)
+    minimum, place, bend = 0.0, middle, 1 / radius
+    for _ in range(_PASSES):
+        rest = h - bend * design[:, 2]
+        level, slope = np.linalg.lstsq(design[:, :2] * root[:, None], rest * root, rcond=None)[0]
+        minimum, place = level - slope**2 / (2 * bend), middle - slope / bend
+        bend = _bend(minimum, clearance, radius)
     solve = np.linalg.pinv(design * root[:, None])
 
     # the error of the curvature: scatter of the blocks, and what the calibration shares with all
@@ -210,12 +228,18 @@ def rigid_gap(profile: xr.Dataset, film: xr.Dataset) -> RigidGap | None:
         change @ calibration.full_covariance @ change
     )
     return RigidGap(
-        minimum=float(level - slope**2 * radius / 2),
-        position_of_minimum=float(middle - slope * radius),
+        minimum=float(minimum),
+        position_of_minimum=float(place),
         radius=float(radius),
         curvature=float(solve[2] @ (root * h)),
         curvature_std=math.sqrt(variance),
+        clearance=float(clearance),
     )
+
+
+def _bend(minimum: float, clearance: float, radius: float) -> float:
+    """Second derivative of the gap of two circles at a minimum film [um]. [um/mm2]"""
+    return (1 - min(max(minimum / clearance, 0.0), _WIDEST)) / radius
 
 
 def _scatter(values: Array, std: Array) -> float:

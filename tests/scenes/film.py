@@ -16,6 +16,7 @@ from erlif.settings import RunSettings, read_run_settings, to_toml
 
 ROWS, COLUMNS, TRIGGERS = 64, 80, 6
 PITCH = 0.2  # mm
+CLEARANCE = 230.0  # um, R1 - R2
 RADIUS = 4.872010  # m, R1 R2/(R1 - R2) of 33.59 and 33.36 mm (thesis, 2.8)
 K, P, Q = 0.66, 0.39, 0.245
 PLACE, TILT = 8.1, 0.3  # mm, um across the image
@@ -103,7 +104,8 @@ def true_film() -> np.ndarray:
     """
     x, y = PITCH * np.arange(COLUMNS), np.linspace(-0.5, 0.5, ROWS)
     minimum = minimum_film()[:, None, None]
-    return minimum + (x - PLACE) ** 2 / (2 * RADIUS) + TILT * y[None, :, None]
+    bend = (1 - minimum / CLEARANCE) / RADIUS  # distance of the middles over R1 R2
+    return minimum + bend * (x - PLACE) ** 2 / 2 + TILT * y[None, :, None]
 
 
 def minimum_film() -> np.ndarray:

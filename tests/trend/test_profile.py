@@ -7,7 +7,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from scenes.film import RADIUS, RUN_TOML, K, P, Q, true_ratio
+from scenes.film import CLEARANCE, RADIUS, RUN_TOML, K, P, Q, true_ratio
 
 from erlif.core.errors import ErlifError
 from erlif.core.flags import Flag
@@ -23,9 +23,15 @@ GRID = np.linspace(0.05, 40, 20000)
 EXACT, CORRELATED = 1e-20 * np.eye(3), (np.diag([1e-3, 2e-3, 1e-3]) ** 2)
 
 
-def parabola(minimum=3.0, *, centre=CENTRE, radius=RADIUS):
+def bend(minimum):
+    """Second derivative of the gap of two cylinders, the distance of the middles over R1 R2."""
+    return (1 - minimum / CLEARANCE) / RADIUS
+
+
+def parabola(minimum=3.0, *, centre=CENTRE, radius=None):
     """Gap of two cylinders, constant across sliding. (y, x) [um]"""
-    return np.broadcast_to(minimum + (X - centre) ** 2 / (2 * radius), (ROWS, COLUMNS))
+    second = bend(minimum) if radius is None else 1 / radius
+    return np.broadcast_to(minimum + second * (X - centre) ** 2 / 2, (ROWS, COLUMNS))
 
 
 def make_film(truth, *, noise=0.0, turned=False, covariance=EXACT):
@@ -171,7 +177,8 @@ def test_gap_of_two_cylinders_comes_back(centre):
     npt.assert_allclose(gap.minimum, 2.0, atol=0.01)
     npt.assert_allclose(gap.position_of_minimum, centre, atol=0.01)
     npt.assert_allclose(gap.radius, 4.872010, rtol=1e-6)  # m, Farzaneh (2002)
-    npt.assert_allclose(gap.curvature, 0.20525, rtol=0.01)  # um/mm2, 1/R
+    npt.assert_allclose(gap.curvature, 0.20347, rtol=0.01)  # um/mm2, 228 um/(33.36 x 33.59 mm2)
+    npt.assert_allclose(gap.rigid_curvature, 0.20347, rtol=1e-4)
 
 
 def test_minimum_beside_the_measured_part_is_extrapolated():
@@ -197,7 +204,7 @@ def test_curvature_of_wedges_and_even_films_is_zero():
 
 def test_error_bar_of_the_curvature_is_its_scatter():
     found = [fit(make_film(parabola(), noise=white_noise([4, n]))) for n in range(40)]
-    pulls = [(gap.curvature - 1 / RADIUS) / gap.curvature_std for gap in found]
+    pulls = [(gap.curvature - bend(3.0)) / gap.curvature_std for gap in found]
     assert 0.6 < np.std(pulls) < 1.25  # 40 values give it to 11 %
     assert abs(np.mean(pulls)) < 4 / np.sqrt(40)
 
@@ -224,6 +231,24 @@ def test_error_of_the_calibration_is_part_of_the_curvature():
 def test_thickness_of_the_gap_is_a_parabola_about_its_minimum():
     gap = RigidGap(2.0, 8.0, 5.0, 0.2, 0.01)
     npt.assert_allclose(gap.thickness([8.0, 18.0, -2.0]), [2.0, 12.0, 12.0])
+
+
+def test_circles_at_a_distance_have_a_flatter_gap_than_touching_ones():
+    """Exact circles of 33.36 and 33.59 mm, the middles 210 um apart: 20 um at least."""
+    gap = RigidGap(20.0, 0.0, 4.872010, 0.2, 0.01, clearance=230.0)
+    x = np.array([0.0, 4.0, 8.0])  # mm along the bushing
+    angle = x / np.sqrt(33.36 * 33.59)
+    across, along = 0.21 * np.sin(angle), 0.21 * np.cos(angle)
+    exact = 1e3 * (33.59 - along - np.sqrt(33.36**2 - across**2))
+    npt.assert_allclose(gap.thickness(x), exact, atol=0.1)
+    assert RigidGap(20.0, 0.0, 4.872010, 0.2, 0.01).thickness(8.0) - exact[-1] > 0.5
+
+
+def test_a_film_thicker_than_the_clearance_still_has_a_parabola():
+    gap = RigidGap(300.0, 0.0, 4.872010, 0.2, 0.01, clearance=230.0)
+    assert 0 < gap.rigid_curvature < 0.11 * 0.2053
+    below = RigidGap(-1.0, 0.0, 4.872010, 0.2, 0.01, clearance=230.0)  # of noise
+    npt.assert_allclose(below.rigid_curvature, 0.20525, rtol=1e-4)
 
 
 def test_fewer_than_six_blocks_have_no_gap():
