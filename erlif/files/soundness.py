@@ -167,6 +167,9 @@ _NEEDED = {
 }
 """What a variable stands for nothing without."""
 
+_SPEEDS = ("rocker_speed", "rotation_speed", "sliding_speed")
+"""Variables of which the exponent may be; a fit needs a speed."""
+
 _TEXTS = ("title", "settings", "calibration")
 """Attributes of text that every film has."""
 
@@ -238,6 +241,11 @@ def check_film(film: xr.Dataset) -> None:
         for other in needed:
             if name in film and other not in film:
                 raise ValueError(f"it has {name} and no variable {other}")
+
+    if "speed_exponent" in film:
+        for name in _SPEEDS:
+            if name in film and not np.any(np.abs(film[name].values) > 0):
+                raise ValueError(f"it has an exponent of the speed, and {name} is zero throughout")
 
     for axis in ("x", "y"):
         _check_axis(axis, film[axis].values)
@@ -317,9 +325,21 @@ def _check_variables(
 
 def _read_small(dataset: xr.Dataset) -> None:
     """Read what is no map once: a text in an unknown encoding fails here."""
-    for variable in dataset.variables.values():
+    _check_encoding("", dataset.attrs)
+    for name, variable in dataset.variables.items():
+        _check_encoding(f" of {name}", variable.attrs)
         if variable.ndim < len(_MAP):
             _ = variable.values
+
+
+def _check_encoding(where: str, attrs: Mapping[Any, Any]) -> None:
+    """Refuse text that no file can hold: h5py returns bytes that are no UTF-8 as half a pair."""
+    for key, value in attrs.items():
+        if isinstance(value, str):
+            try:
+                value.encode()
+            except UnicodeEncodeError:
+                raise ValueError(f"its attribute {key!a}{where} is no text in UTF-8") from None
 
 
 def _check_values(name: str, form: _Form, values: AnyArray) -> None:
@@ -354,6 +374,8 @@ def _check_film_attributes(film: xr.Dataset) -> None:
         record = _read_json(film.attrs.get(name, "{}"))
         if not isinstance(record, dict):
             raise ValueError(f"its attribute {name} is no record in JSON")
+        # JSON can write half a pair of UTF-16
+        _check_encoding(f" in {name}", {key: f"{key}{value}" for key, value in record.items()})
     if not all(isinstance(value, str) for value in record.values()):
         raise ValueError("its attribute input_hashes holds other values than text")
 

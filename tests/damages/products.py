@@ -90,6 +90,15 @@ def _complex(name):
     return change
 
 
+def _history(content):
+    """Bytes under the name of text in UTF-8."""
+
+    def change(file):
+        file.attrs["history"] = np.array(content, h5py.string_dtype("utf-8", len(content)))
+
+    return change
+
+
 CALIBRATIONS = [
     _calibration("K is NaN", _set("ratio_at_zero", np.nan), "ratio_at_zero", "erlif calibrate"),
     _calibration("K is negative", _set("ratio_at_zero", -0.3), "ratio_at_zero"),
@@ -142,6 +151,13 @@ CALIBRATIONS = [
 ]
 
 FILMS = [
+    _film("history is no text", _history(b"\xff\xff\x7ff"), "history", "UTF-8", command="report"),
+    _film(
+        "half a pair in JSON",
+        _attribute("input_hashes", '{"run.toml": "\\ud800"}'),
+        *("input_hashes", "UTF-8"),
+        command="report",
+    ),
     _bytes(
         "a driver that claims a gigabyte",
         "films/film.nc",
@@ -156,6 +172,7 @@ FILMS = [
     _film("no statistics", _without("film_min"), "film_min"),
     _film("no group frames", _without("frames"), "frames"),
     _film("no group registration", _without("registration"), "registration", command="report"),
+    _film("exponent at rest", _set("rocker_speed", 0.0), "rocker_speed is zero", command="report"),
     _film("infinite film", _first("film_min", np.inf), "film_min has the value inf"),
     _film("impossible film", _first("film_mean", 1e300), "film_mean has the value"),
     _film("positions fall", lambda f: _set("x", f["x"][()][::-1])(f), "positions x do not rise"),
