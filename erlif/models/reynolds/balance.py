@@ -6,6 +6,10 @@ Floberg 1957, Olsson 1965). Which cell is which follows from the primal-dual act
 (Hintermueller, Ito and Kunisch 2002): solve with a guess, then change the cells with a negative
 pressure or a negative void. The displacements of a body that carries a load are unknowns of the
 same Newton step.
+
+Where nothing is entrained, flow and forces belong to the middle of the step, void and springs to
+its end: the film is of second order in time, and neither cavities nor springs can oscillate. With
+entrainment all belong to the end (implicit Euler).
 """
 
 from collections.abc import Sequence
@@ -94,6 +98,8 @@ class State:
         Height of the oil: film less void, as conserved by the flow. [m]
     walls : Walls
         The film.
+    middle : Walls or None
+        The film half a step earlier, through which the oil has flown; None without a step.
     iterations : int
         Newton steps that it took.
     supply : float
@@ -110,6 +116,7 @@ class State:
     full: Mask
     content: Array
     walls: Walls
+    middle: Walls | None = None
     iterations: int = 0
     supply: float = 0.0
     faces: Faces | None = None
@@ -125,8 +132,9 @@ class Step:
     base : Walls
         Film at zero displacement. [m]
     directions : sequence of Walls
-        Decrease of the film for a unit displacement, for each free direction; also the weight of
-        the pressure in the force. [1]
+        Decrease of the film for a unit displacement, for each free direction. [1]
+    axes : sequence of Walls
+        The same in the middle of the step: weights of the pressure in the forces. [1]
     load : Array
         Force along each free direction that the film and the springs carry. [N]
     stiffness : Array
@@ -143,6 +151,7 @@ class Step:
 
     base: Walls
     directions: Sequence[Walls]
+    axes: Sequence[Walls]
     load: Array
     stiffness: Array
     rest: Array
@@ -211,7 +220,7 @@ def advance(medium: Medium, step: Step, before: State, guess: State | None = Non
         Equations that were not solved within the iterations allowed.
     """
     guess = guess or before
-    newton = _Newton(medium, step, before.content, guess)
+    newton = _Newton(medium, step, before, guess)
 
     # an edge of a cavity may have to move cell by cell through the film
     most = MOST_ITERATIONS + medium.grid.along + medium.grid.across
@@ -263,8 +272,10 @@ def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State
 class _Newton:
     """The iterate of one step, and what it leaves unbalanced."""
 
-    def __init__(self, medium: Medium, step: Step, content: Array, guess: State) -> None:
-        self.medium, self.step, self.before = medium, step, content
+    def __init__(self, medium: Medium, step: Step, before: State, guess: State) -> None:
+        self.medium, self.step, self.before = medium, step, before.content
+        self.earlier = before.walls
+        self.share = 0.5 if step.speed == 0 else 1.0  # of the new film in that of the flow
         self.position = guess.position.copy()
         self.reduced, self.void = guess.reduced.copy(), guess.void.copy()
         self.full = guess.full.copy()
@@ -286,7 +297,8 @@ class _Newton:
             self.walls = deflected(self.walls, self.pressure / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
             raise NoConvergenceError("The film vanished between the walls.")
-        self.faces = Faces(medium.grid, medium.fluid, self.walls, self.full)
+        self.middle = self.walls if self.share == 1 else halfway(self.earlier, self.walls)
+        self.faces = Faces(medium.grid, medium.fluid, self.middle, self.full)
         self.flow()
 
     def flow(self) -> None:
@@ -306,7 +318,7 @@ class _Newton:
         kept = self.walls.centre - self.void - self.before
         self.error = self.inflow - self.storage * kept
         self.error[step.supplied] = 0.0
-        self.carries = forces(self.medium, step.directions, self.pressure)
+        self.carries = forces(self.medium, step.axes, self.pressure)
         spring = step.stiffness * (self.position - step.rest)
         self.missing = step.load - self.carries - spring
 
@@ -375,7 +387,7 @@ class _Newton:
         for change, direction in zip(right[1:], step.directions, strict=True):
             # a displacement takes film away, so all changes have the opposite sign
             flow = self.faces.inflow_change(self.steps, direction.along, direction.across)
-            np.subtract(flow, self.storage * direction.centre, out=change)
+            np.subtract(self.share * flow, self.storage * direction.centre, out=change)
             if not self.still:
                 change -= self.crossing * (direction.along[1:] - direction.along[:-1])
         unknown = (self.full & ~step.supplied) if self.still else ~step.supplied
@@ -406,7 +418,7 @@ class _Newton:
         changes = []
         for each in found:
             pressures = each if self.still else np.where(self.full, each, 0.0)
-            changes.append(forces(medium, step.directions, pressures * self.slope))
+            changes.append(forces(medium, step.axes, pressures * self.slope))
         matrix = np.array(changes[1:]).T + np.diag(step.stiffness)
         try:
             return np.asarray(np.linalg.solve(matrix, self.missing - changes[0]))
@@ -440,7 +452,7 @@ class _Newton:
         """Derivatives by the film, which grows with the pressure in it."""
         grid, faces = self.medium.grid, self.faces
         soft = np.broadcast_to(self.slope, self.reduced.shape) / self.medium.foundation
-        along = 0.5 * faces.along_slope * self.steps[0]
+        along = 0.5 * self.share * faces.along_slope * self.steps[0]
         if not self.still:
             along = along - 0.5 * self.crossing
         stencil.centre[...] += (along[1:] - along[:-1]) * soft
@@ -452,7 +464,7 @@ class _Newton:
             stencil.previous[0] -= along[0] * soft[-1]
         if faces.single:
             return
-        across = 0.5 * faces.across_slope * self.steps[1]
+        across = 0.5 * self.share * faces.across_slope * self.steps[1]
         stencil.centre[...] += (across[:, 1:] - across[:, :-1]) * soft
         stencil.upper[:, :-1] += across[:, 1:-1] * soft[:, 1:]
         stencil.lower[:, 1:] -= across[:, 1:-1] * soft[:, :-1]
@@ -488,11 +500,20 @@ class _Newton:
             full=self.full,
             content=content,
             walls=self.walls,
+            middle=self.middle,
             iterations=iterations,
             supply=self.medium.images * float(given[supplied].sum()),
             faces=self.faces,
             steps=self.steps,
         )
+
+
+def halfway(first: Walls, second: Walls) -> Walls:
+    """The mean of two gaps."""
+    centre = 0.5 * (first.centre + second.centre)
+    flat = first.is_flat and second.is_flat
+    across = centre if flat else 0.5 * (first.across + second.across)
+    return Walls(centre, 0.5 * (first.along + second.along), across)
 
 
 def deflected(walls: Walls, deflection: Array, grid: Grid) -> Walls:

@@ -162,7 +162,9 @@ def march(  # type: ignore[no-untyped-def]
     step_angle = 2 * np.pi / n
     most = MOST_ITERATIONS + n + nz
 
-    cosine, sine = np.empty(n), np.empty(n)
+    cosine, sine = np.empty(n), np.empty(n)  # of the new film
+    pull_cosine, pull_sine = np.empty(n), np.empty(n)  # of the middle of the step
+    taken_before, taken_face_before = np.empty(n), np.empty(n)
     face_cosine, face_sine = np.empty(n), np.empty(n)
     film = np.empty((n, nz))
     along, along_slope = np.empty((n, nz)), np.empty((n, nz))
@@ -183,6 +185,12 @@ def march(  # type: ignore[no-untyped-def]
         rate = 1 / dt
         storage = area * rate
         for i in range(n):
+            angle = i * step_angle + turned[k - 1] - toward
+            taken_before[i] = position[0] * np.cos(angle) + position[1] * np.sin(angle)
+            angle -= step_angle / 2
+            taken_face_before[i] = position[0] * np.cos(angle) + position[1] * np.sin(angle)
+            angle = i * step_angle + 0.5 * (turned[k] + turned[k - 1]) - toward
+            pull_cosine[i], pull_sine[i] = np.cos(angle), np.sin(angle)
             angle = i * step_angle + turned[k] - toward
             cosine[i], sine[i] = np.cos(angle), np.sin(angle)
             face_cosine[i] = np.cos(angle - step_angle / 2)
@@ -209,7 +217,9 @@ def march(  # type: ignore[no-untyped-def]
 
         solved = False
         iterations = 0
-        size = max(np.hypot(loads[0, k], loads[1, k] if not guided else 0.0), 1e-9)
+        load = 0.5 * (loads[0, k] + loads[0, k - 1])
+        load_aside = 0.5 * (loads[1, k] + loads[1, k - 1]) if not guided else 0.0
+        size = max(np.hypot(load, load_aside), 1e-9)
         for iteration in range(most):
             iterations = iteration
             # film and conductances
@@ -221,11 +231,13 @@ def march(  # type: ignore[no-untyped-def]
                     film[i, j] = gap_cells[j] - taken
                     face = gap_cells[j] - taken_face
                     thinnest = min(thinnest, film[i, j], face)
+                    face = gap_cells[j] - 0.5 * (taken_face + taken_face_before[i])
                     a, b = _mobility(face, viscosity, roughness)
                     along[i, j], along_slope[i, j] = a * way_along, b * way_along
                 if not single:
                     for j in range(nz + 1):
-                        a, b = _mobility(gap_faces[j] - taken, viscosity, roughness)
+                        face = gap_faces[j] - 0.5 * (taken + taken_before[i])
+                        a, b = _mobility(face, viscosity, roughness)
                         across[i, j], across_slope[i, j] = a * ways_across[j], b * ways_across[j]
             if not thinnest > 0:
                 return k
@@ -284,13 +296,13 @@ def march(  # type: ignore[no-untyped-def]
                         here = -np.log(rest) / alpha * area * images
                     else:
                         here = p[i, j] * area * images
-                    force[0] += here * cosine[i]
-                    force[1] += here * sine[i]
+                    force[0] += here * pull_cosine[i]
+                    force[1] += here * pull_sine[i]
                     if filled[i, j] and not supplied[i]:
                         error = abs(inflow[i, j] - storage * (film[i, j] - content[i, j]))
                         worst = max(worst, error / (storage * film[i, j]))
-            missing[0] = loads[0, k] - force[0]
-            missing[1] = loads[1, k] - force[1] - mount[1] * (ey - mount[2]) if not guided else 0.0
+            missing[0] = load - force[0]
+            missing[1] = load_aside - force[1] - mount[1] * (ey - mount[2]) if not guided else 0.0
             scale = max(size, 1e-3 * abs(force[0]))
             if not guided:
                 scale = max(scale, 1e-3 * abs(force[1]))
@@ -346,12 +358,12 @@ def march(  # type: ignore[no-untyped-def]
 
                     # the error, and its changes with the displacements
                     sides[r, 0] = -(inflow[i, j] - storage * (film[i, j] - content[i, j]))
-                    first_flow = along_slope[behind, j] * steps_along[behind, j]
-                    second_flow = along_slope[i, j] * steps_along[i, j]
+                    first_flow = 0.5 * along_slope[behind, j] * steps_along[behind, j]
+                    second_flow = 0.5 * along_slope[i, j] * steps_along[i, j]
                     side_flow = 0.0
                     if not single:
-                        side_flow = across_slope[i, j + 1] * steps_across[i, j + 1]
-                        side_flow -= across_slope[i, j] * steps_across[i, j]
+                        side_flow = 0.5 * across_slope[i, j + 1] * steps_across[i, j + 1]
+                        side_flow -= 0.5 * across_slope[i, j] * steps_across[i, j]
                     sides[r, 1] = (
                         first_flow * face_cosine[behind]
                         - second_flow * face_cosine[i]
@@ -375,8 +387,8 @@ def march(  # type: ignore[no-untyped-def]
                         slope /= max(1 - alpha * p[i, j], SMALLEST_FLUIDITY)
                     for s in range(free + 1):
                         here = slope * sides[c * nz + j, s]
-                        push[s, 0] += here * cosine[i]
-                        push[s, 1] += here * sine[i]
+                        push[s, 0] += here * pull_cosine[i]
+                        push[s, 1] += here * pull_sine[i]
             shift[:] = 0.0
             if guided:
                 if push[1, 0] == 0.0:
@@ -428,8 +440,11 @@ def march(  # type: ignore[no-untyped-def]
                     thick = viscosity * np.exp(alpha * here)
                 peak = max(peak, here)
                 volume += content[i, j]
-                shear += thick * (1 - min(max(void[i, j] / gap, 0.0), 1.0)) / gap
-                face = gap_cells[j] - ex * face_cosine[i] - ey * face_sine[i]
+                middle = gap_cells[j] - 0.5 * (ex * cosine[i] + ey * sine[i] + taken_before[i])
+                shear += thick * (1 - min(max(void[i, j] / gap, 0.0), 1.0)) / middle
+                face = gap_cells[j] - 0.5 * (
+                    ex * face_cosine[i] + ey * face_sine[i] + taken_face_before[i]
+                )
                 drag += face * (here - other)
                 heat += along[i, j] * steps_along[i, j] * (here - other)
                 pressure[i, j], full[i, j] = p[i, j], filled[i, j]

@@ -103,7 +103,8 @@ def solve_film(
         whole film (over time): `force` [N], `force_position` along x [m], `peak_pressure` [Pa],
         `approach` [m] where a load was given, `friction_force` on the surface that moves at twice
         the entrainment beside a resting one [N], `side_flow` out of all sides [m3/s], `power` [W],
-        `oil_volume` [m3].
+        `oil_volume` [m3]. In a series of films without entrainment, pressures, forces and flows are
+        those in the middle of the step that ends at a time.
 
     Raises
     ------
@@ -242,6 +243,7 @@ class _Course:
         load = none if self.loads is None else self.loads[k : k + 1]
         return Step(
             average_walls(self.films[k], self.medium.grid),
+            [self.unit][:free],
             [self.unit][:free],
             load,
             none,

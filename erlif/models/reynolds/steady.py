@@ -105,7 +105,7 @@ class _Rotation:
         none = np.zeros(load.size)
         entrained = self.bearing.journal.radius * self.speed / 2
         axes = self.axes[: load.size]
-        return Step(self.rigid, axes, load, none, none, rate, entrained, self.supplied)
+        return Step(self.rigid, axes, axes, load, none, none, rate, entrained, self.supplied)
 
     def held_at(self, displacement: float) -> tuple[State, Array]:
         """Film and force of a pin that is held at a displacement along the first axis."""

@@ -52,7 +52,8 @@ def solve_journal(
     div(h^3 / (12 eta) grad p) = d[h (1 - th)] / dt in the frame that turns with the mean of both
     surfaces, where nothing is entrained (Booker 1965); the load turns there instead. Pressure and
     void fraction th are complementary, so that mass is conserved where the film ruptures and forms
-    again. Implicit Euler in time, finite volumes in space.
+    again. Finite volumes in space; the flow belongs to the middle of a time step, the void to its
+    end.
 
     Parameters
     ----------
@@ -88,7 +89,9 @@ def solve_journal(
         negative phi) [N], `friction_torque` on the bushing [N m], `side_flow` out of both ends,
         `supply_flow` out of the grooves [m3/s], `oil_volume` [m3], `power` dissipated in the film
         [W], `iterations`. With `maps`, over `time_of_map`, `circumference` (distance from the load
-        line) and `axial`: `film` [m], `pressure` [Pa], `void_fraction`.
+        line) and `axial`: `film` [m], `pressure` [Pa], `void_fraction`. Positions, films and voids
+        belong to their times; pressures, forces, torque and flows are those of the step that ends
+        there.
 
     Raises
     ------
@@ -277,6 +280,7 @@ class Ride:
         step = self.step(self.instant, None)
         self.state = start_state(bearing.medium, step, self.free(self.held))
         self.earlier: tuple[float, Array] | None = None
+        self.halfway = self.turned(self.instant)  # angle of the cells in the middle of the step
         self.supply = 0.0
         if self.state.walls.centre.min() <= 0 or self.state.walls.along.min() <= 0:
             raise ModelError(
@@ -304,25 +308,32 @@ class Ride:
 
     def step(self, now: "_Moment", before: "_Moment | None") -> Step:
         """What drives the film to a moment from the one before; none before the start."""
-        bearing = self.bearing
+        bearing, earlier = self.bearing, before or now
         turned = self.turned(now)
         directions = bearing.directions(turned, self.toward)
+        axes = bearing.directions(0.5 * (turned + self.turned(earlier)), self.toward)
         base = bearing.rigid
-        apart = now.direction - self.toward
-        target = now.load * np.array([np.cos(apart), np.sin(apart)])
+        target = 0.5 * (self.pull(now) + self.pull(earlier))
         stiffness, rest = np.array([0.0, self.mount.stiffness]), np.array([0.0, self.rest])
         if self.mount.guided:
             base = base.moved(directions.pop(), self.held[1])
-            target, stiffness, rest = target[:1], stiffness[:1], rest[:1]
+            axes, target, stiffness, rest = axes[:1], target[:1], stiffness[:1], rest[:1]
 
         duration = np.inf if before is None else now.time - before.time
         speed = 0.0
         if before is not None and not self.turning:
+            # all belongs to the end of a step with entrainment
             speed = bearing.journal.radius * (now.angle - before.angle) / (2 * duration)
+            target = self.pull(now)[: target.size]
         grid = bearing.medium.grid
         supplied = np.zeros(grid.shape, dtype=bool)
         supplied[covered(bearing.grooves, bearing.angles + turned)] = True
-        return Step(base, directions, target, stiffness, rest, 1 / duration, speed, supplied)
+        return Step(base, directions, axes, target, stiffness, rest, 1 / duration, speed, supplied)
+
+    def pull(self, now: "_Moment") -> Array:
+        """Load along the direction of free motion and across it. [N]"""
+        apart = now.direction - self.toward
+        return now.load * np.array([np.cos(apart), np.sin(apart)])
 
     def go_to(self, k: int) -> None:
         """Advance to a step of the motion, in parts where the whole does not converge."""
@@ -344,6 +355,7 @@ class Ride:
                     ) from error
                 continue
             supply += state.supply / step.rate
+            self.halfway = 0.5 * (self.turned(self.instant) + self.turned(now))
             self.earlier = (now.time - self.instant.time, self.state.position)
             self.instant, self.state = now, state
             iterations += state.iterations
@@ -385,8 +397,7 @@ class Ride:
         if k == 0:
             return
         pressure, _ = medium.pressure(state.reduced)
-        axes = bearing.directions(self.turned(self.instant), 0.0)
-        along, across = forces(medium, axes, pressure)
+        along, across = forces(medium, bearing.directions(self.halfway, 0.0), pressure)
         found = {
             "peak_pressure": pressure.max(),
             "reaction_load": along,
@@ -488,10 +499,11 @@ def losses(medium: Medium, state: State, speed: float, radius: float) -> dict[st
     The shear stress at that surface is eta U / h + h/2 dp/dx; a partly void cell has the share of
     its oil (Elrod 1981).
     """
-    grid, walls, area = medium.grid, state.walls, medium.images * medium.grid.area
+    grid, area = medium.grid, medium.images * medium.grid.area
+    walls = state.middle or state.walls
     pressure, _ = medium.pressure(state.reduced)
     viscosity = medium.fluid.viscosity_at(pressure)
-    filled = 1 - np.clip(state.void / walls.centre, 0.0, 1.0)
+    filled = 1 - np.clip(state.void / state.walls.centre, 0.0, 1.0)
     shear = speed * float(((viscosity * filled / walls.centre) @ area).sum())
     faces = state.faces or Faces(grid, medium.fluid, walls, state.full)
     steps = state.steps or faces.steps(state.reduced)

@@ -1,5 +1,7 @@
 """One implicit step: derivatives, complementarity and refusal."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -21,7 +23,7 @@ def case(*, speed=0.3, load=LOAD, **changes):
     supplied[12] = True
     axes = bearing.directions(0.1, 0.0)
     none = np.zeros(2)
-    step = Step(bearing.rigid, axes, load, none, none, 200.0, speed, supplied)
+    step = Step(bearing.rigid, axes, axes, load, none, none, 200.0, speed, supplied)
     return bearing.medium, step
 
 
@@ -35,9 +37,9 @@ def test_newton_step_uses_the_derivatives_of_the_balance(speed, changes):
     guess.full[...] = rng.random(guess.full.shape) > 0.3
     guess.reduced[...] = np.where(guess.full, 1e5 * rng.random(guess.full.shape), medium.floor)
     guess.void[...] = np.where(guess.full, 0.0, 2e-5 * rng.random(guess.full.shape))
-    content = guess.content * (1 + 0.01 * rng.random(guess.full.shape))
+    before = replace(guess, content=guess.content * (1 + 0.01 * rng.random(guess.full.shape)))
 
-    newton = _Newton(medium, step, content, guess)
+    newton = _Newton(medium, step, before, guess)
     newton.balances()
     unknown = ~step.supplied & (newton.full if speed == 0 else True)
     links = newton.coefficients(unknown)
@@ -48,7 +50,7 @@ def test_newton_step_uses_the_derivatives_of_the_balance(speed, changes):
         size = 1.0 if name == "reduced" else 1e-9
         errors = []
         for sign in (1, -1):
-            other = _Newton(medium, step, content, guess)
+            other = _Newton(medium, step, before, guess)
             getattr(other, name)[cell] += sign * size
             void = other.void.copy()
             other.moved()

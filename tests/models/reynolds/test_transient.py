@@ -29,7 +29,7 @@ def test_pure_squeeze_of_a_long_full_film():
     eccentricity = np.linspace(0.0, 0.95, 400)
     time = long.squeeze_constant / LOAD * eccentricity / np.sqrt(1 - eccentricity**2)
     found = solve_journal(long, Motion(time, 0 * time, LOAD), cells=(256, 1))
-    npt.assert_allclose(found.eccentricity, eccentricity, atol=2e-3)
+    npt.assert_allclose(found.eccentricity, eccentricity, atol=2e-5)
     npt.assert_allclose(found.attitude[1:], 0.0, atol=1e-9)
 
 
@@ -61,8 +61,8 @@ def test_swinging_long_bearing_follows_the_orbit_equations():
     eccentricity, attitude = orbit(
         long, motion, (np.hypot(*start) / long.clearance, np.arctan2(start[1], start[0]))
     )
-    npt.assert_allclose(found.film_min, long.clearance * (1 - eccentricity), rtol=4e-3)
-    npt.assert_allclose(found.attitude, attitude, atol=2e-3)
+    npt.assert_allclose(found.film_min, long.clearance * (1 - eccentricity), rtol=5e-4)
+    npt.assert_allclose(found.attitude, attitude, atol=5e-4)
 
 
 def test_oil_is_conserved_over_a_cycle_with_cavities():
