@@ -17,6 +17,7 @@ from erlif.ingest import FramePairs, Run
 from erlif.passes import PairRatio
 from erlif.pipeline.chain import FrameChain
 from erlif.pipeline.engines import Threads
+from erlif.pipeline.position import AXES
 from erlif.pipeline.reference import describe_reference, find_patch
 from erlif.pipeline.results import FrameResult, TriggerResult
 from erlif.ratio import LightCells, cell_places, sample_cells
@@ -494,7 +495,10 @@ def widen_errors(
     options: LightOptions,
     calibration: Calibration,
 ) -> xr.Dataset:
-    """Add `remaining_errors` to the standard deviations of mean and minimum film."""
+    """Add `remaining_errors` to the errors of mean and minimum film and of the pin.
+
+    They move the pin towards the load by as much as they move the film at the load line.
+    """
     pulses = np.array([np.mean([one.frame for one in result.frames] or [0]) for result in results])
     for name in ("film_mean", "film_min"):
         std = film[f"{name}_std"]
@@ -502,4 +506,11 @@ def widen_errors(
         for error in errors.values():
             std = std.copy(data=np.hypot(std.values, error))
         film[f"{name}_std"] = std
+
+    if "pin_position_cov" in film:
+        place, whole = film.pin_displacement, film.pin_position_cov.copy()
+        at_line = place.attrs["clearance"] - place.values[:, AXES.index("load")]
+        for error in remaining_errors(found, options, at_line, pulses, calibration).values():
+            whole.values[:, 0, 0] += error**2
+        film["pin_position_cov"] = whole
     return film

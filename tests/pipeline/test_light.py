@@ -64,6 +64,24 @@ def test_reported_background_is_in_the_errors_of_mean_and_minimum(reported, trut
     assert np.median(np.abs(pull)) < 2
 
 
+def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
+    """The circles nearest to the true film of each trigger, by least squares over the region."""
+    x, y = reported.x.values, reported.y.values
+    inside = np.ix_((y >= 2) & (y <= 13), (x >= 4) & (x <= 15))
+    phi = (x - x.mean())[inside[1]] / np.sqrt(33.36 * 33.59)
+    z = (y - y.mean())[inside[0]]
+    shapes = [np.cos(phi) + 0 * z, np.sin(phi) + 0 * z, z * np.cos(phi), z * np.sin(phi)]
+    design = np.stack(shapes, axis=-1).reshape(-1, 4)
+    known = [
+        np.linalg.lstsq(design, 230.0 - film[inside].ravel().astype(float), rcond=None)[0][0]
+        for film in truth.film.values
+    ]
+    error = reported.pin_displacement.values[:, 0] - known
+    std = np.sqrt(reported.pin_position_cov.values[:, 0, 0])
+    assert np.nanmedian(np.abs(error)) > 0.03  # 6 % of background moves a film of 3 um by 70 nm
+    assert np.nanmedian(np.abs(error) / std) < 2
+
+
 def test_subtracted_background_leaves_films_within_their_errors(reported, corrected, truth):
     films = truth.film.values
     inside = (films > 3) & (films < 4)
