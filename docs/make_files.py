@@ -438,7 +438,7 @@ FILM_ATTRIBUTES = (
         "keeps a film of the same identity.",
     ),
     Attribute("calibration", "Parameters, covariance and origin of the calibration, as JSON."),
-    Attribute("notes", "Findings about inputs and results, one a line."),
+    Attribute("notes", "Findings about inputs and results, one a line, warnings first."),
     Attribute(
         "smoothing", "Resolution of the smoothed ratio behind the maps. [px]", "smoothing is set"
     ),
@@ -729,7 +729,7 @@ CALIBRATION_ATTRIBUTES = (
     Attribute("fixture", "Name of the fixture."),
     Attribute("date", "Day the first frame was written, year-month-day."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
-    Attribute("notes", "Findings about inputs and fit, one a line."),
+    Attribute("notes", "Findings about inputs and fit, one a line, warnings first."),
     Attribute("note_records", "The same with level and subject, as JSON."),
     Attribute("profile_file", "Name of the profile among input_hashes."),
     Attribute(

@@ -45,8 +45,11 @@ class Note:
         return f"{self.subject}: {self.text}" if self.subject else self.text
 
 
+_ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
+
+
 def join_notes(notes: Iterable[Note]) -> str:
-    """Notes as the lines of a file attribute.
+    """Notes as the lines of a file attribute: warnings first, each marked as one.
 
     Parameters
     ----------
@@ -55,14 +58,17 @@ def join_notes(notes: Iterable[Note]) -> str:
     Returns
     -------
     str
-        One line each.
+        One line each; those of one level keep their order.
 
     Examples
     --------
     >>> join_notes([Note(Level.NOTE, "camera1", "dark 64.0 DN")])
     'camera1: dark 64.0 DN'
     """
-    return "\n".join(str(note) for note in notes)
+    ordered = sorted(notes, key=lambda note: _ORDER.index(note.level))
+    return "\n".join(
+        str(note) if note.level is Level.NOTE else f"{note.level}: {note}" for note in ordered
+    )
 
 
 def list_numbers(numbers: Iterable[int], *, most: int = 10) -> str:

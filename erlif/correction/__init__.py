@@ -14,10 +14,17 @@ from erlif.correction.photon_transfer import (
     measure_response_spread,
     reduce_level,
 )
-from erlif.correction.references import CameraNoise, Cameras, DeclaredNoise, make_references
+from erlif.correction.references import (
+    CHARACTERISTICS,
+    CameraNoise,
+    Cameras,
+    DeclaredNoise,
+    make_references,
+)
 from erlif.correction.saturation import count_pixels, find_pile_up
 
 __all__ = [
+    "CHARACTERISTICS",
     "Background",
     "CameraMeasurement",
     "CameraNoise",

@@ -57,6 +57,10 @@ class DeclaredNoise:
     read_noise: float | None = None
 
 
+CHARACTERISTICS = "cameras"
+"""Subject of the note on gain, read noise, dark level and saturation of both cameras."""
+
+
 @dataclass(frozen=True)
 class CameraNoise:
     """Gain and read noise of one camera as estimated from the frames.
@@ -161,22 +165,25 @@ def make_references(
     >>> cameras.references.gain.values
     array([4.4, 4.4])
     """
-    datasets, notes = [], []
+    datasets, lines, notes = [], [], []
     dry = any(camera.background is not None for camera in measured)
     for number, (one, given, estimate) in enumerate(
         zip(measured, declared, estimated, strict=True), 1
     ):
-        dataset, found = _characterise(one, given, estimate, camera=f"camera{number}")
+        camera = f"camera{number}"
+        dataset, line, found = _characterise(one, given, estimate, camera=camera)
         if dry:
             dataset = dataset.assign(_describe_background(one, dataset))
         datasets.append(dataset)
+        lines.append(f"{camera} {line}")
         notes += found
     merged = xr.concat(datasets, xr.Variable("camera", [1, 2]), combine_attrs="drop")
 
     # one number for each camera, stored once and not for every pixel
     of_dark = merged.dark_var.values[:, :1, :1].copy()
     merged["dark_var"] = merged.dark_var.copy(data=np.broadcast_to(of_dark, merged.dark.shape))
-    return Cameras(References(merged), tuple(notes))
+    both = Note(Level.NOTE, CHARACTERISTICS, "; ".join(lines))
+    return Cameras(References(merged), (both, *notes))
 
 
 def _characterise(
@@ -185,8 +192,8 @@ def _characterise(
     estimated: CameraNoise | None,
     *,
     camera: str,
-) -> tuple[xr.Dataset, list[Note]]:
-    """References and notes of one camera."""
+) -> tuple[xr.Dataset, str, list[Note]]:
+    """References of one camera, its characteristics in words, and notes."""
     darks = measured.darks
 
     # gain first: it turns the variance of the darks, in counts, into a read noise in electrons
@@ -203,13 +210,13 @@ def _characterise(
     )
 
     dataset = _build_dataset(measured, response, dark_var, transfer, gain, read_noise)
+    line = _summarise(measured, declared, gain, read_noise, response.spread)
     notes = [
-        Note(Level.NOTE, camera, _summarise(measured, declared, gain, read_noise, response.spread)),
         *_gain_notes(camera, gain, declared, transfer),
         *_read_noise_notes(camera, read_noise, declared, gain),
         *_recording_notes(camera, measured),
     ]
-    return dataset, notes
+    return dataset, line, notes
 
 
 def _find_response(

@@ -17,6 +17,7 @@ from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.notes import Level, Note, join_notes
 from erlif.core.units import count_of
 from erlif.core.version import __version__
+from erlif.correction import CHARACTERISTICS
 from erlif.files import MapVariable, describe_hashes
 from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
@@ -240,7 +241,12 @@ def describe_film(
     own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film), *prediction.notes]
     load = float(np.median(film["load"])) if "load" in film else float("nan")
     own += [*_censoring_notes(results), *note_form(positions, calibration, view, settings, load)]
-    from_calibration = [Note(note.level, "calibration", str(note)) for note in calibration.notes]
+    # gain and noise of the cameras at the time of the calibration stand in its own notes
+    from_calibration = [
+        Note(note.level, "calibration", str(note))
+        for note in calibration.notes
+        if note.subject != CHARACTERISTICS
+    ]
     return film.assign_attrs(
         Conventions="CF-1.11",
         title=f"oil-film thickness, {settings.name}",
@@ -427,7 +433,7 @@ def describe_frames(
         | {name: fitted[name] for name in ("start", "start_std") if name in fitted},
     )
     if run.pairs.skipped:
-        group.attrs["skipped_frames"] = join_notes(skipped_notes(run.pairs))
+        group.attrs["skipped_frames"] = "\n".join(map(str, skipped_notes(run.pairs)))
     return group.reset_coords(drop=True)
 
 

@@ -162,7 +162,7 @@ def stored(calibration):
 def test_notes_keep_level_and_subject(exact):
     notes = (Note(Level.WARNING, "camera1", "gain differs"), Note(Level.NOTE, "", "2 points left"))
     dataset = stored(replace(exact, notes=notes))
-    assert dataset.attrs["notes"] == "camera1: gain differs\n2 points left"
+    assert dataset.attrs["notes"] == "warning: camera1: gain differs\n2 points left"
     assert Calibration.from_dataset(dataset).notes == notes
 
 

@@ -15,13 +15,16 @@ def test_a_note_on_the_whole_run_has_no_subject():
     assert str(Note(Level.NOTE, "", "12 frame pairs")) == "12 frame pairs"
 
 
-def test_notes_are_joined_as_lines_in_their_order():
+def test_notes_are_joined_as_lines_with_warnings_first():
     notes = [
         Note(Level.NOTE, "camera1", "a"),
-        Note(Level.ERROR, "", "b"),
-        Note(Level.NOTE, "c", ""),
+        Note(Level.WARNING, "camera2", "b"),
+        Note(Level.ERROR, "", "c"),
+        Note(Level.WARNING, "", "d"),
+        Note(Level.NOTE, "e", ""),
     ]
-    assert join_notes(iter(notes)).splitlines() == ["camera1: a", "b", "c: "]
+    expected = ["error: c", "warning: camera2: b", "warning: d", "camera1: a", "e: "]
+    assert join_notes(iter(notes)).splitlines() == expected
     assert join_notes([]) == ""
 
 

@@ -122,13 +122,16 @@ def test_cameras_are_kept_apart(simulated, measured):
     cameras = make_references([measured, other], declared=[DeclaredNoise()] * 2)
     npt.assert_allclose(cameras.references.gain, [4.4, 2.0], rtol=0.02)
     npt.assert_allclose(cameras.references.dark_signal, [64, 100], atol=0.1)
-    assert [note.subject for note in cameras.notes] == ["camera1", "camera2"]
+    assert [note.subject for note in cameras.notes] == ["cameras"]  # one line for both
+    one, two = cameras.notes[0].text.split("; ")
+    assert one.startswith("camera1 gain 4.")
+    assert two.startswith("camera2 gain 2.")
 
 
 def test_the_summary_has_values_with_their_standard_deviations(measured):
     cameras = combine(measured)
     line = summary_of(cameras)
-    text = line.split("camera1: gain ")[1].split(" electron/DN")[0]
+    text = line.split("camera1 gain ")[1].split(" electron/DN")[0]
     value, std = (float(part) for part in text.split(" ± "))
     npt.assert_allclose(value, cameras.references.gain[0], atol=0.5 * std)
     npt.assert_allclose(std, cameras.references.gain_std[0], rtol=0.5)
@@ -233,7 +236,8 @@ def test_a_camera_without_flats_has_an_assumed_gain_until_the_frames_are_read(ca
 
 def test_without_a_gain_a_declared_read_noise_is_not_compared(camera):
     cameras = combine(measure(camera, pages=0), read_noise=2 * READ)
-    assert summary_of(cameras) == "camera1: gain not known yet, dark 64.0 DN, saturation 4095 DN"
+    expected = "cameras: camera1 gain not known yet, dark 64.0 DN, saturation 4095 DN; "
+    assert summary_of(cameras).startswith(expected)
     assert "differs" not in warnings_of(cameras)
 
 

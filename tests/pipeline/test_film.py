@@ -28,6 +28,7 @@ from erlif.pipeline.film import (
     pixel_positions,
 )
 from erlif.pipeline.joint import locate_run
+from erlif.pipeline.prediction import NO_PREDICTION
 from erlif.ratio import BlurDifference
 from erlif.settings import RunSettings
 from erlif.trend import Region
@@ -192,7 +193,7 @@ def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law
 # the film and its groups
 
 
-def make_film(cycles, calibration, **changes):
+def make_film(cycles, calibration, *, notes=(), **changes):
     run, cycle = cycles
     results = [make_result(k, k + 6, **changes) for k in range(6)]
     return describe_film(
@@ -200,8 +201,9 @@ def make_film(cycles, calibration, **changes):
         describe_triggers(run, cycle),
         results,
         calibration,
+        prediction=NO_PREDICTION,
         hashes={"run.toml": "ab" * 32},
-        notes=[Note(Level.WARNING, "camera1", "a note of the cameras")],
+        notes=[*notes, Note(Level.WARNING, "camera1", "a note of the cameras")],
     )
 
 
@@ -211,6 +213,22 @@ def test_film_counts_the_frames_of_each_trigger(cycles, calibration):
     assert (film.sizes["x"], film.sizes["y"]) == (128, 96)
     npt.assert_allclose(film.x[:3], [0.0, 0.15, 0.30])
     assert "camera1: a note of the cameras" in film.attrs["notes"]
+
+
+def test_warnings_come_first_and_gains_once(cycles, calibration):
+    """The gains of the fixture's recording are in the notes of the calibration itself."""
+    gains = Note(Level.NOTE, "cameras", "camera1 gain 4.4; camera2 gain 4.4")
+    again = Note(Level.NOTE, "cameras", "camera1 gain 4.3; camera2 gain 4.5")
+    fitted = replace(
+        calibration, notes=(again, Note(Level.WARNING, "darks", "dark pages are missing"))
+    )
+    lines = make_film(cycles, fitted, notes=[gains]).attrs["notes"].split("\n")
+    assert lines[:2] == [
+        "warning: camera1: a note of the cameras",
+        "warning: calibration: darks: dark pages are missing",
+    ]
+    assert not any(line.startswith("warning") for line in lines[2:])
+    assert [line for line in lines if "gain" in line] == [str(gains)]
 
 
 def test_share_beyond_the_range_has_a_note_from_one_per_cent_on(cycles, calibration):

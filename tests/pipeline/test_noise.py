@@ -179,7 +179,10 @@ def test_response_of_camera_1_alone_without_a_flat_is_not_estimated(laboratory):
     assert np.isnan(references.response_spread[0])
     npt.assert_array_equal(references.flat_var[0], 0.0)
     npt.assert_allclose(references.response_spread[1], 0.01, rtol=0.1)
-    one = [line for line in texts(prepared).splitlines() if line.startswith("camera1: ")]
+    lines = texts(prepared).splitlines()
+    (both,) = [line for line in lines if line.startswith("cameras: ")]
+    assert "response spread" not in both.split("; ")[0]
+    one = [line for line in lines if line.startswith("warning: camera1: ")]
     assert not any("response spread" in line for line in one)
     assert any("no flat; vignetting and pixel response are not corrected" in line for line in one)
 

@@ -21,9 +21,9 @@ STAGES = ("darks and flats", "registration", "sharpness and noise", "film", "wri
 
 DECISIONS = {
     "frame pairs": r"6 frame pairs of 128 x 96 pixels, 0 left out",
-    "triggers and cycles": r"6 triggers in 1 cycle\(s\), joint speed up to 2\.\d+ rad/s",
-    "gain of camera 1": r"camera1: gain 4\.\d+ ± 0\.\d+ electron/DN",
-    "gain of camera 2": r"camera2: gain 4\.\d+ ± 0\.\d+ electron/DN",
+    "triggers and cycles": r"6 triggers in 1 cycle, joint speed up to 2\.\d+ rad/s",
+    "gain of camera 1": r"camera1 gain 4\.\d+ ± 0\.\d+ electron/DN",
+    "gain of camera 2": r"camera2 gain 4\.\d+ ± 0\.\d+ electron/DN",
     "camera map": r"rms displacement \d+\.\d+ px, correlation of the textures 0\.\d+",
     "blur difference": r"difference of blur variance \S+ px2 along x, \S+ px2 along y",
     "calibration and range": r"calibration '.+' of .+, calibrated range \d+\.\d+ to \d+\.\d+ um",
