@@ -126,7 +126,8 @@ def follow_motion(
     if parts.sum() > MOST_STEPS:
         raise EncoderError(
             f"Expected a recording of at most {MOST_STEPS / steps_per_cycle:.0f} turns of the "
-            f"crank for the prediction; it covers {np.ptp(crank) / _TURN:.0f}. Use runs of fewer turns."
+            f"crank for the prediction; it covers {np.ptp(crank) / _TURN:.0f}. Use runs of "
+            "fewer turns."
         )
     place = np.concatenate([[0], np.cumsum(parts)])
     at = np.interp(np.arange(place[-1] + 1), place, nodes)
