@@ -79,7 +79,7 @@ def test_reported_background_is_in_the_error_of_the_pin(reported, truth):
     error = reported.pin_displacement.values[:, 0] - known
     std = np.sqrt(reported.pin_position_cov.values[:, 0, 0])
     assert np.nanmedian(np.abs(error)) > 0.03  # 6 % of background moves a film of 3 um by 70 nm
-    assert np.nanmedian(np.abs(error) / std) < 2
+    assert np.nanmax(np.abs(error) / std) < 2.5  # 5 without the background
 
 
 def test_subtracted_background_leaves_films_within_their_errors(reported, corrected, truth):
