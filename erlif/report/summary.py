@@ -48,6 +48,7 @@ def summarise(film: xr.Dataset) -> str:
         f"{film.sizes['y']} pixels",
         _film_line(film, "film_min", "minimum film thickness"),
         _film_line(film, "film_mean", "mean film thickness"),
+        *_pin_lines(film),
         *_flag_lines(film),
         *_trend_lines(film),
         *_theory_lines(film),
@@ -97,6 +98,23 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
 
 def _line(title: str, text: str, width: int = _TITLE) -> str:
     return f"  {title:{width}s}{text}"
+
+
+def _pin_lines(film: xr.Dataset) -> list[str]:
+    """Range of the displacement of the pin, with the largest standard deviation of each."""
+    if "pin_displacement" not in film or not np.isfinite(film.pin_displacement.values).any():
+        return []
+    std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
+    texts = [
+        f"{np.nanmin(place):.2f} to {np.nanmax(place):.2f} ± {np.nanmax(error):.2f} um {where}"
+        for place, error, where in zip(
+            film.pin_displacement.values.T,
+            std[:, :2].T,
+            ("towards the load", "sideways"),
+            strict=True,
+        )
+    ]
+    return [_line("displacement of the pin", ", ".join(texts))]
 
 
 def _film_line(film: xr.Dataset, variable: str, title: str) -> str:

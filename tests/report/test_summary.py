@@ -34,6 +34,18 @@ def test_thickness_is_given_over_the_cycle(film):
     )
 
 
+def test_displacement_of_the_pin_is_given_over_the_cycle(film):
+    """Towards the load the clearance less the film, with 3 and 15 nm; sideways 40 and 30 nm."""
+    load = 230.0 - scene.minimum_film()
+    side = 0.2 / np.sqrt(33.36 * 33.59) * load
+    assert line_of(summarise(film), "displacement of the pin") == (
+        f"{load.min():.2f} to {load.max():.2f} ± 0.02 um towards the load, "
+        f"{side.min():.2f} to {side.max():.2f} ± 0.05 um sideways"
+    )
+    assert "displacement of the pin" not in summarise(film.drop_vars("pin_displacement"))
+    assert "displacement of the pin" not in summarise(scene.without_valid_pixels(film))
+
+
 def test_shares_of_valid_and_flagged_pixels_are_those_of_the_maps(film):
     text = summarise(film)
     valid = 100 * (film.flags.values == 0).mean()
