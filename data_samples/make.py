@@ -11,7 +11,7 @@ from pathlib import Path
 from erlif.rig import RigSettings, simulate
 
 SEED = 2002
-RIG = RigSettings(width=320, height=256, film_reference=5.0, exponent=0.62, fixture_frames=8)
+RIG = RigSettings(width=320, height=256, film="reynolds", tilt=0.0, fixture_frames=8)
 """Small pictures and few fixture frames keep the repository small."""
 
 here = Path(__file__).parent

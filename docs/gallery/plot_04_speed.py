@@ -18,6 +18,7 @@ erlif.plots.film_against_speed(film, ax=ax)
 plt.show()
 
 # %%
-# The film of the sample is simulated with an exponent of 0.62.
+# The joint of the sample oscillates, and squeeze carries its load: the film falls with the time
+# since loading and does not follow the speed. Steady motion would give an exponent near 1.
 
 print(f"exponent: {float(film.speed_exponent):.3f} ± {float(film.speed_exponent_std):.3f}")
