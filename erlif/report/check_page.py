@@ -21,7 +21,7 @@ from erlif.plots.audit import (
     steps_figure,
 )
 from erlif.report.captions import Caption
-from erlif.report.layout import compose_page, embed_figure
+from erlif.report.layout import arrange_figures, compose_page, embed_figure
 from erlif.report.tables import make_table
 
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
@@ -72,12 +72,12 @@ def _make_page(audit: Audit) -> str:
     sections = [("findings", "Findings", _findings(audit))]
     if audit.pairs:
         sections.append(("pairs", "Pairs", _pair_table(audit)))
-    figures = "\n".join(
+    figures = arrange_figures(
         embed_figure(name, figure, caption, caption.text)
         for name, figure, caption in _figures(audit)
     )
     if figures:
-        sections.append(("figures", "Figures", f'<div class="figures">\n{figures}\n</div>'))
+        sections.append(("figures", "Figures", figures))
     return compose_page(
         sections,
         name=audit.name or audit.directory.name or str(audit.directory),

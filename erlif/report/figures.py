@@ -7,7 +7,7 @@ from html import escape
 from erlif.files import describe_trigger
 from erlif.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.report.captions import caption_of
-from erlif.report.layout import embed_figure
+from erlif.report.layout import arrange_figures, embed_figure
 
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map")
 
@@ -28,4 +28,4 @@ def figures_section(source: FigureSource) -> str:
         parts.append(embed_figure(name, draw(source), caption, text))
 
     left_out = f"<h3>Left out</h3><ul>{''.join(missing)}</ul>" if missing else ""
-    return '<div class="figures">\n' + "\n".join(parts) + "\n</div>" + left_out
+    return arrange_figures(parts) + left_out

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from importlib import resources
+from itertools import groupby
+from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
@@ -78,15 +80,64 @@ def read_resource(name: str) -> str:
     return resources.files("erlif.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def embed_figure(name: str, figure: Figure, caption: Caption, text: str) -> str:
+class PageFigure(NamedTuple):
+    """A figure as a page holds it.
+
+    Attributes
+    ----------
+    name : str
+        Name within the page.
+    image : str
+        HTML of the image.
+    caption : str
+        HTML of the caption.
+    wide : bool
+        Whether it is two columns wide.
+    """
+
+    name: str
+    image: str
+    caption: str
+    wide: bool
+
+
+def embed_figure(name: str, figure: Figure, caption: Caption, text: str) -> PageFigure:
     """Embed one figure, its image as base64 text."""
     # lines stay sharp as SVG; an image of many pixels is much smaller as PNG
     image = figure_bytes(figure, kind=caption.kind, dpi=caption.dpi)
     encoded = base64.b64encode(image).decode("ascii")
-    width = "two" if figure.get_figwidth() > 1.5 * ONE_COLUMN else "one"
     title, text = escape(caption.title), escape(text)
-    return (
-        f'<figure id="figure-{name}" class="{width}">'
-        f'<img src="data:{_MEDIA[caption.kind]};base64,{encoded}" alt="{title}. {text}">'
-        f"<figcaption><strong>{title}.</strong> {text}</figcaption></figure>"
+    return PageFigure(
+        name,
+        f'<img src="data:{_MEDIA[caption.kind]};base64,{encoded}" alt="{title}. {text}">',
+        f"<figcaption><strong>{title}.</strong> {text}</figcaption>",
+        figure.get_figwidth() > 1.5 * ONE_COLUMN,
     )
+
+
+def arrange_figures(figures: Iterable[PageFigure]) -> str:
+    """Arrange figures in two columns, in their order.
+
+    A wide one takes both columns. A narrow one without a partner takes them too, with its caption
+    beside it, so that no half of a row is empty.
+
+    Parameters
+    ----------
+    figures : iterable of PageFigure
+
+    Returns
+    -------
+    str
+        HTML; empty without figures.
+    """
+    parts = []
+    for wide, run in groupby(figures, key=lambda figure: figure.wide):
+        members = list(run)
+        for n, figure in enumerate(members):
+            lone = len(members) % 2 == 1 and n == len(members) - 1
+            kind = "two" if wide else "one lone" if lone else "one"
+            parts.append(
+                f'<figure id="figure-{figure.name}" class="{kind}">'
+                f'<div class="wide">{figure.image}</div>{figure.caption}</figure>'
+            )
+    return '<div class="figures">\n' + "\n".join(parts) + "\n</div>" if parts else ""

@@ -7,6 +7,7 @@ from html import escape
 
 import xarray as xr
 
+from erlif.core.notes import Level
 from erlif.report.tables import make_table
 
 
@@ -36,5 +37,13 @@ def notes_list(film: xr.Dataset) -> str:
     notes = [line for line in str(film.attrs.get("notes", "")).split("\n") if line]
     if not notes:
         return ""
-    items = "".join(f"<li>{escape(note)}</li>" for note in dict.fromkeys(notes))
+    items = "".join(f"<li>{_emphasise(note)}</li>" for note in dict.fromkeys(notes))
     return f"<h3>Notes</h3><ul>{items}</ul>"
+
+
+def _emphasise(note: str) -> str:
+    """A note as HTML, with the level of a warning in bold."""
+    level, colon, rest = note.partition(": ")
+    if level not in (Level.WARNING, Level.ERROR):
+        return escape(note)
+    return f"<strong>{level.capitalize()}{colon}</strong>{escape(rest)}"

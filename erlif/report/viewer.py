@@ -33,9 +33,10 @@ are those of single pixels, medians of 4 × 4.</p>
 <button type="button" id="next">Next</button>
 </div>
 <div class="viewer">
-<canvas id="map" tabindex="0" role="img"
- aria-label="Map of film thickness at the chosen trigger"></canvas>
-<div><canvas id="profile" role="img" aria-label="Film thickness along the chosen row"></canvas>
+<div class="wide"><canvas id="map" tabindex="0" role="img"
+ aria-label="Map of film thickness at the chosen trigger"></canvas></div>
+<div><div class="wide"><canvas id="profile" role="img"
+ aria-label="Film thickness along the chosen row"></canvas></div>
 <output id="readout" for="trigger"></output></div>
 </div>
 <ul class="key" aria-label="Colours of flagged pixels">{flag_key()}</ul>

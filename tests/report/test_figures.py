@@ -33,7 +33,7 @@ def test_figures_of_one_trigger_name_it(page):
 
 def test_figures_are_as_wide_as_their_columns(page):
     classes = {attrs["id"]: attrs["class"] for attrs in page.all("figure")}
-    assert classes == {"figure-speed_against_angle": "one", "figure-thickness_map": "two"}
+    assert classes == {"figure-speed_against_angle": "one lone", "figure-thickness_map": "two"}
 
 
 def test_figure_that_is_left_out_has_a_reason(page):

@@ -27,3 +27,9 @@ def test_notes_are_listed_once_and_escaped(film):
     twice = film.assign_attrs(notes="one\ntwo\none")
     assert notes_list(twice).count("<li>") == 2
     assert notes_list(film.assign_attrs(notes="")) == ""
+
+
+def test_warnings_are_emphasised(film):
+    text = notes_list(film.assign_attrs(notes="warning: camera2: no <flat>\ncamera1: dark"))
+    assert "<li><strong>Warning: </strong>camera2: no &lt;flat&gt;</li>" in text
+    assert "<li>camera1: dark</li>" in text

@@ -92,3 +92,14 @@ def test_script_finds_its_elements_on_the_page(page):
     wanted = set(re.findall(r'getElementById\("([^"]+)"\)', script))
     assert len(wanted) >= 7
     assert wanted <= {attrs["id"] for _, attrs in page.elements if "id" in attrs}
+
+
+def test_map_and_profile_scroll_in_narrow_windows(film):
+    text = viewer_section(film, EVERY)
+    assert len(re.findall(r'<div class="wide"><canvas [^>]*></canvas></div>', text)) == 2
+
+
+def test_controls_of_the_viewer_stay_in_one_row():
+    style = resources.files("erlif.report").joinpath("page.css").read_text("utf-8")
+    (controls,) = re.findall(r"\n\.controls \{([^}]*)\}", style)
+    assert "wrap" not in controls
