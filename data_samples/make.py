@@ -1,6 +1,7 @@
 """Make the sample run and its fixture again: python data_samples/make.py
 
-They are photographs of a known film by the virtual rig, so anybody can make the same bytes.
+They are photographs of a known film by the virtual rig, so anybody can make the same images; the
+bytes of their files depend on the release of zlib.
 truth.nc, with the true film, is written beside this file and is not part of the repository.
 """
 
