@@ -38,6 +38,12 @@ SLOWING = 0.25
 LOWEST_RATE = 1e-6
 """Rate over that of the first step at which the next step is the steady film. [1]"""
 
+SMALLEST_SHARE = 1e-4
+"""Share of its load with which the film of a soft wall begins. [1]"""
+
+LOAD_STEPS = 30
+"""Steps from that share to the whole load, each by a factor of 1.4."""
+
 MOST_ITERATIONS = 60
 """Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual."""
 
@@ -261,11 +267,17 @@ def settle(medium: Medium, step: Step, position: Array, *, rate: float) -> State
     NoConvergenceError
         A step that is not solved.
     """
+    # a soft wall takes up its load bit by bit, because the film depends on all of the pressure
+    soft = medium.foundation is not None and step.load.size > 0
+    loads = np.geomspace(SMALLEST_SHARE, 1.0, LOAD_STEPS) if soft else np.ones(1)
+
     state = start_state(medium, step, position)
     present = rate
     while present > 0:
         present = present * SLOWING if present > LOWEST_RATE * rate else 0.0
-        state = advance(medium, replace(step, rate=present), state)
+        state = advance(medium, replace(step, rate=present, load=loads[0] * step.load), state)
+    for share in loads[1:]:
+        state = advance(medium, replace(step, rate=0.0, load=share * step.load), state)
     return state
 
 
@@ -294,9 +306,14 @@ class _Newton:
         self.walls = displaced(step, self.position)
         self.pressure, self.slope = medium.pressure(self.reduced)
         if medium.foundation is not None:
-            self.walls = deflected(self.walls, self.pressure / medium.foundation, medium.grid)
+            # a pressure below that of cavitation is about to be raised to it
+            held = np.maximum(self.pressure, medium.cavitation_pressure)
+            self.walls = deflected(self.walls, held / medium.foundation, medium.grid)
         if not min(self.walls.centre.min(), self.walls.along.min()) > 0:
-            raise NoConvergenceError("The film vanished between the walls.")
+            raise NoConvergenceError(
+                "The film vanished between the walls. Take more load steps in time, finer cells or "
+                "a stiffer foundation."
+            )
         self.middle = self.walls if self.share == 1 else halfway(self.earlier, self.walls)
         self.faces = Faces(medium.grid, medium.fluid, self.middle, self.full)
         self.flow()
@@ -399,7 +416,7 @@ class _Newton:
         delta = found[0]
         for part, change in zip(shift, found[1:], strict=True):
             delta += part * change
-        share = self.allowed(shift)
+        share = self.allowed(shift, delta)
         self.position = self.position + share * shift
         if share < 1:
             delta *= share
@@ -428,13 +445,17 @@ class _Newton:
                 "with the position of the body."
             ) from error
 
-    def allowed(self, shift: Array) -> float:
+    def allowed(self, shift: Array, change: Array) -> float:
         """Share of a Newton step that leaves enough film everywhere."""
-        if not shift.size:
+        soft = self.medium.foundation
+        if soft is None and not shift.size:
             return 1.0
-        nearer = sum(
-            part * each.centre for part, each in zip(shift, self.step.directions, strict=True)
-        )
+        nearer = np.zeros((1, 1))
+        if soft is not None:
+            lowest = self.medium.cavitation_pressure - self.pressure
+            nearer = -np.maximum(change * self.full * self.slope, np.minimum(lowest, 0.0)) / soft
+        for part, each in zip(shift, self.step.directions, strict=True):
+            nearer = nearer + part * each.centre
         worst = float((nearer / self.walls.centre).max())
         return 1.0 if worst <= LARGEST_APPROACH else LARGEST_APPROACH / worst
 

@@ -152,6 +152,35 @@ def test_piezoviscous_slider_follows_the_reduced_pressure():
         solve_film(film / 2, pressure_viscosity=2e-8, **case)
 
 
+def test_thin_film_on_a_soft_liner_has_the_pressure_of_dry_contact():
+    """Winkler: p0 = k b^2 / (2 R) with b^3 = 3 W R / (2 k) per width (Johnson 1985)."""
+    radius, foundation, load = 4.87, 1e11, 1e5
+    width = (3 * load * radius / (2 * foundation)) ** (1 / 3)
+    dry = foundation * width**2 / (2 * radius)
+    x = (cells(256) - 0.5) * 8 * width
+    peaks = []
+    for speed in (0.1, 0.01):
+        found = solve_film(
+            1e-5 + roller_shape(x, radius=radius),
+            length=8 * width,
+            viscosity=VISCOSITY,
+            entrainment=speed,
+            load=load,
+            foundation=foundation,
+            cavitation_pressure=0.0,
+        )
+        peaks.append(float(found.peak_pressure) / dry)
+        npt.assert_allclose(found.force, load, rtol=1e-6)
+
+    # the film of 2 um under a deflection of 38 um; a thicker one spreads the load
+    assert float(found.film.min()) < 2e-6
+    npt.assert_allclose(peaks[1], 1.0, atol=0.02)
+    assert peaks[0] < 0.95
+    inside = np.abs(x) < 0.9 * width
+    parabola = dry * (1 - (x / width) ** 2)
+    npt.assert_allclose(found.pressure.values[inside], parabola[inside], atol=0.05 * dry)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -73,6 +73,27 @@ def test_two_axial_grooves_of_lund_and_thomsen(slenderness, sommerfeld, eccentri
     npt.assert_allclose(np.degrees(found.attitude), attitude, atol=0.5)
 
 
+@pytest.mark.parametrize(
+    ("slenderness", "sommerfeld", "eccentricity", "attitude"),
+    [
+        (0.5, 2.07, 0.2, 71.6),
+        (0.5, 0.517, 0.5, 51.1),
+        (0.5, 0.0926, 0.8, 31.2),
+        (1.0, 0.284, 0.4, 54.6),
+        (1.0, 0.131, 0.6, 43.8),
+        (1.0, 0.0469, 0.8, 32.1),
+    ],
+)
+def test_two_axial_grooves_of_the_databook(slenderness, sommerfeld, eccentricity, attitude):
+    """Someya (1989), pages 14 and 17; grooves of 10 degrees, to which its friction points."""
+    joint = bearing(slenderness)
+    grooves = [Groove(sign * np.pi / 2, np.radians(10)) for sign in (1, -1)]
+    case = {"grooves": grooves, "cells": (252, 8), "speed": SPEED}
+    found = steady_journal(joint, load=load_of(joint, sommerfeld), **case)
+    npt.assert_allclose(found.eccentricity, eccentricity, rtol=5e-3)
+    npt.assert_allclose(np.degrees(found.attitude), attitude, atol=0.7)
+
+
 def test_full_sommerfeld_bearing():
     """F = 12 pi eps / ((2 + eps^2) sqrt(1 - eps^2)) eta omega R L (R/c)^2, normal to e."""
     full = Journal(
