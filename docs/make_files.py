@@ -498,7 +498,7 @@ VARIABLE_ATTRIBUTES = (
         "Of film_mean: share of the region that is too thin or too thick, for each trigger.",
     ),
     Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
-    Attribute("load_line", "Of displacement and tilt: load line along sliding [mm]."),
+    Attribute("load_line", "Of displacement, tilt and attitude: load line along sliding [mm]."),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
     Attribute("expected", "Of film_curvature: that of circles, for each trigger [um/mm2]."),
     Attribute(

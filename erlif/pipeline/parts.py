@@ -37,8 +37,13 @@ from erlif.pipeline.light import (
     run_patch,
     widen_errors,
 )
-from erlif.pipeline.position import choose_view
-from erlif.pipeline.prediction import Prediction, build_view, frames_of_run, try_prediction
+from erlif.pipeline.position import choose_view, describe_positions
+from erlif.pipeline.prediction import (
+    Prediction,
+    frames_of_run,
+    places_along_sliding,
+    try_prediction,
+)
 from erlif.pipeline.prepare import prepare_chain
 from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
 from erlif.pipeline.pulses import read_energies
@@ -259,7 +264,14 @@ def complete_film(
     light, notes_on_light = describe_light(found, results, run, ready.measuring)
 
     with stage("prediction", _logger):
-        prediction = _predict(run, cycle, triggers.assign(describe_statistics(results)))
+        view, positions = (
+            choose_view(run.settings, run.pairs.shape),
+            [one.position for one in results],
+        )
+        measured = describe_statistics(results) | describe_positions(
+            positions, ready.measuring, view
+        )
+        prediction = _predict(run, cycle, triggers.assign(measured))
     film = describe_film(
         run,
         triggers,
@@ -281,5 +293,5 @@ def _predict(run: Run, cycle: xr.Dataset, measured: xr.Dataset) -> Prediction:
     """The transient film of a run whose film_min (trigger) is measured."""
     settings, shape = run.settings, run.pairs.shape
     region = choose_region(settings, shape)
-    view = build_view(settings, *pixel_positions(settings, shape), region)
-    return try_prediction(settings, measured, frames_of_run(run, cycle), view)
+    place = places_along_sliding(settings, *pixel_positions(settings, shape), region)
+    return try_prediction(settings, measured, frames_of_run(run, cycle), place)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError, EncoderError, OutputError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.progress import Progress, silent
@@ -29,20 +29,18 @@ from erlif.files import (
     write_film,
 )
 from erlif.ingest import hash_files_beside_frames, open_run
-from erlif.models.reynolds import Journal
 from erlif.pipeline.clock import fit_start
 from erlif.pipeline.film import choose_region, describe_grid, pixel_positions
 from erlif.pipeline.joint import locate_run
 from erlif.pipeline.prediction import (
     Prediction,
-    build_journal,
-    build_view,
     describe_sideways,
+    film_along_sliding,
     frames_of_run,
+    places_along_sliding,
     predict_run,
     swings,
 )
-from erlif.prediction import View, gap_in_view
 from erlif.settings import RunSettings, to_toml
 
 CELLS = (256, 8)
@@ -58,7 +56,15 @@ MAP = MapVariable(
 """The map of prediction.nc."""
 
 _MEASURED = ("film_min", "film_min_std", "film_mean", "film_mean_std")
-_OF_FILM = (*_MEASURED, "encoder_angle", "crank_angle", "stroke", "rocker_speed", "load")
+_OF_FILM = (
+    *_MEASURED,
+    "pin_displacement",
+    "encoder_angle",
+    "crank_angle",
+    "stroke",
+    "rocker_speed",
+    "load",
+)
 """Variables of a film that prediction.nc repeats, so that both are compared without it."""
 
 
@@ -157,32 +163,38 @@ def _write_prediction(
     source = _read_film(path) if is_film(path) else _read_run(path, allow_outside)
     settings = source.settings
     x, y = pixel_positions(settings, source.shape)
-    view = build_view(settings, x, y, choose_region(settings, source.shape))
-    prediction = predict_run(settings, source.film, source.frames, view, cells=CELLS)
+    place = places_along_sliding(settings, x, y, choose_region(settings, source.shape))
+    prediction = predict_run(settings, source.film, source.frames, place, cells=CELLS)
 
     grid = describe_grid(settings, source.shape, source.triggers)
     with PartialFilm(output, _identify(source), grid, [MAP]) as unfinished:
-        gaps = _gaps(prediction, settings, view)
+        gaps = film_along_sliding(settings, prediction.triggers, place[0])
         for trigger, gap in enumerate(gaps):
             if not unfinished.has(trigger):
-                chunks = unfinished.maps.encode({MAP.name: _spread(gap, settings, source.shape)})
+                chunks = unfinished.maps.encode(
+                    {MAP.name: spread_over_image(gap, settings, source.shape)}
+                )
                 unfinished.put(trigger, chunks, {})
             progress("prediction", trigger + 1, len(gaps))
         described = _describe(source, prediction).assign_coords(grid.coords)
         write_film(unfinished, described, {"frames": _describe_frames(source, prediction)})
 
 
-def _gaps(prediction: Prediction, settings: RunSettings, view: View) -> Array:
-    """Film along sliding at each trigger, (trigger, pixel). [um]"""
-    journal: Journal = build_journal(settings, 1.0)  # the viscosity is in the positions already
-    eccentric = prediction.triggers.eccentricity.values * journal.clearance
-    angle = np.radians(prediction.triggers.attitude.values)
-    film = gap_in_view(eccentric * np.cos(angle), eccentric * np.sin(angle), journal, view.place)
-    return 1e6 * film
+def spread_over_image(gap: Array, settings: RunSettings, shape: tuple[int, int]) -> Image:
+    """The film of one trigger over the image: pin and bushing are parallel.
 
+    Parameters
+    ----------
+    gap : array, (pixel,)
+        Film along sliding. [um]
+    settings : RunSettings
+    shape : tuple of int
+        Rows and columns of the image.
 
-def _spread(gap: Array, settings: RunSettings, shape: tuple[int, int]) -> Array:
-    """The film of one trigger over the image: pin and bushing are parallel. (y, x)"""
+    Returns
+    -------
+    array of float32, (y, x)
+    """
     across = gap[np.newaxis, :] if settings.optics.x_axis == "sliding" else gap[:, np.newaxis]
     return np.ascontiguousarray(np.broadcast_to(across, shape), np.float32)
 
@@ -266,8 +278,9 @@ def _describe(source: _Source, prediction: Prediction) -> xr.Dataset:
     """Everything of the triggers, and the record of how it was made."""
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
-    # coordinates of the film are those of the grid already
-    kept = source.film.drop_vars(list(source.film.coords), errors="ignore")
+    # coordinates of the film are those of the grid already; the position gave the load line
+    apart = [*source.film.coords, "pin_displacement"]
+    kept = source.film.drop_vars(apart, errors="ignore")
     kept = kept.drop_attrs(deep=False)
     return kept.assign(prediction.triggers).assign_attrs(
         Conventions="CF-1.11",

@@ -14,7 +14,7 @@ from erlif.ingest import Run
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.joint import build_linkage, describe_joint
-from erlif.prediction import FrameMotion, View, follow_motion, predict_triggers
+from erlif.prediction import FrameMotion, View, follow_motion, gap_in_view, predict_triggers
 from erlif.prediction.triggers import CELLS
 from erlif.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.trend import Region, viscosity_at
@@ -127,8 +127,10 @@ def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
     )
 
 
-def build_view(settings: RunSettings, x: Array, y: Array, region: Region) -> View:
-    """The image and its region of interest along sliding, from the load line.
+def places_along_sliding(
+    settings: RunSettings, x: Array, y: Array, region: Region
+) -> tuple[Array, slice]:
+    """Positions of the image along sliding [mm], and which of them are in the region of interest.
 
     Parameters
     ----------
@@ -139,20 +141,91 @@ def build_view(settings: RunSettings, x: Array, y: Array, region: Region) -> Vie
 
     Returns
     -------
-    View
+    position : array, (pixel,)
+    within : slice
     """
-    along = settings.optics.x_axis == "sliding"
-    place = (x if along else y) * 1e-3
-    line = settings.prediction.load_line
-    middle = float(place.mean()) if line is None else line
-    return View(place - middle, region.columns if along else region.rows)
+    if settings.optics.x_axis == "sliding":
+        return x, region.columns
+    return y, region.rows
+
+
+def film_along_sliding(settings: RunSettings, predicted: xr.Dataset, position: Array) -> Array:
+    """Predicted film at the places of the image along sliding.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    predicted : xarray.Dataset
+        eccentricity [1] and attitude [degree], of triggers, frames, or one of them; the attribute
+        load_line [mm] of attitude is where the angles begin.
+    position : array, (pixel,)
+        Positions of the image along sliding. [mm]
+
+    Returns
+    -------
+    array, (..., pixel)
+        The gap of the radii in [joint]. [um]
+
+    Raises
+    ------
+    ConfigError
+        If [joint] or [oil] is absent.
+    """
+    joint = build_journal(settings, 1.0)  # of any viscosity: the gap is that of the radii
+    eccentric = predicted["eccentricity"].values * joint.clearance
+    angle = np.radians(predicted["attitude"].values)
+    place = 1e-3 * (position - float(predicted["attitude"].attrs["load_line"]))
+    gap = gap_in_view(eccentric * np.cos(angle), eccentric * np.sin(angle), joint, place)
+    return 1e6 * gap
+
+
+def find_load_line(
+    settings: RunSettings, film: xr.Dataset, motion: FrameMotion, position: Array
+) -> float:
+    """The load line of the settings, else that about which the measured pin swings.
+
+    A free pin keeps its place in the frame that turns with half the bushing angle; one that is held
+    stays on the load line. The mean of the measured directions is that of these, less the line.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    film : xarray.Dataset
+        pin_displacement (trigger, axis) [um], counted from the middle of the image; without it,
+        that middle is the load line.
+    motion : FrameMotion
+    position : array, (pixel,)
+        Positions of the image along sliding. [mm]
+
+    Returns
+    -------
+    float
+        [mm]
+    """
+    given = settings.prediction.load_line
+    if given is not None:
+        return 1e3 * float(given)
+    middle = float(position.mean())
+    if "pin_displacement" not in film:
+        return middle
+    load, side = film["pin_displacement"].values.T
+    measured = np.arctan2(side, load)
+    measured = measured[np.isfinite(measured)]
+    if not measured.size:
+        return middle
+
+    # of the median, so that a trigger without a sound fit does not count
+    free = settings.prediction.sideways == "free"
+    expected = float(np.median(motion.motion.angle[motion.steps])) / 2 if free else 0.0
+    radius = build_journal(settings, motion.viscosity).radius
+    return middle + 1e3 * radius * (float(np.median(measured)) - expected)
 
 
 def predict_run(
     settings: RunSettings,
     film: xr.Dataset,
     frames: xr.Dataset,
-    view: View,
+    place: tuple[Array, slice],
     *,
     cells: tuple[int, int] = CELLS,
 ) -> Prediction:
@@ -163,11 +236,11 @@ def predict_run(
     settings : RunSettings
     film : xarray.Dataset
         film_min and film_min_std (trigger) [um], from which the start film is found unless the
-        settings give it.
+        settings give it, and pin_displacement (trigger, axis) [um] for the load line.
     frames : xarray.Dataset
         As `frames_of_run` returns them.
-    view : View
-        From `build_view`.
+    place : array and slice
+        From `places_along_sliding`.
     cells : (int, int)
         As for `erlif.prediction.predict_frames`.
 
@@ -180,15 +253,16 @@ def predict_run(
     ErlifError
         If the film cannot be predicted.
     """
-    options = settings.prediction
+    options, (position, within) = settings.prediction, place
     motion = build_motion(settings, frames)
+    line = find_load_line(settings, film, motion, position)
     found = predict_triggers(
         film,
         build_journal(settings, motion.viscosity),
         motion,
         trigger=frames.trigger.values,
         used=frames.used.values,
-        view=view,
+        view=View(1e-3 * (position - line), within),
         sideways=options.sideways if isinstance(options.sideways, str) else float(options.sideways),
         start_film=None if options.start_film == "fit" else float(options.start_film),
         cells=cells,
@@ -196,17 +270,19 @@ def predict_run(
     names = ["film_predicted_min", "film_predicted_mean", "eccentricity", "attitude"]
     by_frame = found[[f"{name}_frame" for name in names]]
     by_frame = by_frame.rename({f"{name}_frame": name for name in names})
+    for one in (found, by_frame):
+        one["attitude"].attrs["load_line"] = line
     return Prediction(found[names], by_frame.assign(elapsed_cycles=found.elapsed_cycles), [])
 
 
 def try_prediction(
-    settings: RunSettings, film: xr.Dataset, frames: xr.Dataset, view: View
+    settings: RunSettings, film: xr.Dataset, frames: xr.Dataset, place: tuple[Array, slice]
 ) -> Prediction:
     """Predict the film of a run where its tables allow it; a failure becomes a note.
 
     Parameters
     ----------
-    settings, film, frames, view
+    settings, film, frames, place
         As for `predict_run`.
 
     Returns
@@ -217,7 +293,7 @@ def try_prediction(
     if not swings(settings) or "load" not in frames or "crank_angle" not in frames:
         return NO_PREDICTION
     try:
-        return predict_run(settings, film, frames, view)
+        return predict_run(settings, film, frames, place)
     # a measured film is worth more than its prediction, whatever went wrong in the latter
     except (ErlifError, ArithmeticError, ValueError, IndexError) as error:
         text = f"the film over the cycle is not predicted: {error}"

@@ -36,6 +36,13 @@ from erlif.plots.maps import (
     thickness_map,
 )
 from erlif.plots.orbit import closest_film, gap_curvature, pin_figure, pin_orbit
+from erlif.plots.prediction import (
+    film_and_prediction,
+    film_over_run,
+    predicted_map,
+    prediction_figure,
+    prediction_map_figure,
+)
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
 from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
@@ -54,8 +61,10 @@ __all__ = [
     "example_images",
     "example_registration",
     "film_against_speed",
+    "film_and_prediction",
     "film_and_theory",
     "film_over_cycle",
+    "film_over_run",
     "find_fixture",
     "find_run",
     "fixture_profile",
@@ -64,6 +73,9 @@ __all__ = [
     "missing_figures",
     "pin_figure",
     "pin_orbit",
+    "predicted_map",
+    "prediction_figure",
+    "prediction_map_figure",
     "profile_residual",
     "ratio_against_thickness",
     "ratio_image",

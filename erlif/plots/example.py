@@ -24,6 +24,7 @@ from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.film import predict_theory
 from erlif.pipeline.joint import build_linkage
 from erlif.pipeline.position import choose_view, describe_positions
+from erlif.pipeline.prediction import choose_theory
 from erlif.settings import RunSettings, to_toml
 from erlif.trend import PinPosition
 
@@ -33,6 +34,7 @@ _CRANK = np.array([250.0, 290.0, 330.0, 70.0, 110.0, 150.0])  # degree, three on
 _POWER = 0.6  # of the speed, which the minimum film thickness follows
 _FILM = 2.0  # um, minimum film thickness at 1 rad/s
 _NOISE = 0.05  # um, standard deviation of one pixel
+_START = 3.2  # um, predicted minimum film at the first trigger
 
 _CAMERA = {"gain": "4.4 electron/DN", "read_noise": "9 electron", "offset": "64 DN"}
 _POLYMER = {"youngs_modulus": "2.7 GPa", "poissons_ratio": 0.37, "roughness": "0.2 um"}
@@ -172,7 +174,8 @@ def _example_triggers(settings: RunSettings) -> xr.Dataset:
         {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()},
         {"trigger": np.arange(_CRANK.size)},
     )
-    return film.merge(predict_theory(settings, film), combine_attrs="drop_conflicts")
+    theory = choose_theory(settings, predict_theory(settings, film), _example_prediction(settings))
+    return film.merge(theory, combine_attrs="drop_conflicts")
 
 
 def _example_maps(minimum: Array, settings: RunSettings) -> xr.Dataset:
@@ -229,6 +232,26 @@ def _example_positions(minimum: Array, settings: RunSettings) -> dict[str, Any]:
         for film_min in minimum
     ]
     return describe_positions(positions, example_calibration(), view)
+
+
+def _example_prediction(settings: RunSettings) -> xr.Dataset:
+    """A film that sinks from trigger to trigger, of a pin that swings a little."""
+    joint = settings.joint
+    assert joint is not None  # in _SETTINGS
+    clearance = 1e6 * (joint.bushing_radius - joint.pin_radius)
+    minimum = _START / (1 + 0.02 * np.arange(_CRANK.size)) ** 2
+    columns = {
+        "film_predicted_min": (minimum, "um"),
+        "film_predicted_mean": (minimum + 2.4, "um"),
+        "eccentricity": (1 - minimum / clearance, "1"),
+        "attitude": (3 * np.cos(np.radians(_CRANK)), "degree"),
+    }
+    predicted = xr.Dataset(
+        {name: ("trigger", values, {"units": unit}) for name, (values, unit) in columns.items()}
+    )
+    predicted["attitude"].attrs["load_line"] = 0.5 * (_COLUMNS - 1) * _PITCH
+    predicted["film_predicted_min"].attrs.update(start_film=_START, start_film_fitted=1)
+    return predicted
 
 
 def example_images(film: xr.Dataset, *, trigger: int) -> xr.Dataset:
@@ -301,12 +324,13 @@ def example_registration() -> xr.Dataset:
 
 
 def example_frames() -> xr.Dataset:
-    """Make the drift of the frames, one frame a trigger.
+    """Make the drift and the predicted film of the frames, one frame a trigger.
 
     Returns
     -------
     xarray.Dataset
-        Group ``frames`` of a film: drift_x and drift_y (frame) [px].
+        Group ``frames`` of a film: drift_x and drift_y (frame) [px], film_predicted_min [um] and
+        elapsed_cycles.
 
     Examples
     --------
@@ -315,6 +339,7 @@ def example_frames() -> xr.Dataset:
     [0.1, -0.1, 0.1, -0.1, 0.1, -0.1]
     """
     number = np.arange(_CRANK.size)
+    predicted = _example_prediction(RunSettings.model_validate(_SETTINGS)).film_predicted_min
     drift = np.where(number % 2 == 0, 0.1, -0.1)
     return xr.Dataset(
         {
@@ -322,6 +347,8 @@ def example_frames() -> xr.Dataset:
             "drift_x": ("frame", drift, {"units": "px"}),
             "drift_y": ("frame", -drift, {"units": "px"}),
             "pulse_energy": ("frame", np.ones(number.size), {"units": "1"}),
+            "film_predicted_min": ("frame", predicted.values, {"units": "um"}),
+            "elapsed_cycles": ("frame", (_CRANK - _CRANK[0]) % 360 / 360, {"units": "1"}),
         },
         {"frame": number},
     )

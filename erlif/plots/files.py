@@ -29,6 +29,7 @@ from erlif.plots.frames import band_images_figure, ratio_image
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
 from erlif.plots.orbit import has_position, pin_figure
+from erlif.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.plots.registration import registration_figure
 from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure, speed_over_load
@@ -228,6 +229,8 @@ DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
     "film_against_speed": lambda source: speed_figure(source.film),
     "map_sheet": lambda source: map_sheet_figure(source.film),
     "film_over_cycle": lambda source: cycle_figure(source.film),
+    "film_and_prediction": lambda source: prediction_figure(source.film, source.group("frames")),
+    "prediction_map": lambda source: prediction_map_figure(source.film, trigger=source.trigger),
     "pin_orbit": lambda source: pin_figure(source.film),
     "registration": lambda source: registration_figure(
         source.group("registration"), source.group("frames")
@@ -253,6 +256,13 @@ def reason_missing(name: str, source: FigureSource) -> str | None:
         return "the film has a single trigger"
     if name == "pin_orbit" and not has_position(source.film):
         return "the film has no position of a pin at two triggers; it needs [joint]"
+    if name in ("film_and_prediction", "prediction_map") and not has_prediction(source.film):
+        return (
+            "the film has no transient prediction; it needs a crank-rocker, [joint] and [oil], and "
+            "its notes name a prediction that failed"
+        )
+    if name == "film_and_prediction" and "elapsed_cycles" not in source.group("frames"):
+        return "the film has no turns of the crank at its frames"
     if name == "film_against_speed":
         return _reason_without_trend(source.film)
 

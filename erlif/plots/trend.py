@@ -175,15 +175,16 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     Returns
     -------
     list of Artist
-        Measured points of both strokes, the film of the regime that the regime map selects, the
-        line-contact formula with the factor 2.65.
+        Measured points of both strokes, the transient film at the triggers where it is predicted,
+        the film of the regime that the regime map selects, the line-contact formula with the factor
+        2.65.
 
     Examples
     --------
     >>> from erlif.plots import example_film
     >>> *_, theory, formula = film_and_theory(example_film())
     >>> theory.get_label()
-    'theory, isoviscous-rigid'
+    'regime map, isoviscous-rigid'
     """
     ax = given_or_new(ax)
     ax.set(xscale="log", yscale="log")
@@ -205,11 +206,21 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         )
         artists.append(bars.lines[0])
 
-    # theory depends on speed and load alone, so that its points in order make a curve
+    if "film_predicted_min" in film:
+        artists += ax.plot(
+            x,
+            film.film_predicted_min.values,
+            "x",
+            color=MEAN,
+            label="transient film over the cycle",
+        )
+
+    # steady theory depends on speed and load alone, so that its points in order make a curve
     order = np.argsort(x)
-    regime = str(film.film_theory.attrs.get("regime", "steady"))
+    steady = "film_regime_map" if "film_regime_map" in film else "film_theory"
+    regime = str(film[steady].attrs.get("regime", "steady"))
     for name, colour, dashes, label in (
-        ("film_theory", RETURN, "-", f"theory, {regime}"),
+        (steady, RETURN, "-", f"regime map, {regime}"),
         ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "2.65 formula, piezoviscous-elastic"),
     ):
         artists += ax.plot(

@@ -83,6 +83,18 @@ CAPTIONS = {
         "(a) Mean and minimum film thickness with 95 % bands of random and shared errors; "
         "(b) speed. Dotted: dead points of the mechanism.",
     ),
+    "film_and_prediction": Caption(
+        "Measured and predicted film",
+        "(a) Minimum film thickness at every trigger with its standard deviation, and the "
+        "transient film that theory predicts over the cycle. (b) The same against the turns of the "
+        "crank since the first frame; a trigger of several frames lies at their mean turn.",
+    ),
+    "prediction_map": Caption(
+        "Measured and predicted map",
+        "(a) Measured and (b) predicted film on one colour scale, (c) their difference. Grey: "
+        "flagged.",
+        "png",
+    ),
     "pin_orbit": Caption(
         "Orbit of the pin",
         "(a) Displacement of the pin at every trigger; grey: the clearance, where pin and bore "
@@ -122,6 +134,9 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
     'Film thickness and speed over the cycle'
     """
     caption, settings = CAPTIONS[name], settings_of(film)
+    if name == "film_and_prediction" and "film_regime_map" in film:
+        comment = str(film["film_regime_map"].attrs.get("comment", ""))
+        return replace(caption, text=f"{caption.text} {_explain_steady(film, comment)}".rstrip())
     if name == "thickness_map" and settings.joint is None:
         text = caption.text.replace(
             ", with the gap of rigid bodies h = h_min + x²/2R fitted to it. (c) Difference of the "
@@ -151,3 +166,17 @@ def caption_of(name: str, film: xr.Dataset) -> Caption:
         text = "Mean and minimum film thickness with 95 % bands of random and shared errors."
         return replace(caption, title="Film thickness over the run", text=text)
     return caption
+
+
+def _explain_steady(film: xr.Dataset, comment: str) -> str:
+    """Films by the steady formulas, and why they do not describe the joint."""
+    reason = comment.removeprefix("steady formula, for reference: ")
+    if not reason:
+        return ""
+    steady, formula = (
+        float(film[name].max()) for name in ("film_regime_map", "film_hamrock_dowson")
+    )
+    return (
+        f"At the highest speed the steady regime map gives {steady:.3g} µm and the 2.65 formula "
+        f"{formula:.3g} µm. They do not apply: {reason}."
+    )

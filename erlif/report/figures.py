@@ -9,7 +9,7 @@ from erlif.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.report.captions import caption_of
 from erlif.report.layout import arrange_figures, embed_figure
 
-_OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map")
+_OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
 def figures_section(source: FigureSource) -> str:

@@ -16,6 +16,7 @@ from erlif.files import motion_of
 from erlif.plots.files import FigureSource
 from erlif.plots.maps import flag_swatch, flag_title
 from erlif.plots.style import FLAG_COLOURS
+from erlif.report.prediction import compare_correlations
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",
@@ -174,12 +175,29 @@ def _theory_rows(film: xr.Dataset) -> list[tuple[str, str]]:
     known = share[np.isfinite(share)]
     median = f"{float(np.median(known)):.2g} (median)" if known.size else _UNKNOWN
     span = f"{with_span(theory.values)} µm; measured minimum over theory: {median}"
+    steady = []
+    if "film_predicted_min" in film:
+        regime = escape(str(film.film_regime_map.attrs.get("regime", "")))
+        text = f"{with_span(film.film_regime_map.values)} µm, {regime}"
+        steady = [*_correlation_rows(film), ("Regime map for steady motion", text)]
     return [
         ("Theory", escape(str(theory.attrs.get("long_name", "")))),
         ("Range of the theory", span),
         ("Reason for this theory", escape(str(theory.attrs.get("reason", "")))),
+        *steady,
         ("2.65 line-contact formula", f"{with_span(film.film_hamrock_dowson.values)} µm"),
     ]
+
+
+def _correlation_rows(film: xr.Dataset) -> list[tuple[str, str]]:
+    """Correlation of the minimum film with the size of the speed, measured and predicted."""
+    found = compare_correlations(film)
+    if found is None:
+        return []
+    measured, predicted = (
+        f"{value:+.2f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN for value in found
+    )
+    return [("Correlation of film with |speed|", f"measured {measured}, predicted {predicted}")]
 
 
 def calibration_table(source: FigureSource) -> str:

@@ -16,8 +16,8 @@ def prediction(film):
 
 
 def test_a_map_is_the_gap_of_circles_at_the_predicted_position(prediction):
-    """c - e cos(phi - attitude), written out; the load line is the middle of the image."""
-    x = 1e-3 * (prediction.x.values - prediction.x.values.mean())
+    """c - e cos(phi - attitude), written out."""
+    x = 1e-3 * (prediction.x.values - prediction.attitude.attrs["load_line"])
     angle = x / np.sqrt(0.03336 * 0.03359)
     for k in range(6):
         one = prediction.isel(trigger=k)

@@ -12,8 +12,10 @@ from erlif.core.errors import ConfigError
 from erlif.pipeline.prediction import (
     NO_PREDICTION,
     build_motion,
-    build_view,
     choose_theory,
+    film_along_sliding,
+    find_load_line,
+    places_along_sliding,
     predict_run,
     swings,
     try_prediction,
@@ -56,28 +58,60 @@ def film():
     return xr.Dataset({"film_min": ("trigger", minimum_film()), "film_min_std": ("trigger", std)})
 
 
-def view(one):
-    return build_view(one, PLACE, PLACE, Region(slice(40, 100), slice(50, 250)))
+def place(one):
+    return places_along_sliding(one, PLACE, PLACE + 1.0, Region(slice(40, 100), slice(50, 250)))
 
 
 def test_a_joint_swings_with_a_crank_rocker_and_an_oil():
     assert swings(settings())
     for other in (settings(without=["oil"]), settings(without=["joint", "oil"])):
         assert not swings(other)
-        assert try_prediction(other, film(), frames(), view(other)) is NO_PREDICTION
+        assert try_prediction(other, film(), frames(), place(other)) is NO_PREDICTION
     slider = settings(mechanism=SLIDER)
     assert not swings(slider)
     with pytest.raises(ConfigError, match="crank-rocker"):
         build_motion(slider, frames())
 
 
-def test_the_load_line_is_the_middle_of_the_image_or_as_given():
-    middle = view(settings())
-    npt.assert_allclose(middle.place[[0, -1]], [-8.97e-3, 8.97e-3])
-    assert middle.region == slice(50, 250)
-    given = view(settings(axis="axial", load_line="9.6 mm"))
-    npt.assert_allclose(given.place[[0, 160]], [-9.6e-3, 0.0], atol=1e-12)
-    assert given.region == slice(40, 100)
+def test_places_are_those_along_sliding():
+    position, within = place(settings())
+    npt.assert_array_equal(position, PLACE)
+    assert within == slice(50, 250)
+    position, within = place(settings(axis="axial"))
+    npt.assert_array_equal(position, PLACE + 1.0)
+    assert within == slice(40, 100)
+
+
+def displaced(attitude):
+    """The film of a pin that is displaced by 220 um in these directions. [degree]"""
+    angle = np.radians(attitude)
+    both = 220 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return film().assign(pin_displacement=(("trigger", "axis"), both))
+
+
+def test_the_load_line_is_that_of_the_settings_or_the_middle_of_the_swing():
+    """A free pin swings with half the bushing; 1 degree is 0.5843 mm of a radius of 33.4748 mm."""
+    free, guided = settings(), settings(sideways="guided")
+    motion = build_motion(free, frames())
+    half = np.degrees(motion.motion.angle[motion.steps]) / 2
+    assert find_load_line(free, film(), motion, PLACE) == pytest.approx(8.97)
+    given = settings(load_line="9.6 mm")
+    assert find_load_line(given, displaced(half + 2), motion, PLACE) == pytest.approx(9.6)
+
+    found = find_load_line(free, displaced(half + 2), motion, PLACE)
+    assert found == pytest.approx(8.97 + 2 * 0.58425, abs=1e-3)
+    found = find_load_line(guided, displaced(np.full(CRANK.size, -1.5)), motion, PLACE)
+    assert found == pytest.approx(8.97 - 1.5 * 0.58425, abs=1e-3)
+    lost = displaced(half * np.nan)
+    assert find_load_line(free, lost, motion, PLACE) == pytest.approx(8.97)
+
+
+def test_the_predicted_map_is_thinnest_at_its_attitude_from_the_load_line():
+    one = settings(load_line="7 mm", start_film="20 um")
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    along = film_along_sliding(one, predicted, PLACE)
+    thinnest = 7 + 0.58425 * predicted.attitude.values
+    npt.assert_allclose(PLACE[along.argmin(axis=1)], thinnest, atol=0.031)
 
 
 def test_settings_reach_the_solver():
@@ -91,7 +125,7 @@ def test_settings_reach_the_solver():
         "against": {"direction": "against"},
     }.items():
         one = settings(start_film="60 um", **options)
-        ends[name] = predict_run(one, film(), frames(), view(one)).triggers
+        ends[name] = predict_run(one, film(), frames(), place(one)).triggers
     for one in ends.values():
         npt.assert_allclose(one.film_predicted_min[0], 60.0, rtol=1e-6)
     npt.assert_allclose(ends["guided"].attitude, 0.0, atol=1e-9)
@@ -108,14 +142,14 @@ def test_a_warmer_oil_sinks_faster():
     one, lost = settings(oil=oil, start_film="20 um"), []
     for temperature in (25.0, 35.0):
         warm = frames(temperature=np.full(CRANK.size, temperature))
-        found = predict_run(one, film(), warm, view(one)).triggers.film_predicted_min.values
+        found = predict_run(one, film(), warm, place(one)).triggers.film_predicted_min.values
         lost.append((1e-3 / found[-1]) ** 0.5 - (1e-3 / 20.0) ** 0.5)
     assert lost[1] / lost[0] == pytest.approx(np.exp(1100 / 140 - 1100 / 150), rel=0.02)
 
 
 def test_a_failure_becomes_a_note():
     one = settings(start_film="0.5 mm")
-    found = try_prediction(one, film(), frames(), view(one))
+    found = try_prediction(one, film(), frames(), place(one))
     assert not found.triggers
     assert not found.frames
     assert "the film over the cycle is not predicted: start lies outside" in str(found.notes[0])
@@ -133,7 +167,7 @@ def steady():
 
 def test_the_transient_film_is_the_theory_and_the_steady_ones_stay_for_reference():
     one = settings()
-    predicted = predict_run(one, film(), frames(), view(one)).triggers
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
     found = choose_theory(one, steady(), predicted)
     npt.assert_array_equal(found.film_theory, predicted.film_predicted_min)
     npt.assert_array_equal(found.film_regime_map, 131.0)
@@ -156,7 +190,7 @@ def test_deflecting_surfaces_are_named_as_a_limit():
     one = settings(sideways="12 N/mm", start_film="20 um")
     elastic = steady()
     elastic.film_theory.attrs["regime"] = "piezoviscous-elastic"
-    predicted = predict_run(one, film(), frames(), view(one)).triggers
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
     attrs = choose_theory(one, elastic, predicted).film_theory.attrs
     assert "takes the surfaces as rigid" in attrs["notes"]
     assert "20 um at the first frame, as given" in attrs["notes"]

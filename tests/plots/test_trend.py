@@ -115,7 +115,8 @@ def test_power_that_was_not_fitted_is_not_drawn(changed):
 
 
 def test_theory_is_drawn_with_the_film(film):
-    *points, theory, formula = plots.film_and_theory(film)
+    *points, transient, theory, formula = plots.film_and_theory(film)
+    npt.assert_array_equal(transient.get_ydata(), scene.sunken_film())
     order = np.argsort(np.abs(scene.rocker_speed(scene.CRANK)))
     npt.assert_allclose(theory.get_ydata(), 20 * scene.minimum_film()[order])
     npt.assert_allclose(formula.get_ydata(), 0.3 * scene.minimum_film()[order])
@@ -127,7 +128,8 @@ def test_theory_is_drawn_with_the_film(film):
 def test_legend_names_regime_and_formula(film):
     ax = plots.film_and_theory(film)[0].axes
     assert labels_of(ax) == [
-        "theory, isoviscous-rigid",
+        "transient film over the cycle",
+        "regime map, isoviscous-rigid",
         "2.65 formula, piezoviscous-elastic",
         "measured minimum, outward",
         "measured minimum, return",

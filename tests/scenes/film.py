@@ -113,6 +113,11 @@ def minimum_film() -> np.ndarray:
     return 2.0 * np.abs(rocker_speed(CRANK)) ** POWER
 
 
+def sunken_film() -> np.ndarray:
+    """A predicted film that sinks from trigger to trigger. [um]"""
+    return 4.0 - 0.1 * np.arange(TRIGGERS)
+
+
 def frame_names() -> list[str]:
     """Names of the files of a camera."""
     return [f"frame_{k:02d}.tif" for k in range(TRIGGERS)]
@@ -142,7 +147,7 @@ def without_valid_pixels(film: xr.Dataset) -> xr.Dataset:
     empty.flags.values[:] = Flag.ABOVE_RANGE
     for name, variable in empty.data_vars.items():
         if str(name).startswith(
-            ("thickness", "film_m", "film_p", "film_c", "pin", "speed_exponent")
+            ("thickness", "film_m", "film_pa", "film_c", "pin", "speed_exponent")
         ):
             empty[name] = variable * np.nan
     return empty
@@ -168,9 +173,14 @@ def make_film(directory: Path) -> Path:
         attrs = {"log_scale": math.log(2.0 * LOAD**POWER), "triggers_used": TRIGGERS}
         film[f"speed_exponent{suffix}"] = ((), power, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
-    film.film_theory.attrs.update(
-        regime="isoviscous-rigid", reason="the largest governs", long_name="steady film", notes=""
-    )
+    for name in ("film_theory", "film_regime_map"):
+        film[name].attrs.update(
+            regime="isoviscous-rigid",
+            reason="the largest governs",
+            long_name="steady film",
+            notes="",
+        )
+    film.attitude.attrs["load_line"] = PLACE
 
     calibration = {
         "fixture": "known wedge",
@@ -214,6 +224,11 @@ def trigger_columns() -> dict[str, tuple[np.ndarray, str]]:
         "film_min_std": (np.full(TRIGGERS, 0.03), "um"),
         "film_hamrock_dowson": (0.3 * minimum, "um"),
         "film_theory": (20.0 * minimum, "um"),
+        "film_regime_map": (20.0 * minimum, "um"),
+        "film_predicted_min": (sunken_film(), "um"),
+        "film_predicted_mean": (sunken_film() + 2.0, "um"),
+        "eccentricity": (1 - sunken_film() / 230, "1"),
+        "attitude": (np.zeros(TRIGGERS), "degree"),
         "film_parameter": (minimum / (math.sqrt(2) * 0.2), "1"),
     }
 
@@ -297,6 +312,8 @@ def frames_group() -> xr.Dataset:
             "drift_x": ("frame", np.zeros(TRIGGERS)),
             "drift_y": ("frame", np.zeros(TRIGGERS)),
             "pulse_energy": ("frame", np.ones(TRIGGERS)),
+            "elapsed_cycles": ("frame", (CRANK - CRANK[0]) % 360 / 360),
+            "film_predicted_min": ("frame", sunken_film()),
             **{f"file_camera{n}": ("frame", frame_names()) for n in (1, 2)},
         },
         {"frame": np.arange(TRIGGERS)},

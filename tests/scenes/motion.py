@@ -18,7 +18,14 @@ SLIDER = {"kind": "sinusoidal", "stroke": "10 mm", "frequency": "5 Hz"}
 ANGLE = np.radians([20.0, 80.0, 140.0, 200.0, 260.0, 320.0])
 """Angle of the drive at the six triggers. [rad]"""
 
-THEORY = ("film_theory", "film_hamrock_dowson", "film_parameter")
+PREDICTED = ("film_predicted_min", "film_predicted_mean", "eccentricity", "attitude")
+THEORY = (
+    "film_theory",
+    "film_regime_map",
+    "film_hamrock_dowson",
+    "film_parameter",
+    *PREDICTED,
+)
 LINKAGE = ("encoder_angle", "stroke", "crank_angle", "rocker_speed", "sliding_speed")
 TREND = [f"speed_exponent{part}" for part in ("", "_std", "_mean", "_mean_std")]
 
