@@ -175,7 +175,8 @@ def estimate_background(
         Positions (x, y) of the cells, from -1 to 1.
     calibration : Calibration
     energies : array, (frame,), optional
-        Relative pulse energies of the log. [1]
+        Relative pulse energies of the log. A frame with 0, a pulse that the meter missed, is left
+        out; where these are most frames, the energies are not used. [1]
 
     Returns
     -------
@@ -192,6 +193,12 @@ def estimate_background(
     True
     """
     known = np.isfinite(record.log_ratio) & np.isfinite(record.light) & (record.variance > 0)
+    if energies is not None:
+        measured = np.asarray(energies) > 0
+        if 2 * np.count_nonzero(measured) > measured.size:
+            known &= measured[:, None]
+        else:
+            energies = None
     if known.any(axis=1).sum() < _FEWEST_FRAMES:
         return None
     used = known.any(axis=1)
@@ -240,7 +247,7 @@ class _Fit:
         energies: Array | None,
     ) -> None:
         self.record, self.known, self.calibration = record, known, calibration
-        self.energies = energies if energies is not None and (energies > 0).all() else None
+        self.energies = energies
         self.surface = _quadratic(places)
         light = np.where(known, record.light, 0.0)
         self.unit = (

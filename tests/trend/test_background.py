@@ -103,6 +103,28 @@ def test_energies_of_the_log_are_used_with_the_accuracy_that_they_show(meter):
     assert found.energy_std == pytest.approx(meter, rel=0.2)
 
 
+def test_a_pulse_that_the_meter_missed_costs_its_frame_alone():
+    """The energies of the other frames stay known; without any, the scatter of the log is NaN."""
+    record, energies = draw_run(np.random.default_rng(10), frames=60)
+    kept = np.arange(60) != 7
+    fewer = LightRecord(*(part[kept] for part in record))
+    expected = estimate_background(fewer, (X, Y), CALIBRATION, energies=energies[kept])
+
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=np.where(kept, energies, 0.0))
+    npt.assert_allclose(found.share, expected.share, rtol=1e-12)
+    npt.assert_allclose(found.std, expected.std, rtol=1e-12)
+    assert np.isfinite(found.energy_std)
+
+
+def test_a_meter_that_missed_most_pulses_is_not_used():
+    record, energies = draw_run(np.random.default_rng(10), frames=60)
+    few = np.where(np.arange(60) < 20, energies, 0.0)
+    found = estimate_background(record, (X, Y), CALIBRATION, energies=few)
+    without = estimate_background(record, (X, Y), CALIBRATION)
+    npt.assert_array_equal(found.share, without.share)
+    assert np.isnan(found.energy_std)
+
+
 def test_one_film_all_over_the_image_needs_the_energies_of_the_log():
     """Without differences of film or light within a frame, film and energy are not separable."""
     background = (0.03, 0.03)
