@@ -42,7 +42,7 @@ def check(
     from erlif.files import refuse_existing
 
     if page is not None:
-        expect_suffix(page, ".html")
+        expect_suffix(page, ".html", option="--html")
         refuse_existing(page, overwrite=overwrite)
     with announced_compiling():
         found = audit(directory, allow_outside=allow_outside)

@@ -37,7 +37,7 @@ ALLOW_OUTSIDE = click.option(
 )
 
 
-def expect_suffix(output: Path, *suffixes: str) -> None:
+def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
     """Refuse an output name whose suffix belongs to another file format.
 
     Parameters
@@ -46,6 +46,8 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
         Name that the user gave.
     *suffixes : str
         Suffixes of the formats that the command writes, such as ``".nc"``.
+    option : str
+        Option of the command that names the output.
 
     Raises
     ------
@@ -55,5 +57,5 @@ def expect_suffix(output: Path, *suffixes: str) -> None:
     if output.suffix not in suffixes:
         raise OutputError(
             f"Expected a name in {' or '.join(suffixes)} for the output; got {output.name}. "
-            "Name it so with -o."
+            f"Name it so with {option}."
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -22,6 +23,12 @@ STARTS = {
     ".html": (b"<!DOCTYP", b"<!doctyp"),
 }
 """First bytes of figures and pages by their suffix."""
+
+_NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
+"""Errors of a place that may not be written."""
+
+_IN_THE_WAY = (errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOTEMPTY)
+"""Errors of a folder in the place of a file, or the other way round."""
 
 _MARKED = 2**16
 """Bytes at both ends of a file in which the mark is looked for."""
@@ -54,12 +61,12 @@ def refuse_existing(output: Path, *, overwrite: bool, holds: str = "") -> None:
         return
     if not overwrite:
         raise OutputError(
-            f"{output} exists already; use --overwrite to replace it, or -o for another name."
+            f"{output} exists already; use --overwrite to replace it, or give another name."
         )
     if not _is_own(output, holds):
         raise OutputError(
             f"Expected {output} to be an earlier output of the same command; it is something else, "
-            "which --overwrite does not replace. Use -o for another name, or move it away."
+            "which --overwrite does not replace. Give another name, or move it away."
         )
 
 
@@ -172,11 +179,17 @@ def _exchange(scratch: Path, output: Path) -> None:
 
 
 def write_error(output: Path, error: OSError) -> OutputError:
-    """Error for an output that could not be written."""
+    """Error for an output that could not be written, with the advice that its cause needs."""
     reason = os.strerror(error.errno) if error.errno else str(error)
+    advice = "Make room"
+    if error.errno in _NOT_ALLOWED:
+        advice = "Allow to write there"
+    elif error.errno in _IN_THE_WAY:
+        place = error.filename2 or error.filename or output
+        advice = f"Move {place} away"
     return OutputError(
         f"{output} could not be written: {reason}. The previous output is intact. "
-        "Make room or choose another place with -o, and start again."
+        f"{advice} or choose another place, and start again."
     )
 
 

@@ -87,4 +87,7 @@ def test_an_existing_page_is_refused_before_the_work(lab, refused):
     (lab.directory / "check.html").write_text("mine")
     message = refused("check", lab.run, "--html", lab.directory / "check.html")
     assert "exists already" in message
+    assert "-o" not in message.split()  # an option that the command lacks
+    message = refused("check", lab.run, "--html", lab.run / "page.txt")
+    assert "Name it so with --html" in message
     assert "Expected a name in .html" in refused("check", lab.run, "--html", "check.txt")

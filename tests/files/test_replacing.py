@@ -1,5 +1,6 @@
 """Outputs that are either complete or still the previous ones."""
 
+import errno
 import json
 import os
 
@@ -141,3 +142,17 @@ def test_a_pipe_is_no_earlier_output(tmp_path):
     os.mkfifo(tmp_path / "film.nc")
     with pytest.raises(OutputError, match="something else"):
         refuse_existing(tmp_path / "film.nc", overwrite=True, holds="thickness")
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.ENOSPC, "Make room"),
+        (errno.EACCES, "Allow to write there"),
+        (errno.EISDIR, "Move .*journal away"),
+    ],
+)
+def test_the_advice_follows_the_cause(tmp_path, number, words):
+    error = OSError(number, os.strerror(number), "journal.new", None, "journal")
+    with pytest.raises(OutputError, match=words), replacing(tmp_path / "film.nc"):
+        raise error

@@ -76,6 +76,17 @@ def test_a_folder_of_the_user_is_not_touched(output):
         pass
 
 
+def test_a_folder_in_place_of_the_journal_is_named(tmp_path):
+    output = tmp_path / "film.nc"
+    with PartialFilm(output, "key", GRID, VARIABLES) as film:
+        film.put(0, film.encode(maps_of(0)), {})
+        journal = film.directory / "journal"
+    journal.unlink()
+    (journal / "mine").mkdir(parents=True)
+    with pytest.raises(OutputError, match=r"Move .*journal away"):
+        PartialFilm(output, "key", GRID, VARIABLES)
+
+
 def test_a_full_disk_keeps_the_triggers_put_before(output, monkeypatch):
     def fail(*arguments, **options):
         raise OSError(28, "No space left on device")
