@@ -3,6 +3,9 @@
 from erlif.prediction.fit import Estimate, MotionFit, fit_motion
 from erlif.prediction.measured import MeasuredMotion, measured_minima, measured_positions
 from erlif.prediction.motion import FrameMotion, follow_motion
+from erlif.prediction.pin_motion import PinMotion, find_pin_motion
+from erlif.prediction.pressure import OverlapError, find_pressures, solve_pin_motion
+from erlif.prediction.smoothing import SmoothPath, smooth_path
 from erlif.prediction.start import StartFilm, find_start_film
 from erlif.prediction.triggers import (
     average_triggers,
@@ -17,9 +20,14 @@ __all__ = [
     "FrameMotion",
     "MeasuredMotion",
     "MotionFit",
+    "OverlapError",
+    "PinMotion",
+    "SmoothPath",
     "StartFilm",
     "View",
     "average_triggers",
+    "find_pin_motion",
+    "find_pressures",
     "find_start_film",
     "fit_motion",
     "follow_motion",
@@ -28,6 +36,8 @@ __all__ = [
     "measured_positions",
     "predict_frames",
     "predict_triggers",
+    "smooth_path",
+    "solve_pin_motion",
     "speed_correlation",
     "summarise_gap",
 ]

@@ -1,0 +1,163 @@
+"""The rate at which the pin moves, from its measured positions at the triggers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.prediction.smoothing import SmoothPath, smooth_path
+
+NUMBERS = 4
+"""Numbers of a position: two displacements, then two tilts, towards the load and sideways."""
+
+_QUARTER = np.kron(np.eye(2), np.array([[0.0, -1.0], [1.0, 0.0]]))
+"""A quarter of a turn of displacement and tilt, from the load towards the side."""
+
+
+@dataclass(frozen=True)
+class PinMotion:
+    """Position and rate of the pin at every trigger, with their errors.
+
+    Attributes
+    ----------
+    position : Array
+        Displacements towards the load and sideways [m], tilts [m/m], (trigger, number).
+    rate : Array
+        Of the same numbers, (trigger, number). [m/s, 1/s]
+    turning : Array
+        Speed of rotation of the bushing, positive where its surface moves along sliding,
+        (trigger,). [rad/s]
+    random_cov : Array
+        Covariance of position and rate by noise, (trigger, 2 number, 2 number).
+    shared_cov : Array
+        By what all triggers share: surfaces and calibration, the same shape.
+    noise_scale : Array
+        Scatter of the positions about a smooth path over the stated one, (number,).
+    """
+
+    position: Array
+    rate: Array
+    turning: Array
+    random_cov: Array
+    shared_cov: Array
+    noise_scale: Array
+
+    @property
+    def covariance(self) -> Array:
+        """Both parts of the covariance together."""
+        return np.asarray(self.random_cov + self.shared_cov)
+
+
+def find_pin_motion(
+    time: Array,
+    angle: Array,
+    turning: Array,
+    position: Array,
+    *,
+    random_cov: Array,
+    surface_cov: Array | None = None,
+    gradient: Array | None = None,
+    calibration_cov: Array | None = None,
+) -> PinMotion:
+    """Find the rate of the pin from its positions at the triggers.
+
+    Errors that are the same at all triggers, those of marks on the surfaces, cancel in the rate.
+    A pin that is free sideways swings with half the angle of the bushing: the path is smoothed
+    after as much of this swing is taken off as the positions show.
+
+    Parameters
+    ----------
+    time : array, (trigger,)
+        Rising. [s]
+    angle : array, (trigger,)
+        Of the bushing from the middle of its swing, positive where its surface moves along sliding.
+        [rad]
+    turning : array, (trigger,)
+        Rate of the angle. [rad/s]
+    position : array, (trigger, number)
+        Displacements towards the load and sideways [m], tilts [m/m].
+    random_cov : array, (trigger, number, number)
+        Covariance by noise.
+    surface_cov : array, (trigger, number, number), optional
+        By marks of the surfaces, the same at all triggers.
+    gradient : array, (trigger, number, parameter), optional
+        Change of the position with the parameters of the calibration.
+    calibration_cov : array, (parameter, parameter), optional
+        Their covariance.
+
+    Returns
+    -------
+    PinMotion
+
+    Raises
+    ------
+    ModelError
+        As `smooth_path`.
+
+    Examples
+    --------
+    A pin that sinks by 0.6 um/s, with noise of 5 nm:
+
+    >>> time = np.linspace(0.0, 0.5, 25)
+    >>> noise = np.diag([5e-9, 50e-9, 1e-9, 1e-9]) ** 2
+    >>> position = np.zeros((25, 4))
+    >>> position[:, 0] = 225e-6 + 0.6e-6 * time
+    >>> found = find_pin_motion(time, 0 * time, 0 * time, position,
+    ...                         random_cov=np.broadcast_to(noise, (25, 4, 4)))
+    >>> (found.rate[12, 0] * 1e6).round(3)
+    np.float64(0.6)
+    """
+    share = _swing_with_bushing(time, angle, position)
+    turn = _turn(share * angle / 2)
+    back = np.swapaxes(turn, 1, 2)
+    path = smooth_path(time, _on(back, position), back @ random_cov @ turn)
+
+    # back to the image, in which the swing adds to the rate
+    spin = share * turning[:, None, None] / 2 * (turn @ _QUARTER)
+    whole = np.block([[turn, np.zeros_like(turn)], [spin, turn]])
+    both = _on(whole, np.concatenate([path.value, path.rate], axis=1))
+    random = whole @ path.covariance @ np.swapaxes(whole, 1, 2)
+
+    shared = np.zeros_like(random)
+    if surface_cov is not None:
+        shared[:, :NUMBERS, :NUMBERS] += surface_cov
+    if gradient is not None and calibration_cov is not None:
+        shared += _carry_calibration(path, whole, back @ gradient, calibration_cov)
+    return PinMotion(
+        position=both[:, :NUMBERS],
+        rate=both[:, NUMBERS:],
+        turning=turning,
+        random_cov=random,
+        shared_cov=shared,
+        noise_scale=path.noise_scale,
+    )
+
+
+def _swing_with_bushing(time: Array, angle: Array, position: Array) -> float:
+    """Share of half the angle of the bushing with which the pin swings: 1 if free, 0 if guided."""
+    swing = position[:, 0] * np.sin(angle / 2)
+    columns = np.stack([np.ones_like(time), time - time.mean(), swing], axis=1)
+    scale = np.abs(columns).max(axis=0)
+    if not (scale > 0).all():
+        return 0.0
+    found = np.linalg.lstsq(columns / scale, position[:, 1], rcond=None)[0] / scale
+    return float(np.clip(found[2], 0.0, 1.0))
+
+
+def _turn(angle: Array) -> Array:
+    """Rotation of displacement and tilt, (trigger, number, number)."""
+    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    return np.asarray(cosine * np.eye(NUMBERS) + sine * _QUARTER)
+
+
+def _on(matrices: Array, vectors: Array) -> Array:
+    """Product of a matrix and a vector at each trigger."""
+    return np.asarray(np.einsum("tij,tj->ti", matrices, vectors))
+
+
+def _carry_calibration(path: SmoothPath, whole: Array, gradient: Array, cov: Array) -> Array:
+    """Covariance of position and rate by the calibration."""
+    change = whole @ path.carry(gradient)
+    return np.asarray(change @ cov @ np.swapaxes(change, 1, 2))

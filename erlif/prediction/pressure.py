@@ -1,0 +1,359 @@
+"""The pressure that carries the pin, from its measured positions and their rates.
+
+The gap round the whole joint continues that of the image, as its circles do. The Reynolds equation
+is solved on this gap and its rate. No load enters: the load that follows is a check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal, solve_film
+from erlif.prediction.pin_motion import NUMBERS, PinMotion
+
+CELLS = (384, 24)
+"""Cells round the joint and over its length."""
+
+SLOPE_CELLS = (192, 8)
+"""Cells for the derivatives with position and rate, of which a few per cent are enough."""
+
+GRID_ERROR = 0.005
+"""Relative error of peak and load by the cells, for films of 2 to 100 um, by comparison with the
+series of the virtual rig."""
+
+CLEAR = 0.5
+"""Standard deviation of a peak over the peak up to which the pressure counts as measured: of such a
+peak it is known with 95 % certainty that it is there, and errors are still nearly linear."""
+
+_STEP = 0.02  # largest relative change of the film for a derivative
+
+
+class OverlapError(ModelError):
+    """The gap that continues a map closes somewhere in the joint."""
+
+
+def solve_pin_motion(
+    journal: Journal,
+    position: Array,
+    rate: Array,
+    turning: float,
+    *,
+    cells: tuple[int, int] = CELLS,
+) -> xr.Dataset:
+    """Solve the pressure of one position of the pin and its rate.
+
+    In the frame that turns with half the bushing no oil is entrained: there the film changes by
+    dh/dt + (turning/2) dh/dphi, which is all that drives the pressure.
+
+    Parameters
+    ----------
+    journal : Journal
+    position : array, (number,)
+        Displacements towards the load and sideways [m], tilts [m/m].
+    rate : array, (number,)
+        Their rates. [m/s, 1/s]
+    turning : float
+        Speed of rotation of the bushing. [rad/s]
+    cells : (int, int)
+        Round the joint and over its length; a long one has one.
+
+    Returns
+    -------
+    xarray.Dataset
+        On angle from the load line [rad] and axial place from the middle of the length [m]: film
+        [m], pressure [Pa] and void_fraction. reaction_load and reaction_side [N].
+
+    Raises
+    ------
+    OverlapError
+        If pin and bushing touch.
+    ModelError
+        If the pressure does not converge.
+
+    Notes
+    -----
+    The line opposite to the load line and the ends are at ambient pressure. Cavities from before
+    are not followed: a film that is full, or that just ruptures, is exact.
+
+    Examples
+    --------
+    A long joint that is squeezed at the rate e' has the peak 24 eta (R/c)^2 e'/(1 - e^2)^2:
+
+    >>> joint = Journal(0.0333, 0.0335, length=0.2, viscosity=0.1, long=True)
+    >>> found = solve_pin_motion(joint, np.array([1e-4, 0, 0, 0]), np.array([1e-4, 0, 0, 0]), 0.0)
+    >>> form = 24 * 0.1 * (joint.radius / joint.clearance) ** 2 * 0.5 / (1 - 0.5**2) ** 2
+    >>> print(f"{float(found.pressure.max()) / form:.2f}")
+    1.00
+    """
+    around, along = cells[0], 1 if journal.long else cells[1]
+    angle = (np.arange(around) + 0.5) * (2 * np.pi / around) - np.pi
+    axial = ((np.arange(along) + 0.5) / along - 0.5) * journal.length
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    load, side = position[0] + position[2] * axial, position[1] + position[3] * axial
+    film = journal.clearance - load * cosine - side * sine
+    if film.min() <= 0:
+        raise OverlapError(
+            "Expected a gap all over the joint; pin and bushing overlap by "
+            f"{-1e6 * film.min():.2g} um. Compare clearance, tilts and length in [joint] with the "
+            "maps."
+        )
+
+    load_rate, side_rate = rate[0] + rate[2] * axial, rate[1] + rate[3] * axial
+    change = (turning / 2 * load - side_rate) * sine - (turning / 2 * side + load_rate) * cosine
+    solved = solve_film(
+        film[:, 0] if journal.long else film,
+        length=2 * np.pi * journal.radius,
+        width=None if journal.long else journal.length,
+        viscosity=journal.viscosity,
+        film_rate=change[:, 0] if journal.long else change,
+        pressure_viscosity=journal.pressure_viscosity,
+        cavitation_pressure=journal.cavitation_pressure,
+        roughness=journal.roughness,
+        foundation=journal.foundation,
+    )
+    pressure = np.atleast_2d(solved.pressure.values.T).T
+    area = 2 * np.pi * journal.radius / around * journal.length / along
+    where = ("angle", "axial")
+    return xr.Dataset(
+        {
+            "film": (where, film),
+            "pressure": (where, pressure),
+            "void_fraction": (where, np.atleast_2d(solved.void_fraction.values.T).T),
+            "reaction_load": float((pressure * cosine).sum() * area),
+            "reaction_side": float((pressure * sine).sum() * area),
+        },
+        {"angle": angle, "axial": axial},
+    )
+
+
+def find_pressures(
+    journal: Journal,
+    motion: PinMotion,
+    *,
+    viscosity: Array,
+    place: Array,
+    axial: Array,
+    cells: tuple[int, int] = CELLS,
+) -> xr.Dataset:
+    """Find the pressure in the image at every trigger, with its standard deviation.
+
+    Errors of position and rate are carried to the pressure by its derivatives. Where the standard
+    deviation of the peak is above half the peak, the pressure is not known: all is NaN there but
+    the standard deviations. So it is where the gap closes outside the image.
+
+    Parameters
+    ----------
+    journal : Journal
+        With any viscosity.
+    motion : PinMotion
+    viscosity : array, (trigger,)
+        [Pa s]
+    place : array, (place,)
+        Where the pressure is given, from the load line along sliding. [m]
+    axial : array, (axial,)
+        And from the middle of the length along the axis. [m]
+    cells : (int, int)
+        As for `solve_pin_motion`.
+
+    Returns
+    -------
+    xarray.Dataset
+        pressure and pressure_std (trigger, axial, place), pressure_profile and
+        pressure_profile_std (trigger, place) at the axial place 0 [Pa]; by trigger peak_pressure
+        [Pa], peak_place [m], load_from_pressure and side_from_pressure [N], each with _std;
+        peak_std_random and peak_std_shared, the parts of peak_pressure_std that noise and shared
+        errors make [Pa]; pressure_measured, 1 or 0; cavity, the share of the image without a full
+        film [1].
+
+    Raises
+    ------
+    ModelError
+        If the pressure does not converge.
+
+    Examples
+    --------
+    >>> joint = Journal(0.0333, 0.0335, length=0.2, viscosity=0.1, long=True)
+    >>> still = np.diag([5e-9, 5e-9, 0, 0, 5e-7, 5e-7, 0, 0])[None] ** 2
+    >>> motion = PinMotion(np.array([[1e-4, 0, 0, 0]]), np.array([[1e-4, 0, 0, 0]]), np.zeros(1),
+    ...                    still, 0 * still, np.ones(4))
+    >>> found = find_pressures(joint, motion, viscosity=np.array([0.1]),
+    ...                        place=np.linspace(-0.01, 0.01, 9), axial=np.zeros(1))
+    >>> float((found.peak_pressure_std / found.peak_pressure).item()) < 0.01
+    True
+    """
+    view = _View(journal.radius, place, axial)
+    rows = [
+        _find_one(
+            replace(journal, viscosity=float(viscosity[k])),
+            np.concatenate([motion.position[k], motion.rate[k]]),
+            float(motion.turning[k]),
+            motion.random_cov[k],
+            motion.shared_cov[k],
+            view,
+            cells,
+        )
+        for k in range(motion.turning.size)
+    ]
+    dims = {
+        "pressure": ("trigger", "axial", "place"),
+        "pressure_std": ("trigger", "axial", "place"),
+        "pressure_profile": ("trigger", "place"),
+        "pressure_profile_std": ("trigger", "place"),
+    }
+    return xr.Dataset(
+        {
+            name: (dims.get(name, ("trigger",)), np.array([row[name] for row in rows]))
+            for name in rows[0]
+        },
+        {"place": place, "axial": axial},
+    )
+
+
+@dataclass(frozen=True)
+class _View:
+    """Where the camera looks.
+
+    Attributes
+    ----------
+    radius : float
+        Over which places along sliding are angles. [m]
+    place : Array
+        From the load line along sliding. [m]
+    axial : Array
+        From the middle of the length. [m]
+    """
+
+    radius: float
+    place: Array
+    axial: Array
+
+    def cut(self, grid: xr.DataArray) -> Array:
+        """Values of a grid in the image, (axial, place)."""
+        across = _at(grid.axial.values, grid.values.T, self.axial)
+        return _at(grid.angle.values, across.T, self.place / self.radius).T
+
+    def look(self, solved: xr.Dataset) -> dict[str, Array]:
+        """What is known of a solution in the image."""
+        grid = solved.pressure
+        middle = _at(solved.axial.values, grid.values.T, np.zeros(1))[0]
+        seen = np.abs(solved.angle.values - self.place.mean() / self.radius)
+        seen = np.flatnonzero(seen <= np.ptp(self.place) / (2 * self.radius))
+        peak, angle = _peak(solved.angle.values, middle, seen)
+        return {
+            "pressure": self.cut(grid),
+            "pressure_profile": np.interp(self.place / self.radius, solved.angle.values, middle),
+            "peak_pressure": np.array(peak),
+            "peak_place": np.array(angle * self.radius),
+            "load_from_pressure": solved.reaction_load.values,
+            "side_from_pressure": solved.reaction_side.values,
+        }
+
+    def nothing(self) -> dict[str, Array]:
+        """A trigger at which the pressure is not known."""
+        plane, line, one = (self.axial.size, self.place.size), (self.place.size,), ()
+        shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
+        rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        rows |= {f"{name}_std": value for name, value in rows.items()}
+        parts = dict.fromkeys(("peak_std_random", "peak_std_shared", "cavity"), np.array(np.nan))
+        return rows | parts | {"pressure_measured": np.array(0)}
+
+
+_SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
+
+
+def _at(nodes: Array, values: Array, places: Array) -> Array:
+    """Linear interpolation over the first axis; constant beyond the nodes. (place, other)"""
+    if nodes.size == 1:
+        return np.repeat(values, places.size, axis=0)
+    right = np.clip(np.searchsorted(nodes, places), 1, nodes.size - 1)
+    share = np.clip((places - nodes[right - 1]) / (nodes[right] - nodes[right - 1]), 0.0, 1.0)
+    return np.asarray(values[right - 1] + share[:, None] * (values[right] - values[right - 1]))
+
+
+def _peak(angle: Array, pressure: Array, seen: npt.NDArray[np.intp]) -> tuple[float, float]:
+    """Highest pressure of the cells that are seen, and its angle, by a parabola of three cells."""
+    top = int(seen[pressure[seen].argmax()])
+    if not 0 < top < angle.size - 1:
+        return float(pressure[top]), float(angle[top])
+    before, here, after = pressure[top - 1 : top + 2]
+    bend = before - 2 * here + after
+    if bend >= 0:
+        return float(here), float(angle[top])
+    off = float(np.clip(0.5 * (before - after) / bend, -1.0, 1.0))
+    step = float(angle[top] - angle[top - 1])
+    return float(here - 0.25 * (before - after) * off), float(angle[top]) + off * step
+
+
+def _find_one(
+    journal: Journal,
+    numbers: Array,
+    turning: float,
+    random_cov: Array,
+    shared_cov: Array,
+    view: _View,
+    cells: tuple[int, int],
+) -> dict[str, Array]:
+    """Pressure of one trigger; `numbers` are position and rate."""
+
+    def solve(at: Array, cells: tuple[int, int]) -> xr.Dataset:
+        return solve_pin_motion(journal, at[:NUMBERS], at[NUMBERS:], turning, cells=cells)
+
+    try:
+        solved = solve(numbers, cells)
+    except OverlapError:
+        return view.nothing()
+    found = view.look(solved)
+    std = np.sqrt(np.diag(random_cov + shared_cov))
+    steps = _steps(std, float(solved.film.min()), journal)
+    coarse = min(cells, SLOPE_CELLS)
+    slopes = _differentiate(lambda at: view.look(solve(at, coarse)), numbers, steps)
+
+    rows: dict[str, Array] = {}
+    for name, value in found.items():
+        slope = slopes[name]
+        spread = np.einsum("i...,ij,j...->...", slope, random_cov + shared_cov, slope)
+        spread = np.maximum(spread, 0.0)
+        if name != "peak_place":
+            spread = spread + (GRID_ERROR * value) ** 2
+        rows[name], rows[f"{name}_std"] = value, np.sqrt(spread)
+    peak = slopes["peak_pressure"]
+    for name, part in (("random", random_cov), ("shared", shared_cov)):
+        rows[f"peak_std_{name}"] = np.sqrt(max(float(peak @ part @ peak), 0.0))
+
+    # a peak that may as well not be there is no measurement, nor is a map of it
+    measured = bool(rows["peak_pressure_std"] <= CLEAR * rows["peak_pressure"])
+    rows["pressure_measured"] = np.array(int(measured))
+    rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
+    if not measured:
+        for name in found:
+            rows[name] = np.full_like(rows[name], np.nan)
+    return rows
+
+
+def _steps(std: Array, film: float, journal: Journal) -> Array:
+    """Steps of the derivatives: a standard deviation, or less where the film would change much."""
+    reach = np.array([1.0, 1.0, journal.length / 2, journal.length / 2])
+    most = np.concatenate([_STEP * film / reach, np.full(NUMBERS, np.inf)])
+    return np.where(std > 0, np.minimum(std, most), 0.0)
+
+
+def _differentiate(
+    look: Callable[[Array], dict[str, Array]], numbers: Array, steps: Array
+) -> dict[str, Array]:
+    """Derivatives of everything with position and rate, (number, ...), by forward differences."""
+    found = look(numbers)
+    slopes = {name: np.zeros((numbers.size, *np.shape(found[name]))) for name in found}
+    for i in np.flatnonzero(steps > 0):
+        there = numbers.copy()
+        there[i] += steps[i]
+        moved = look(there)
+        for name, slope in slopes.items():
+            slope[i] = (moved[name] - found[name]) / steps[i]
+    return slopes

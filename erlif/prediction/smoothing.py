@@ -1,0 +1,213 @@
+"""A smooth path of the pin through its measured positions, with its rate and their covariance.
+
+The path is a spline whose third derivative is penalised. The penalty is that of the largest
+marginal likelihood: the posterior of a spline with a random third derivative (Wahba 1983), so that
+noise and what the path may do between the triggers both enter the covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.linalg import cho_factor, cho_solve, eigh
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+
+FEWEST = 5
+"""Positions from which a rate is found: a parabola has three numbers, a scatter needs more."""
+
+_DEGREE = 4  # of the spline: its rate has a continuous second derivative
+_DIFFERENCE = 3  # order of the differences that are penalised; a parabola is free
+_MOST_INTERVALS = 48
+"""Intervals between knots: of one cycle, they follow 16 oscillations."""
+
+_PENALTIES = np.logspace(-8, 8, 65)
+"""Penalties that are compared, over the one at which penalty and data are of equal weight."""
+
+_SCALES = np.sqrt(2.0) ** np.arange(15)
+"""Scatter over the stated standard deviation, up to 128, that is compared."""
+
+_DECISIVE = 3.0
+"""Gain of log likelihood from which the scatter is taken to be larger than stated (e^3 to 1)."""
+
+
+@dataclass(frozen=True)
+class SmoothPath:
+    """A path through measured positions.
+
+    Attributes
+    ----------
+    value : Array
+        Position on the path, (time, parameter).
+    rate : Array
+        Its rate, (time, parameter).
+    covariance : Array
+        Of values and then rates at each time, (time, 2 parameter, 2 parameter).
+    weights : Array
+        Change of values and then rates with each measured position, (time, 2 parameter, measured,
+        parameter).
+    noise_scale : Array
+        Scatter of the positions about the path over the stated one, (parameter,); 1 unless the
+        scatter is larger beyond doubt.
+    """
+
+    value: Array
+    rate: Array
+    covariance: Array
+    weights: Array
+    noise_scale: Array
+
+    def carry(self, columns: Array) -> Array:
+        """Change of values and rates with something that changes all positions.
+
+        Parameters
+        ----------
+        columns : array, (time, parameter, cause)
+            Change of each measured position with each cause.
+
+        Returns
+        -------
+        array, (time, 2 parameter, cause)
+        """
+        return np.asarray(np.einsum("tpmk,mkc->tpc", self.weights, columns))
+
+
+def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
+    """Lay a smooth path through measured positions.
+
+    Parameters
+    ----------
+    time : array, (time,)
+        Rising. [s]
+    position : array, (time, parameter)
+        Measured.
+    covariance : array, (time, parameter, parameter)
+        Of the part of their error that is new at every time.
+
+    Returns
+    -------
+    SmoothPath
+        At the same times.
+
+    Raises
+    ------
+    ModelError
+        If there are too few positions, times do not rise, or a covariance is not one.
+
+    Notes
+    -----
+    Penalised splines: Eilers and Marx, Stat. Sci. 11 (1996) 89. Covariance: Wahba, J. R. Stat. Soc.
+    B 45 (1983) 133; averaged over the times its intervals have their nominal coverage.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 0.5, 11)
+    >>> path = smooth_path(time, 3 * time[:, None], np.full((11, 1, 1), 1e-4))
+    >>> path.rate[5].round(3), np.sqrt(path.covariance[5, 1, 1]).round(3)
+    (array([3.]), np.float64(0.019))
+    """
+    count, parameters = position.shape
+    _check(time, position, covariance)
+    middle = position.mean(axis=0)
+    basis, slope = _lay_basis(time)
+    size = basis.shape[1]
+    differences = np.diff(np.eye(size), _DIFFERENCE, axis=0)
+    roughness = differences.T @ differences
+
+    # how rough the path of each parameter is, and how far the positions scatter about it
+    penalty, scale = np.empty(parameters), np.ones(parameters)
+    for k in range(parameters):
+        penalty[k], scale[k] = _choose_penalty(
+            basis, roughness, position[:, k] - middle[k], covariance[:, k, k]
+        )
+
+    # all parameters together; errors of one time are correlated
+    precision = np.linalg.inv(covariance * scale * scale[:, None])
+    normal = np.einsum("tkl,ti,tj->kilj", precision, basis, basis)
+    for k in range(parameters):
+        normal[k, :, k] += penalty[k] * roughness
+    normal = normal.reshape(parameters * size, -1)
+    pull = np.einsum("tkl,ti->kitl", precision, basis).reshape(parameters * size, -1)
+
+    # unknowns of order one: a parameter in um and one in um/mm stand side by side
+    unit = 1 / np.sqrt(np.diag(normal))
+    factor = cho_factor(normal * unit * unit[:, None])
+    spread = cho_solve(factor, np.eye(parameters * size)) * unit * unit[:, None]
+    gain = (spread @ pull).reshape(parameters, size, count, parameters)
+    block = spread.reshape(parameters, size, parameters, size)
+
+    both = np.stack([basis, slope])  # value, rate
+    weights = np.einsum("dti,kimn->tdkmn", both, gain)
+    found = np.einsum("tdkmn,mn->dtk", weights, position - middle)
+    cov = np.einsum("dti,kilj,etj->tdkel", both, block, both, optimize=True)
+    return SmoothPath(
+        value=found[0] + middle,
+        rate=found[1],
+        covariance=cov.reshape(count, 2 * parameters, 2 * parameters),
+        weights=weights.reshape(count, 2 * parameters, count, parameters),
+        noise_scale=scale,
+    )
+
+
+def _check(time: Array, position: Array, covariance: Array) -> None:
+    """Refuse what has no path."""
+    if time.size < FEWEST:
+        raise ModelError(
+            f"Expected {FEWEST} or more positions to find a rate, got {time.size}. Record more "
+            "triggers per cycle."
+        )
+    if not (np.diff(time) > 0).all():
+        raise ModelError("Expected rising times of the positions; sort them, and take each once.")
+    if not (np.isfinite(position).all() and np.isfinite(covariance).all()):
+        raise ModelError("Expected finite positions and covariances; leave out times without one.")
+    if not (np.linalg.eigvalsh(covariance)[:, 0] > 0).all():
+        raise ModelError(
+            "Expected covariances of positions that are positive definite; at least one is not."
+        )
+
+
+def _lay_basis(time: Array) -> tuple[Array, Array]:
+    """Splines and their derivatives at the times, (time, spline)."""
+    intervals = min(time.size - 1, _MOST_INTERVALS)
+    step = (time[-1] - time[0]) / intervals
+    knots = time[0] + step * np.arange(-_DEGREE, intervals + _DEGREE + 1)
+    splines = BSpline(knots, np.eye(intervals + _DEGREE), _DEGREE)
+    return np.asarray(splines(time)), np.asarray(splines.derivative()(time))
+
+
+def _choose_penalty(
+    basis: Array, roughness: Array, values: Array, variance: Array
+) -> tuple[float, float]:
+    """Penalty and scatter over the stated one, of the largest marginal likelihood."""
+    weight = 1 / variance
+    data = basis.T @ (weight[:, None] * basis)
+    ratio = float(np.trace(data) / np.trace(roughness))
+
+    # in these axes both data and roughness are diagonal, so that a trial costs nothing
+    rough, axes = eigh(roughness * ratio, data + roughness * ratio)
+    rough = np.clip(rough, 0.0, 1.0)
+    rough[:_DIFFERENCE] = 0.0  # parabolas
+    seen = 1 - rough
+    moment = axes.T @ (basis.T @ (weight * values))
+    square = float(values @ (weight * values))
+
+    def likelihood(scale: float) -> Array:
+        total = seen / scale**2 + _PENALTIES[:, None] * rough
+        explained = ((moment / scale**2) ** 2 / total).sum(axis=1)
+        penalised = len(rough) - _DIFFERENCE
+        return np.asarray(
+            0.5 * penalised * np.log(_PENALTIES)
+            - 0.5 * np.log(total).sum(axis=1)
+            - values.size * np.log(scale)
+            - 0.5 * (square / scale**2 - explained)
+        )
+
+    table = np.array([likelihood(scale) for scale in _SCALES])
+    best = table.max(axis=1)
+    chosen = int(best.argmax())
+    if best[chosen] < best[0] + _DECISIVE:
+        chosen = 0
+    return float(_PENALTIES[table[chosen].argmax()] * ratio), float(_SCALES[chosen])

@@ -1,0 +1,129 @@
+"""Pressure of a moving pin against the series solution of the virtual rig and closed forms."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.models.reynolds import Journal
+from erlif.prediction.pin_motion import PinMotion, find_pin_motion
+from erlif.prediction.pressure import OverlapError, find_pressures, solve_pin_motion
+
+JOINT = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+PLACE = np.linspace(-0.012, 0.012, 25)
+NOISE = np.diag([4.5e-9, 4.7e-8, 1.4e-6, 1.5e-5]) ** 2
+"""Of a position of the sample: 4.5 nm, 47 nm, 1.4 nm/mm and 15 nm/mm."""
+
+
+EVERY = slice(1, None, 3)
+"""Moments at which the pressure is found, at the ends of the cycle and within it."""
+
+
+def find(pin, position, cov, cells=(192, 12)):
+    motion = find_pin_motion(
+        pin.time,
+        pin.angle,
+        pin.turning,
+        position,
+        random_cov=np.broadcast_to(cov, (pin.time.size, 4, 4)),
+    )
+    some = {field.name: getattr(motion, field.name)[EVERY] for field in fields(motion)}
+    motion = PinMotion(**{**some, "noise_scale": motion.noise_scale})
+    return find_pressures(
+        JOINT,
+        motion,
+        viscosity=np.full(motion.turning.size, 0.12),
+        place=PLACE,
+        axial=np.array([-0.006, 0.0, 0.006]),
+        cells=cells,
+    )
+
+
+def test_the_true_motion_has_the_pressure_of_the_rig_and_carries_its_load(free_pin):
+    for k in (0, 5, 9):
+        found = solve_pin_motion(JOINT, free_pin.position[k], free_pin.rate[k], free_pin.turning[k])
+        middle = found.pressure.sel(axial=0.0, method="nearest")
+        assert float(middle.max()) == pytest.approx(free_pin.peak[k], rel=0.01)
+        place = float(found.angle[middle.values.argmax()]) * JOINT.radius
+        assert place == pytest.approx(free_pin.place[k], abs=3e-4)  # half a cell
+        assert float(found.reaction_load) == pytest.approx(free_pin.rig.load, rel=0.006)
+        assert float(found.reaction_side) == pytest.approx(0.0, abs=0.5)
+
+
+def test_a_wedge_has_the_pressure_of_sommerfeld():
+    """12 pi eps/((2 + eps^2) sqrt(1 - eps^2)) eta omega R L (R/c)^2 across the line of centres.
+
+    A film without cavities.
+    """
+    eccentricity, turning = 0.6, 2.0
+    long = Journal(0.0333, 0.0335, 0.2, 0.1, cavitation_pressure=-1e9, long=True)
+    position = np.array([eccentricity * long.clearance, 0.0, 0.0, 0.0])
+    found = solve_pin_motion(long, position, np.zeros(4), turning)
+    force = (
+        12 * np.pi * eccentricity / ((2 + eccentricity**2) * np.sqrt(1 - eccentricity**2))
+        * 0.1 * turning * long.radius * 0.2 * (long.radius / long.clearance) ** 2
+    )  # fmt: skip
+    assert float(found.reaction_side) == pytest.approx(-force, rel=1e-3)
+    assert float(found.reaction_load) == pytest.approx(0.0, abs=1e-3 * force)
+
+
+def test_a_pin_that_swings_with_half_the_bushing_meets_no_pressure():
+    position = np.array([2e-4, 1e-5, 0.0, 0.0])
+    rate = np.array([-position[1], position[0], 0, 0]) * 1.5
+    found = solve_pin_motion(JOINT, position, rate, 3.0, cells=(64, 4))
+    npt.assert_allclose(found.pressure, 0.0, atol=1e-6)
+
+
+def test_peak_place_and_load_lie_within_their_errors(free_pin):
+    """Twenty runs with the noise of the sample; moments of a run are correlated."""
+    pulls = {"peak": [], "place": [], "load": [], "side": []}
+    for seed in range(20):
+        noise = np.random.default_rng(seed).multivariate_normal(np.zeros(4), NOISE, 12)
+        found = find(free_pin, free_pin.position + noise, NOISE)
+        assert found.pressure_measured.values.all()
+        for name, variable, truth in (
+            ("peak", "peak_pressure", free_pin.peak[EVERY]),
+            ("place", "peak_place", free_pin.place[EVERY]),
+            ("load", "load_from_pressure", free_pin.rig.load),
+            ("side", "side_from_pressure", 0.0),
+        ):
+            pulls[name].append((found[variable] - truth) / found[f"{variable}_std"])
+    for name, pull in pulls.items():
+        inside = np.abs(pull) < 1, np.abs(pull) < 1.96
+        assert 0.55 < inside[0].mean() < 0.82, name
+        assert inside[1].mean() > 0.90, name
+
+
+def test_a_map_lies_within_its_errors(free_pin):
+    """The map of noisy positions against that of the true ones, at places with pressure."""
+    rng = np.random.default_rng(0)
+    true = find(free_pin, free_pin.position, 1e-12 * NOISE, cells=(192, 12))
+    noise = rng.multivariate_normal(np.zeros(4), NOISE, 12)
+    found = find(free_pin, free_pin.position + noise, NOISE)
+    pull = np.abs((found.pressure - true.pressure) / found.pressure_std).values
+    assert np.median(pull) < 1.5
+    assert found.pressure.dims == ("trigger", "axial", "place")
+    npt.assert_allclose(found.pressure.isel(axial=1), found.pressure_profile, rtol=1e-9)
+
+
+def test_noise_that_hides_the_peak_leaves_no_pressure(free_pin):
+    """Thirty times the noise of the sample in the displacement: the rate of 0.9 um/s is lost."""
+    cov = np.diag([1.4e-7, 1.4e-6, 1e-10, 1e-10]) ** 2
+    noise = np.random.default_rng(1).multivariate_normal(np.zeros(4), cov, 12)
+    found = find(free_pin, free_pin.position + noise, cov)
+    hidden = found.pressure_measured.values == 0
+    assert hidden.mean() > 0.5
+    assert np.isnan(found.peak_pressure.values[hidden]).all()
+    assert np.isnan(found.pressure.values[hidden]).all()
+    assert (found.peak_pressure_std.values[hidden] > 0.3 * free_pin.peak[EVERY][hidden]).all()
+
+
+def test_a_gap_that_closes_outside_the_image_has_no_pressure(free_pin):
+    tilted = free_pin.position + np.array([0, 0, 1e-4, 0])  # 12 um at the ends
+    with pytest.raises(OverlapError, match="overlap by 5"):
+        solve_pin_motion(JOINT, tilted[0], free_pin.rate[0], 0.0)
+    pin = replace(free_pin, position=tilted)
+    found = find(pin, tilted, NOISE)
+    assert not found.pressure_measured.values.any()
+    assert np.isnan(found.peak_pressure_std.values).all()

@@ -1,0 +1,80 @@
+"""A smooth path through noisy positions: curves whose rates are known."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.prediction.smoothing import smooth_path
+
+TIME = np.linspace(0.02, 0.52, 24)
+STD = np.array([5e-3, 5e-2])
+COV = np.array([[1, 0.4], [0.4, 1]]) * np.outer(STD, STD)
+
+
+def noisy(curve, seed, scale=1.0):
+    noise = np.random.default_rng(seed).multivariate_normal(np.zeros(2), COV, TIME.size)
+    return np.stack([curve, curve], axis=1) + scale * noise
+
+
+def test_a_parabola_is_its_own_path():
+    curve = 3 - 0.6 * TIME + 2 * TIME**2
+    path = smooth_path(TIME, noisy(curve, 0, scale=0.0), np.broadcast_to(COV, (24, 2, 2)))
+    npt.assert_allclose(path.value[:, 0], curve, rtol=1e-7)
+    npt.assert_allclose(path.rate[:, 1], -0.6 + 4 * TIME, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("curve", "rate"),
+    [
+        (5 - 0.6 * TIME, np.full(24, -0.6)),
+        (5 + np.sin(4 * np.pi * TIME), 4 * np.pi * np.cos(4 * np.pi * TIME)),
+    ],
+)
+def test_values_and_rates_lie_within_their_errors(curve, rate):
+    """Both shares may be larger than nominal: the film between the triggers is not known."""
+    pulls = []
+    for seed in range(40):
+        path = smooth_path(TIME, noisy(curve, seed), np.broadcast_to(COV, (24, 2, 2)))
+        std = np.sqrt(np.diagonal(path.covariance, axis1=1, axis2=2))
+        pulls.append([(path.value.T - curve) / std.T[:2], (path.rate.T - rate) / std.T[2:]])
+    pulls = np.abs(pulls)
+    assert 0.60 < (pulls < 1).mean() < 0.85
+    assert (pulls < 1.96).mean() > 0.93
+    assert pulls.mean() > 0.5  # 0.80 of a normal distribution: errors are not stated far too large
+
+
+def test_the_rate_of_a_line_has_the_error_of_a_parabola_fit():
+    """Least squares of a parabola, whose rate in the middle is that of a line: 12 s^2/(n T^2)."""
+    path = smooth_path(TIME, noisy(5 - 0.6 * TIME, 3), np.broadcast_to(COV, (24, 2, 2)))
+    line = STD[0] / np.sqrt(((TIME - TIME.mean()) ** 2).sum())
+    assert np.sqrt(path.covariance[12, 2, 2]) == pytest.approx(line, rel=0.6)
+    assert np.sqrt(path.covariance[12, 2, 2]) > 0.99 * line
+
+
+def test_an_error_that_all_positions_share_is_none_of_the_rate():
+    path = smooth_path(TIME, noisy(np.sin(TIME), 0), np.broadcast_to(COV, (24, 2, 2)))
+    change = path.carry(np.ones((24, 2, 1)))[..., 0]
+    npt.assert_allclose(change[:, :2], 1.0, atol=1e-6)
+    npt.assert_allclose(change[:, 2:], 0.0, atol=1e-5)
+
+
+def test_a_scatter_four_times_the_stated_one_is_found():
+    cov = np.broadcast_to(COV, (24, 2, 2))
+    assert smooth_path(TIME, noisy(5 - 0.6 * TIME, 1), cov).noise_scale.tolist() == [1.0, 1.0]
+    path = smooth_path(TIME, noisy(5 - 0.6 * TIME, 1, scale=4.0), cov)
+    npt.assert_allclose(path.noise_scale, 4.0, rtol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("time", "value", "cov", "message"),
+    [
+        (TIME[:4], 0.0, 1.0, "5 or more positions to find a rate, got 4"),
+        (TIME[::-1], 0.0, 1.0, "rising times"),
+        (TIME, np.nan, 1.0, "finite positions"),
+        (TIME, 0.0, -1.0, "positive definite"),
+    ],
+)
+def test_what_has_no_path_is_refused(time, value, cov, message):
+    with pytest.raises(ModelError, match=message):
+        smooth_path(time, np.full((time.size, 1), value), np.full((time.size, 1, 1), cov))
