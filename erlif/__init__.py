@@ -31,6 +31,7 @@ _FUNCTIONS = {
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
     "predict": "erlif.pipeline.predict",
+    "pressure_from_film": "erlif.pipeline.pressure",
     "process": "erlif.pipeline.run",
     "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
@@ -80,6 +81,7 @@ __all__ = [
     "plots",
     "predict",
     "prediction",
+    "pressure_from_film",
     "process",
     "ratio",
     "registration",
@@ -123,6 +125,7 @@ if TYPE_CHECKING:
     from erlif.pipeline.fixture import calibrate
     from erlif.pipeline.init import init
     from erlif.pipeline.predict import predict
+    from erlif.pipeline.pressure import pressure_from_film
     from erlif.pipeline.run import process
     from erlif.report import summarise
     from erlif.rig import simulate

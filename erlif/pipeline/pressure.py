@@ -1,0 +1,394 @@
+"""The pressure of the film of a run, from the measured positions of its pin."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from erlif.calibration import calibration_of
+from erlif.core.arrays import Array, Mask
+from erlif.core.errors import ConfigError, ModelError
+from erlif.core.version import __version__
+from erlif.files import open_film, settings_of
+from erlif.models.contact import conformal_radius
+from erlif.models.mechanism import CrankRocker
+from erlif.pipeline.joint import build_linkage, describe_joint
+from erlif.pipeline.position import choose_view
+from erlif.pipeline.prediction import build_journal, swings
+from erlif.prediction.motion import follow_motion
+from erlif.prediction.pin_motion import PinMotion, find_pin_motion
+from erlif.prediction.pressure import CLEAR, find_pressures
+from erlif.prediction.smoothing import FEWEST
+from erlif.settings import CrankRockerSettings, RunSettings
+from erlif.trend import PinView, viscosity_at
+
+GRID = (48, 12)
+"""Places along sliding and along the axis at which the pressure is given."""
+
+UNBALANCED = 3.0
+"""Difference of the load from that of the pressure, over its standard deviation, that is no chance
+(1 of 400)."""
+
+_MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
+_NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
+
+
+def pressure_from_film(film: xr.Dataset | str | Path) -> xr.Dataset:
+    """Find the pressure in the film of an oscillating joint from the measured film and its rate.
+
+    The position of the pin is measured at each trigger, its rate by a smooth path through the
+    positions. The Reynolds equation gives the pressure of this film. No load is put in: the load
+    that the pressure makes is compared with the logged one.
+
+    Parameters
+    ----------
+    film : xarray.Dataset or path
+        As `erlif.process` returns it, of a crank-rocker with [joint] and [oil].
+
+    Returns
+    -------
+    xarray.Dataset
+        pressure and pressure_std (trigger, y, x) and pressure_profile and pressure_profile_std
+        (trigger, place) [kPa]; by trigger peak_pressure [kPa], its place peak_place [mm] along
+        sliding, load_from_pressure and side_from_pressure [N], each with its _std;
+        peak_std_random and peak_std_shared [kPa], by noise and by errors that all triggers share;
+        pressure_measured, 1 or 0; film_rate and film_rate_std [um s-1] at the load line; cavity
+        [1]; load [N]. NaN where the noise forbids the pressure. Attributes: statement, what the
+        pressure is good for and what would make it better; balance, the load in comparison.
+
+    Raises
+    ------
+    ErlifError
+        If the film is of another joint or too few triggers have a position.
+
+    Examples
+    --------
+    >>> found = pressure_from_film("film.nc")  # doctest: +SKIP
+    >>> found.attrs["statement"]  # doctest: +SKIP
+    """
+    opened = open_film(film) if isinstance(film, str | Path) else nullcontext(film)
+    with opened as source:
+        return _find(source)
+
+
+def _find(film: xr.Dataset) -> xr.Dataset:
+    """The pressure of an open film."""
+    settings = settings_of(film)
+    view = _view(film, settings)
+    known = _known(film)
+    motion, order = _follow(film, settings, view, known)
+    joint = describe_joint(settings)
+    assert joint is not None  # `_view` refuses a film without one
+    conditions = film[[name for name in ("temperature", "load") if name in film]].load()
+    viscosity = viscosity_at(conditions, joint.viscosity)[order]
+    x, y = _grid(film)
+    along, across = (x, y) if view.sliding_along_x else (y, x)
+    found = find_pressures(
+        build_journal(settings, 1.0),
+        motion,
+        viscosity=viscosity,
+        place=(along - view.load_line) / _MILLI,
+        axial=(across - view.axial_origin) / _MILLI,
+    )
+    return _describe(film, settings, view, found, motion, order, (x, y))
+
+
+def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
+    """The joint as the camera sees it; a film of another kind of joint is refused."""
+    if not swings(settings):
+        raise ConfigError(
+            'Expected [mechanism] of kind "crank-rocker", [joint] and [oil], which the pressure of '
+            "an oscillating joint needs; one of them is missing. Add it to run.toml and process "
+            "the run again."
+        )
+    view = choose_view(settings, (film.sizes["y"], film.sizes["x"]))
+    if view is None or "pin_displacement" not in film:
+        raise ConfigError(
+            "Expected the position of the pin in the film; there is none, because the image is "
+            "wider than half a turn of the pin or the film is of an earlier version. Process the "
+            "run again."
+        )
+    return view
+
+
+def _known(film: xr.Dataset) -> Mask:
+    """Triggers with a position; too few are refused."""
+    cov = film.pin_position_cov.values
+    known = np.isfinite(film.pin_displacement.values).all(axis=1)
+    known = np.asarray(known & np.isfinite(cov).all(axis=(1, 2)))
+    if known.sum() < FEWEST:
+        raise ModelError(
+            f"Expected {FEWEST} or more triggers with a position of the pin, got {known.sum()} of "
+            f"{known.size}: the rate of the film, which makes the pressure, is not known from "
+            "fewer. Record the joint over its cycle."
+        )
+    return known
+
+
+def _follow(
+    film: xr.Dataset, settings: RunSettings, view: PinView, known: Mask
+) -> tuple[PinMotion, npt.NDArray[np.intp]]:
+    """Motion of the pin, and the triggers that it holds in the order of their times."""
+    links = settings.mechanism
+    assert isinstance(links, CrankRockerSettings)  # `swings` has seen to it
+    linkage = build_linkage(links)
+    assert isinstance(linkage, CrankRocker)
+    frames = xr.Dataset(
+        {
+            "crank_angle": ("frame", film.crank_angle.values),
+            "cycle": ("frame", np.zeros(known.size, np.int64)),
+            "load": ("frame", np.ones(known.size)),  # moves nothing here
+        }
+    )
+    if "time" in film.data_vars:
+        frames["time"] = ("frame", film["time"].values)
+    direction = 1 if settings.prediction.direction == "along" else -1
+    moved = follow_motion(
+        frames,
+        linkage,
+        crank_speed=links.crank_speed,
+        viscosity=1.0,
+        direction=direction,
+    )
+    time, angle = moved.motion.time[moved.steps], np.asarray(moved.motion.angle)[moved.steps]
+    crank_speed = np.gradient(moved.crank, moved.motion.time)[moved.steps]
+    turning = direction * np.asarray(
+        linkage.rocker_speed(moved.crank[moved.steps], crank_speed=crank_speed)
+    )
+
+    order = np.flatnonzero(known)
+    order = order[np.argsort(time[order], kind="stable")]
+    random, surface, gradient = _covariances(film, order)
+    position = np.concatenate([film.pin_displacement.values, film.pin_tilt.values], axis=1)
+    motion = find_pin_motion(
+        time[order],
+        angle[order],
+        turning[order],
+        position[order] * _NUMBER_UNITS,
+        random_cov=random,
+        surface_cov=surface,
+        gradient=gradient,
+        calibration_cov=calibration_of(film).full_covariance,
+    )
+    return motion, order
+
+
+def _covariances(film: xr.Dataset, order: npt.NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Covariance by noise and by surfaces, and change with the calibration, in SI."""
+    units = _NUMBER_UNITS * _NUMBER_UNITS[:, None]
+    whole, random = (
+        film[name].values[order] * units for name in ("pin_position_cov", "pin_position_cov_random")
+    )
+    gradient = film.pin_position_gradient.values[order] * _NUMBER_UNITS[:, None]
+    shared = gradient @ calibration_of(film).full_covariance @ np.swapaxes(gradient, 1, 2)
+    return random, whole - random - shared, gradient
+
+
+def _grid(film: xr.Dataset) -> tuple[Array, Array]:
+    """Places of the image at which the pressure is given, x and y. [mm]"""
+    along_x = settings_of(film).optics.x_axis == "sliding"
+    counts = GRID if along_x else GRID[::-1]
+    x, y = (
+        np.linspace(float(film[name][0]), float(film[name][-1]), min(count, film.sizes[name]))
+        for name, count in zip(("x", "y"), counts, strict=True)
+    )
+    return x, y
+
+
+def _describe(
+    film: xr.Dataset,
+    settings: RunSettings,
+    view: PinView,
+    found: xr.Dataset,
+    motion: PinMotion,
+    order: npt.NDArray[np.intp],
+    grid: tuple[Array, Array],
+) -> xr.Dataset:
+    """The pressure in the units of the laboratory, by all triggers of the film."""
+    total = film.sizes["trigger"]
+
+    def spread(values: Array) -> Array:
+        filled = np.full((total, *values.shape[1:]), np.nan)
+        filled[order] = values
+        return filled
+
+    columns: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    for name, (unit, scale, meaning) in _MEANINGS.items():
+        values = spread(found[name].values.astype(float)) * scale
+        dims: tuple[str, ...] = ("trigger",)
+        if values.ndim == 3:
+            dims = ("trigger", "y", "x")
+            values = values if view.sliding_along_x else np.swapaxes(values, 1, 2)
+        elif values.ndim == 2:
+            dims = ("trigger", "place")
+        if name == "peak_place":
+            values = values + view.load_line
+        columns[name] = (dims, values, {"units": unit, "long_name": meaning})
+    columns["pressure_measured"][1][np.isnan(columns["pressure_measured"][1])] = 0
+
+    rate = -motion.rate[:, 0] * _MICRO
+    rate_std = np.sqrt(motion.covariance[:, 4, 4]) * _MICRO
+    along = "rate of the film at the load line, in the axial middle of the image"
+    columns["film_rate"] = (("trigger",), spread(rate), {"units": "um s-1", "long_name": along})
+    columns["film_rate_std"] = (
+        ("trigger",),
+        spread(rate_std),
+        {"units": "um s-1", "long_name": "its standard deviation"},
+    )
+    for name in ("encoder_angle", "crank_angle", "stroke"):
+        columns[name] = (("trigger",), film[name].values, dict(film[name].attrs))
+    load = film["load"].values if "load" in film else np.full(total, settings.load or np.nan)
+    radius = float(conformal_radius(view.pin_radius, bushing_radius=view.bushing_radius))
+    thinnest = spread(view.clearance - np.hypot(*motion.position[:, :2].T) * _MICRO) / _MICRO
+    reach = np.sqrt(2 * radius * np.maximum(thinnest, 0.0))
+    assert settings.joint is not None  # as above
+    columns["peak_of_load"] = (
+        ("trigger",),
+        _KILO * load / (settings.joint.length * 0.5 * np.pi * reach),
+        {"units": "kPa", "long_name": "peak of pure squeeze of a long joint under the load"},
+    )
+    columns["load"] = (("trigger",), load, {"units": "N", "long_name": "load, logged or set"})
+
+    x, y = grid
+    millimetre = {"units": "mm"}
+    result = xr.Dataset(
+        columns,
+        {
+            "trigger": film["trigger"].values,
+            "x": ("x", x, millimetre),
+            "y": ("y", y, millimetre),
+            "place": ("place", x if view.sliding_along_x else y, millimetre),
+        },
+    )
+    return result.assign_attrs(
+        title=f"pressure from the film, {settings.name}",
+        erlif_version=__version__,
+        statement=state_limits(result),
+        balance=state_balance(result),
+    )
+
+
+def state_limits(found: xr.Dataset) -> str:
+    """What the noise allows, in words.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `pressure_from_film`.
+
+    Returns
+    -------
+    str
+    """
+    measured = found.pressure_measured.values > 0
+    count, total = int(measured.sum()), measured.size
+    std, peak = found.peak_pressure_std.values, found.peak_pressure.values
+    lines = []
+    if count:
+        share = 100 * np.median(std[measured] / peak[measured])
+        lines.append(
+            f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
+            "(median standard deviation)."
+        )
+    if count < total:
+        lines.append(_state_refusal(found, ~measured))
+    if np.nanmax(np.append(found.cavity.values, 0.0)) > 0:
+        lines.append(
+            "The film in the image is ruptured at some triggers. Cavities of earlier triggers are "
+            "not followed, so that the pressure after a reversal may be wrong there."
+        )
+    return " ".join(lines)
+
+
+def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
+    """Why the pressure is not known at some triggers, and what would help."""
+    names = ", ".join(str(k) for k in np.flatnonzero(refused)[:8]) + (
+        ", ..." if refused.sum() > 8 else ""
+    )
+    start = f"The noise forbids the pressure at {refused.sum()} triggers ({names}): "
+    random, shared = found.peak_std_random.values[refused], found.peak_std_shared.values[refused]
+    if not np.isfinite(random).any():
+        return (
+            start + "the gap that continues the image closes within the error of its tilt, or no "
+            "position was measured. A wider image along the axis or more light would help."
+        )
+    rate, rate_std = (found[name].values[refused] for name in ("film_rate", "film_rate_std"))
+    reason = (
+        f"the film changes by {np.nanmedian(np.abs(rate)):.2g} um/s there, known to ± "
+        f"{np.nanmedian(rate_std):.2g} um/s, and the standard deviation of the peak is above "
+        f"{100 * CLEAR:.0f} % of it. "
+    )
+
+    # the peak that the load makes is what has to be resolved
+    goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2
+    if not (goal > 0).any():
+        return (
+            start + reason + "Errors that all triggers share, those of calibration and surfaces, "
+            "are too large by themselves: more light or cycles do not help, a better calibration "
+            "does."
+        )
+    factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
+    return (
+        start + reason + f"It needs {factor:.2g} times the light, or as many times the cycles or "
+        "the triggers in a cycle; the path through the positions is as smooth already as they "
+        "allow."
+    )
+
+
+def state_balance(found: xr.Dataset) -> str:
+    """The load that the pressure makes beside the logged one, in words.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `pressure_from_film`.
+
+    Returns
+    -------
+    str
+    """
+    measured = found.pressure_measured.values > 0
+    load, std = (found[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
+    logged = found["load"].values
+    measured &= np.isfinite(logged) & np.isfinite(load)
+    if not measured.any():
+        return "No load to compare with."
+    best = int(np.flatnonzero(measured)[np.argmin((std / np.abs(load))[measured])])
+    ratio, ratio_std = load[best] / logged[best], std[best] / logged[best]
+    text = (
+        f"The pressure carries {100 * ratio:.1f} ± {100 * ratio_std:.1f} % of the load at trigger "
+        f"{best}, where it is known best"
+    )
+    off = np.abs(load - logged)[measured] > UNBALANCED * std[measured]
+    if off.mean() <= 0.05:
+        return text + ": the load is balanced."
+    return (
+        f"{text}; it differs from the load by more than three standard deviations at {off.sum()} "
+        f"of {measured.sum()} triggers. Likely: the viscosity of the oil in the gap, to which the "
+        "load is proportional; else the direction of the motion, the load line, or clearance and "
+        "length in [joint]."
+    )
+
+
+_MEANINGS: dict[str, tuple[str, float, str]] = {
+    "pressure": ("kPa", _KILO, "pressure above ambient"),
+    "pressure_std": ("kPa", _KILO, "its standard deviation"),
+    "pressure_profile": ("kPa", _KILO, "pressure in the axial middle of the image"),
+    "pressure_profile_std": ("kPa", _KILO, "its standard deviation"),
+    "peak_pressure": ("kPa", _KILO, "highest pressure in the axial middle of the image"),
+    "peak_pressure_std": ("kPa", _KILO, "its standard deviation"),
+    "peak_std_random": ("kPa", _KILO, "part of it by noise"),
+    "peak_std_shared": ("kPa", _KILO, "part of it by errors that all triggers share"),
+    "peak_place": ("mm", _MILLI, "place of the highest pressure along sliding"),
+    "peak_place_std": ("mm", _MILLI, "its standard deviation"),
+    "load_from_pressure": ("N", 1.0, "force of the pressure along the load line"),
+    "load_from_pressure_std": ("N", 1.0, "its standard deviation"),
+    "side_from_pressure": ("N", 1.0, "force of the pressure sideways, positive along sliding"),
+    "side_from_pressure_std": ("N", 1.0, "its standard deviation"),
+    "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
+    "cavity": ("1", 1.0, "share of the image without a full film"),
+}

@@ -1,0 +1,171 @@
+"""The pressure of a film: of the virtual rig's own pin, and of films that have none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import erlif
+from erlif.core.errors import ConfigError, ErlifError, ModelError
+from erlif.pipeline.pressure import pressure_from_film
+from erlif.plots import example_film
+from erlif.rig.film import crank_at, rocker_speed
+from erlif.rig.journal import follow_pin
+from erlif.rig.motion import cycle_time
+from erlif.rig.settings import RigSettings
+
+RIG = RigSettings(film="reynolds", tilt=0.0, load_swing=0.0)
+RANDOM = np.diag([4.5e-3, 4.7e-2, 1.4e-3, 1.5e-2]) ** 2  # um, um/mm
+SHARED = np.diag([5e-3, 3e-2, 1e-4, 1e-3]) ** 2
+
+
+def make_film(count=10, noise=1.0, seed=0, rig=RIG):
+    """The film of a pin as the rig follows it, without maps."""
+    example = example_film()
+    rng = np.random.default_rng(seed)
+    time = np.arange(count) * cycle_time(rig) / count
+    crank = crank_at(time, rig)
+    position = np.zeros((count, 4))
+    position[:, :2] = 1e6 * follow_pin(time, rig)
+    random = noise**2 * RANDOM
+    position += rng.multivariate_normal(np.zeros(4), random, count)
+    position += rng.multivariate_normal(np.zeros(4), SHARED)
+    cov = ("trigger", "parameter", "parameter_other")
+    speed = np.asarray(rocker_speed(crank, rig))
+    return xr.Dataset(
+        {
+            "pin_displacement": (("trigger", "axis"), position[:, :2]),
+            "pin_tilt": (("trigger", "axis"), position[:, 2:]),
+            "pin_position_cov": (cov, np.tile(random + SHARED, (count, 1, 1))),
+            "pin_position_cov_random": (cov, np.tile(random, (count, 1, 1))),
+            "pin_position_gradient": (
+                ("trigger", "parameter", "calibration_parameter"),
+                np.zeros((count, 4, 3)),
+            ),
+            "crank_angle": ("trigger", np.degrees(crank) % 360),
+            "encoder_angle": ("trigger", np.zeros(count)),
+            "stroke": ("trigger", np.sign(speed)),
+            "load": ("trigger", np.full(count, rig.load)),
+        },
+        {"trigger": np.arange(count), "x": example.x, "y": example.y},
+        example.attrs,
+    )
+
+
+@pytest.fixture(scope="module")
+def found():
+    return erlif.pressure_from_film(make_film())
+
+
+def test_the_pressure_carries_the_load_of_the_rig(found):
+    """Films of 6 um under 222 N; a long film under pure squeeze has a peak of 79 kPa."""
+    assert found.pressure_measured.values.all()
+    off = (found.load_from_pressure - 222.411) / found.load_from_pressure_std
+    assert np.abs(off).max() < 3.5
+    assert float((found.peak_pressure / found.peak_of_load).median()) == pytest.approx(1, abs=0.1)
+    assert "measured at 10 of 10 triggers" in found.attrs["statement"]
+    assert "forbids" not in found.attrs["statement"]
+    assert "the load is balanced" in found.attrs["balance"]
+
+
+def test_the_map_lies_on_the_image_and_has_its_peak_where_it_is_named(found):
+    assert found.pressure.dims == ("trigger", "y", "x")
+    assert found.pressure.attrs["units"] == "kPa"
+    middle = found.pressure.isel(y=found.sizes["y"] // 2)
+    place = found.x.values[middle.values.argmax(axis=1)]
+    np.testing.assert_allclose(place, found.peak_place, atol=0.3)  # the grid is 0.34 mm apart
+
+
+def test_the_rate_of_the_film_is_that_of_the_rig(found):
+    """The free pin swings past the load line, from which the film grows and falls with it."""
+    time, step = np.arange(10) * cycle_time(RIG) / 10, 1e-4
+    after, before = (
+        1e6 * follow_pin(time + off, RIG)[:, 0] if time[0] + off >= 0 else None
+        for off in (step, 0.0)
+    )
+    rate = -(after - before) / step
+    off = (found.film_rate.values - rate) / found.film_rate_std.values
+    assert np.abs(off).max() < 3.5
+
+
+def test_an_image_turned_by_a_quarter_has_the_same_pressure(found):
+    film = make_film()
+    turned = film.drop_vars(["x", "y"]).assign_coords(x=film.y.values, y=film.x.values)
+    turned = turned.assign_attrs(
+        settings=film.attrs["settings"].replace('x_axis = "sliding"', 'x_axis = "axial"')
+    )
+    other = pressure_from_film(turned)
+    np.testing.assert_allclose(other.peak_pressure, found.peak_pressure)
+    np.testing.assert_allclose(
+        other.pressure.transpose("trigger", "x", "y").values, found.pressure.values
+    )
+
+
+def test_oil_of_another_viscosity_leaves_the_load_unbalanced():
+    """The load that a film of given motion carries is proportional to the viscosity."""
+    film = make_film()
+    film.attrs["settings"] = film.attrs["settings"].replace(
+        'viscosity = "0.12 Pa s"', 'viscosity = "0.24 Pa s"'
+    )
+    balance = pressure_from_film(film).attrs["balance"]
+    assert "Likely: the viscosity" in balance
+
+
+@pytest.mark.parametrize("noise", [80.0])
+def test_noise_that_hides_the_rate_is_stated_with_the_light_it_needs(noise):
+    film = make_film(noise=noise)
+    film["pin_tilt"] = 0 * film.pin_tilt  # noise in the displacement alone
+    for name in ("pin_position_cov", "pin_position_cov_random"):
+        film[name][:, 2:, :] = 0.0
+        film[name][:, :, 2:] = 0.0
+        for k in (2, 3):
+            film[name][:, k, k] = 1e-10
+    result = pressure_from_film(film)
+    refused = result.pressure_measured.values == 0
+    assert refused.any()
+    assert np.isnan(result.pressure.values[refused]).all()
+    statement = result.attrs["statement"]
+    assert "The noise forbids the pressure at" in statement
+    assert "times the light" in statement
+
+
+def test_a_tilt_that_closes_the_gap_outside_the_image_is_stated():
+    film = make_film()
+    film["pin_tilt"] = film.pin_tilt + 0.2  # um/mm: 24 um at the ends of the joint
+    result = pressure_from_film(film)
+    assert not result.pressure_measured.values.any()
+    assert "closes within the error of its tilt" in result.attrs["statement"]
+    assert result.attrs["balance"] == "No load to compare with."
+
+
+def test_triggers_without_a_position_have_no_pressure():
+    film = make_film()
+    film["pin_displacement"][3] = np.nan
+    result = pressure_from_film(film)
+    assert result.pressure_measured.values.tolist() == [1, 1, 1, 0, 1, 1, 1, 1, 1, 1]
+    assert np.isnan(result.peak_pressure.values[3])
+
+
+def test_one_trigger_has_no_rate():
+    film = make_film(count=4)
+    with pytest.raises(ModelError, match="5 or more triggers with a position of the pin, got 4"):
+        pressure_from_film(film)
+
+
+def test_films_of_other_joints_are_refused(tmp_path):
+    film = make_film()
+    plain = film.assign_attrs(settings=film.attrs["settings"].split("[oil]")[0] + "[thickness]\n")
+    with pytest.raises(ConfigError, match=r"\[mechanism\] of kind \"crank-rocker\""):
+        pressure_from_film(plain)
+    with pytest.raises(ConfigError, match="Expected the position of the pin in the film"):
+        pressure_from_film(film.drop_vars("pin_displacement"))
+    with pytest.raises(ErlifError, match="does not exist"):
+        pressure_from_film(tmp_path / "film.nc")
+
+
+def test_the_pin_of_thicker_films_is_followed_too():
+    """Four cycles under load: films of 75 um, beyond what the camera sees."""
+    found = pressure_from_film(make_film(count=8, rig=replace(RIG, elapsed=4.0)))
+    off = (found.load_from_pressure - 222.411) / found.load_from_pressure_std
+    assert np.abs(off).max() < 3.5
