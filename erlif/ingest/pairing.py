@@ -36,6 +36,7 @@ def pair_cameras(
     bit_depths: tuple[int, int],
     selections: tuple[Selection, Selection] = (WHOLE, WHOLE),
     skip_bad_frames: bool = False,
+    has_log: bool = False,
 ) -> FramePairs:
     """Find the frames of both cameras and pair them.
 
@@ -51,6 +52,8 @@ def pair_cameras(
         Part of the files that belongs to camera 1 and camera 2.
     skip_bad_frames : bool
         Leave out pairs with an unreadable file instead of refusing the recording.
+    has_log : bool
+        Whether an encoder log belongs to the frames, so that the advice may include its rows.
 
     Returns
     -------
@@ -79,7 +82,7 @@ def pair_cameras(
 
     # pixels are decoded here only where undecodable frames may be left out: it takes as long as
     # reading the whole recording
-    _check_pairs(one.pages, two.pages, directory)
+    _check_pairs(one.pages, two.pages, directory, has_log=has_log)
     if skip_bad_frames:
         faults |= _find_undecodable(directory, (one, two), faults)
 
@@ -182,7 +185,9 @@ def _check_files_differ(one: Sequence[Page], two: Sequence[Page]) -> None:
     )
 
 
-def _check_pairs(one: Sequence[Page], two: Sequence[Page], directory: Path) -> None:
+def _check_pairs(
+    one: Sequence[Page], two: Sequence[Page], directory: Path, *, has_log: bool
+) -> None:
     """Refuse cameras whose frames do not pair, naming the first frame without a partner."""
     unmatched = _first_unmatched(one, two)
     if unmatched is None:
@@ -191,13 +196,14 @@ def _check_pairs(one: Sequence[Page], two: Sequence[Page], directory: Path) -> N
     camera, page = unmatched
     if is_one_file(one) or is_one_file(two):
         cure = (
-            "Export the same frames of both recordings with the camera's software, and take the "
-            "rows of frames that are left out from the encoder log."
+            "Export the same frames of both recordings with the camera's software"
+            f"{', and take the rows of frames that are left out from the encoder log' * has_log}."
         )
     else:
         cure = (
             "To drop it, put an empty file of its name into the other camera's folder and use "
-            "--skip-bad-frames, or take it out of this one, and its row out of the encoder log."
+            "--skip-bad-frames, or take it out of this one"
+            f"{', and its row out of the encoder log' * has_log}."
         )
     raise FrameError(
         "Expected as many frames of camera 2 as of camera 1, pair by pair; camera1 has "

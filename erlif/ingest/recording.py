@@ -315,10 +315,12 @@ def _open_pairs(
             f"{one.band:g} nm on camera 1 and {two.band:g} nm on camera 2. The cameras look "
             "swapped: exchange the two tables."
         )
+    encoder = settings.encoder if isinstance(settings, RunSettings) else None
     return pair_cameras(
         directory,
         (one.files, two.files),
         bit_depths=(one.bit_depth, two.bit_depth),
         selections=(select_counts(one), select_counts(two)),
         skip_bad_frames=skip_bad_frames,
+        has_log=encoder is not None and encoder.file is not None,
     )

@@ -46,7 +46,7 @@ def test_numbers_come_back_by_their_names(output):
 def test_work_of_the_same_key_is_resumed_and_of_another_key_removed(output, caplog):
     with begin(output) as work:
         put(work, 0)
-    with caplog.at_level(logging.INFO), begin(output) as work:
+    with caplog.at_level(logging.INFO, logger="erlif"), begin(output) as work:
         assert work.has(0)
         assert "1 triggers are finished" in caplog.text
     with begin(output, "another key") as work:

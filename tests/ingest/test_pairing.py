@@ -119,6 +119,13 @@ def test_a_surplus_of_camera_2_is_named_as_well(record):
     assert "unmatched one is camera2/f_4.tif" in refusal(record(range(4), range(6)))
 
 
+@pytest.mark.parametrize("has_log", [True, False])
+def test_rows_of_a_log_are_advised_where_there_is_one(record, has_log):
+    message = refusal(record([0, 1, 2], [0, 2]), has_log=has_log)
+    assert ("row out of the encoder log" in message) == has_log
+    assert message.endswith(".")
+
+
 def test_without_common_numbers_the_first_surplus_position_is_named(record):
     assert "unmatched one is camera1/f_3.tif" in refusal(record(range(5), [70, 80, 90]))
 
