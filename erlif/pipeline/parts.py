@@ -45,12 +45,13 @@ from erlif.pipeline.prediction import (
     try_prediction,
 )
 from erlif.pipeline.prepare import prepare_chain
-from erlif.pipeline.pulse_order import check_pulses, refuse_stuck_cameras
+from erlif.pipeline.pulse_order import check_first_pulses, check_pulses, refuse_stuck_cameras
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.register import stored_map
 from erlif.pipeline.results import TriggerResult, describe_frame_notes, frames_in, mean_drift
 from erlif.pipeline.swap import refuse_swapped_cameras
 from erlif.pipeline.triggers import TriggerTask, run_triggers
+from erlif.ratio import PulseSample, sample_pulse
 from erlif.registration import CameraMap, MapNodes, move_map
 from erlif.settings import RunSettings
 
@@ -189,8 +190,16 @@ def measure_run(
         engine=engine,
         progress=progress,
         places=[run.pairs.pages[0][0].path, run.pairs.pages[1][0].path],
-        inspect=lambda first: check_pulses(frames_in(first), run.pairs),
+        inspect=lambda first: check_first_pulses(
+            frames_in(first), run.pairs, lambda frame: measure_pulse(ready.chain, frame)
+        ),
     )
+
+
+def measure_pulse(chain: FrameChain, frame: int) -> PulseSample:
+    """What is kept of a frame pair to recognise its laser pulse."""
+    pair = chain.measure(frame)
+    return sample_pulse(pair.light_one, pair.log_ratio, pair.flags)
 
 
 def trigger_task(run: Run, chain: FrameChain, calibration: Calibration) -> TriggerTask:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -10,7 +10,10 @@ from erlif.core.errors import FrameError
 from erlif.core.notes import Level, Note, list_numbers
 from erlif.ingest import FramePairs, read_pair
 from erlif.pipeline.results import FrameResult
-from erlif.ratio import PulseFault, find_pulse_faults
+from erlif.ratio import PulseFault, PulseSample, find_pulse_faults
+
+_LAST = 12
+"""Pairs at the end of a recording by which a disorder of the first ones is confirmed."""
 
 _LISTED = 10
 """Frames that a message names; the others are counted."""
@@ -79,20 +82,56 @@ def check_pulses(
     repeated = _check_stuck(ordered, pairs)
     notes = []
     for fault in find_pulse_faults([one.pulse for one in ordered]):
-        named = [numbers[k] for k in fault.frames]
         if fault.kind == "repeated":
+            named = [numbers[k] for k in fault.frames]
             repeated.append(_describe_repeated(named, len(ordered), pairs))
-        elif fault.kind == "unknown" and 2 * len(named) > len(ordered):
-            raise PulseError(
-                "Expected both cameras to show the same laser pulse in every frame pair; in "
-                f"{len(named)} of {len(ordered)} pairs camera 2 shows another pulse, in no simple "
-                "order. Check the triggering of the cameras and the numbers of the files."
-            )
-        elif fault.kind == "unknown":
+        elif _is_minor(fault, len(ordered)):
             notes.append(_describe_unknown(fault, numbers))
         else:
             raise PulseError(_describe_order(fault, numbers, pairs))
     return [*(repeated if copies else []), *notes]
+
+
+def check_first_pulses(
+    frames: Sequence[FrameResult], pairs: FramePairs, measure: Callable[[int], PulseSample]
+) -> None:
+    """Refuse a long recording early, where the rest of it cannot change the verdict.
+
+    A camera that was stuck at first, or pairs that are wrong at first alone, are left to
+    `check_pulses` at the end of the work, which warns of them.
+
+    Parameters
+    ----------
+    frames : sequence of FrameResult
+        The first ones.
+    pairs : FramePairs
+    measure : callable
+        Number of a frame pair to its sample; it is called for the last pairs where the first ones
+        are in disorder.
+
+    Raises
+    ------
+    PulseError
+        If images of camera 2 are exchanged, or the first and the last pairs are in disorder.
+    """
+    ordered = sorted(frames, key=lambda one: one.frame)
+    for fault in find_pulse_faults([one.pulse for one in ordered]):
+        if fault.kind == "repeated" or _is_minor(fault, len(ordered)):
+            continue
+        last = pairs.usable[-_LAST:]
+        if fault.kind == "exchanged" or _is_disordered([measure(frame) for frame in last]):
+            raise PulseError(_describe_order(fault, [one.frame for one in ordered], pairs))
+
+
+def _is_minor(fault: PulseFault, count: int) -> bool:
+    """Whether a few pairs without a partner are wrong, and not the order as a whole."""
+    return fault.kind == "unknown" and 2 * len(fault.frames) <= count
+
+
+def _is_disordered(samples: Sequence[PulseSample]) -> bool:
+    """Whether most of these pairs show different pulses."""
+    faults = (fault for fault in find_pulse_faults(samples) if fault.kind != "repeated")
+    return any(not _is_minor(fault, len(samples)) for fault in faults)
 
 
 def _describe_unknown(fault: PulseFault, numbers: list[int]) -> Note:
@@ -167,6 +206,12 @@ def _describe_repeated(frames: list[int], count: int, pairs: FramePairs) -> Note
 def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) -> str:
     """What is wrong with the order of camera 2, and how to mend it."""
     expected = "Expected both cameras to show the same laser pulse in every frame pair; "
+    if fault.kind == "unknown":
+        return (
+            f"{expected}in {len(fault.frames)} of {len(numbers)} pairs camera 2 shows another "
+            "pulse, in no simple order. Check the triggering of the cameras and the numbers of the "
+            "files."
+        )
     if fault.kind == "reversed":
         return (
             f"{expected}the frames of camera 2 are in reverse order. Number them in the order of "
@@ -180,8 +225,8 @@ def _describe_order(fault: PulseFault, numbers: list[int], pairs: FramePairs) ->
         frames = "frame" if number == 1 else f"{number} frames"
         return (
             f"{expected}camera 2 is {pulses} {which}. Remove the first {frames} of camera {first} "
-            f"and the last {frames} of camera {last}, with the rows of the encoder log that belong "
-            "to the pairs lost."
+            f"and the last {frames} of camera {last}; where a log has a row for each pair, remove "
+            "those of the pairs lost as well."
         )
     pairing = [
         f"{pairs.pages[1][numbers[k]].name} shows the pulse of {pairs.pages[0][numbers[n]].name}"

@@ -98,6 +98,25 @@ def test_a_wrong_order_is_found_among_the_first_triggers(lab, monkeypatch):
     assert ("film", 6, 6) not in seen
 
 
+@pytest.mark.parametrize("cameras", [(1, 2), (2,)])
+def test_a_camera_stuck_in_the_first_triggers_alone_is_not_refused(
+    longer, small_rig, tmp_path, monkeypatch, cameras
+):
+    """The check of the first triggers has the verdict of that at the end: a warning."""
+    from erlif.pipeline import triggers
+
+    lab = Laboratory(tmp_path)
+    shutil.copytree(longer.run, lab.run)
+    for camera in cameras:
+        frames = lab.frames(camera)
+        for k in (1, 6, 7):  # with frame 0 all of the first two triggers
+            shutil.copy(frames[0], frames[k])
+    monkeypatch.setattr(triggers, "EARLY", 2)
+    calibration = small_rig.fixture / "calibration.nc"
+    notes = erlif.process(lab.run, calibration=calibration, workers=1).notes.split("\n")
+    assert any(line.startswith("warning: ") and "stuck" in line for line in notes)
+
+
 @pytest.mark.parametrize("camera", [1, 2])
 def test_one_image_for_all_frames_of_one_camera_is_refused(lab, refused, camera):
     """The first image of camera 2 had looked like one of exchanged cameras."""
