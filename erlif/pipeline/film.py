@@ -23,7 +23,7 @@ from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
 from erlif.pipeline.position import choose_view, describe_positions, note_form
-from erlif.pipeline.prediction import Prediction, choose_theory
+from erlif.pipeline.prediction import Prediction, choose_theory, note_correlation
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
@@ -238,7 +238,13 @@ def describe_film(
     film = film.assign(describe_exponents(film, results, calibration))
 
     film = film.assign_coords(describe_grid(settings, run.pairs.shape, len(results)).coords)
-    own = [*format_notes(run.pairs), *notes, *note_omissions(settings, film), *prediction.notes]
+    own = [
+        *format_notes(run.pairs),
+        *notes,
+        *note_omissions(settings, film),
+        *prediction.notes,
+        *note_correlation(film),
+    ]
     load = float(np.median(film["load"])) if "load" in film else float("nan")
     own += [*_censoring_notes(results), *note_form(positions, calibration, view, settings, load)]
     # gain and noise of the cameras at the time of the calibration stand in its own notes

@@ -41,11 +41,8 @@ from erlif.pipeline.prediction import (
     predict_run,
     swings,
 )
+from erlif.prediction.triggers import CELLS
 from erlif.settings import RunSettings, to_toml
-
-CELLS = (256, 8)
-"""Cells round the joint and along half of its length: finer than for the film, which has no time
-for them."""
 
 MAP = MapVariable(
     "film_predicted",
@@ -164,7 +161,7 @@ def _write_prediction(
     settings = source.settings
     x, y = pixel_positions(settings, source.shape)
     place = places_along_sliding(settings, x, y, choose_region(settings, source.shape))
-    prediction = predict_run(settings, source.film, source.frames, place, cells=CELLS)
+    prediction = predict_run(settings, source.film, source.frames, place)
 
     grid = describe_grid(settings, source.shape, source.triggers)
     with PartialFilm(output, _identify(source), grid, [MAP]) as unfinished:

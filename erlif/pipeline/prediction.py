@@ -14,7 +14,14 @@ from erlif.ingest import Run
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal
 from erlif.pipeline.joint import build_linkage, describe_joint
-from erlif.prediction import FrameMotion, View, follow_motion, gap_in_view, predict_triggers
+from erlif.prediction import (
+    FrameMotion,
+    View,
+    follow_motion,
+    gap_in_view,
+    predict_triggers,
+    speed_correlation,
+)
 from erlif.prediction.triggers import CELLS
 from erlif.settings import CrankRockerSettings, PredictionOptions, RunSettings
 from erlif.trend import Region, viscosity_at
@@ -340,6 +347,33 @@ def choose_theory(settings: RunSettings, steady: xr.Dataset, predicted: xr.Datas
     for name in ("film_regime_map", "film_hamrock_dowson"):
         both[name].attrs["comment"] = f"steady formula, for reference: {reason}"
     return both
+
+
+def note_correlation(film: xr.Dataset) -> list[Note]:
+    """Correlation of the film with the size of the speed, measured and by theory.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_min, film_predicted_min, film_regime_map and rocker_speed (trigger).
+
+    Returns
+    -------
+    list of Note
+        Empty without a prediction, or where the measured film has no correlation.
+    """
+    if "film_predicted_min" not in film or "rocker_speed" not in film:
+        return []
+    names = ("film_min", "film_predicted_min", "film_regime_map")
+    speed = film["rocker_speed"].values
+    measured, predicted, steady = (speed_correlation(film[name].values, speed) for name in names)
+    if not np.isfinite([measured, predicted, steady]).all():
+        return []
+    text = (
+        f"minimum film and |speed| have a correlation of {measured:+.2f}; the transient prediction "
+        f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
+    )
+    return [Note(Level.NOTE, "theory", text)]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

@@ -43,7 +43,8 @@ _THIRD = 0.26  # of two columns, for each of three maps
 _AROUND = 0.75  # inch above and below the maps
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
-_HEADROOM = 1.3  # limit of the film over the thickest one, for a legend
+_ROOM = (0.2, 0.5)  # below and above the films, in parts of their range
+_LEAST_SPAN = 0.02  # of the film; a smaller range is noise
 
 
 def has_prediction(film: xr.Dataset) -> bool:
@@ -169,8 +170,10 @@ def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
 
 
 def _finish(ax: Axes, label: str) -> None:
-    """Label the axes, from contact on, with room for the legend."""
-    ax.set_ylim(0, _HEADROOM * ax.get_ylim()[1])
+    """Label the axes, with room for the legend above and for a text below."""
+    low, high = ax.get_ylim()
+    span = max(high - low, _LEAST_SPAN * high)
+    ax.set_ylim(max(low - _ROOM[0] * span, 0.0), high + _ROOM[1] * span)
     ax.set_xlabel(label)
     ax.set_ylabel("minimum film thickness [µm]")
     frame_legend(ax, loc="upper right")

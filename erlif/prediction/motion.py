@@ -15,11 +15,12 @@ from erlif.core.products import require
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Motion
 
-STEPS_PER_CYCLE = 100
-"""Steps of a turn of the crank: the film of the free joint is then within 0.2 % of the orbit."""
+STEPS_PER_CYCLE, FEWEST_STEPS = 50, 24
+"""Steps of a turn of the crank, for the film within 0.1 %; with the fewest, a guided film is within
+2 % near a dead point (docs/prediction.md)."""
 
-MOST_STEPS = 40_000
-"""Steps of a whole run, which take about half a minute."""
+MANY_STEPS, MOST_STEPS = 5_000, 40_000
+"""Steps of a run from which a turn has fewer of them, and from which it is refused."""
 
 STEADY_CRANK = 0.02
 """Rms deviation from the link angles of a crank at constant speed, in parts of the swing, up to
@@ -88,7 +89,8 @@ def follow_motion(
     direction : int
         +1 where the bushing moves along image x while the rocker angle rises, -1 where against it.
     steps_per_cycle : int
-        Steps of a turn of the crank; every frame has a step of its own besides.
+        Steps of a turn of the crank; every frame has a step of its own besides. A run of many turns
+        has fewer, at least `FEWEST_STEPS`.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def follow_motion(
     ...                      "cycle": ("frame", [0, 0, 0]), "load": ("frame", [222.4] * 3)})
     >>> moved = follow_motion(frames, rig, crank_speed=10.0, viscosity=0.12)
     >>> moved.steps.tolist(), round(float(moved.motion.time[-1]), 4)
-    ([0, 25, 50], 0.3142)
+    ([0, 13, 26], 0.3142)
     """
     require(frames, "crank_angle", "cycle", "load")
     time, crank = _clock(frames, linkage, crank_speed)
@@ -121,13 +123,14 @@ def follow_motion(
 
     # a frame is a step, and between frames no step is longer than that of an even cycle
     turned = np.interp(nodes, time, crank)
-    parts = np.ceil(np.diff(turned) / _TURN * steps_per_cycle - 1e-6)
+    turns = float(np.ptp(turned)) / _TURN
+    per_turn = min(steps_per_cycle, max(MANY_STEPS / max(turns, 1.0), FEWEST_STEPS))
+    parts = np.ceil(np.diff(turned) / _TURN * per_turn - 1e-6)
     parts = np.maximum(parts, 1).astype(np.int64)
     if parts.sum() > MOST_STEPS:
         raise EncoderError(
-            f"Expected a recording of at most {MOST_STEPS / steps_per_cycle:.0f} turns of the "
-            f"crank for the prediction; it covers {np.ptp(crank) / _TURN:.0f}. Use runs of "
-            "fewer turns."
+            f"Expected a recording of at most {MOST_STEPS // FEWEST_STEPS} turns of the crank for "
+            f"the prediction; it covers {turns:.0f}. Use runs of fewer turns."
         )
     place = np.concatenate([[0], np.cumsum(parts)])
     at = np.interp(np.arange(place[-1] + 1), place, nodes)

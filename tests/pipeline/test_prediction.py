@@ -15,6 +15,7 @@ from erlif.pipeline.prediction import (
     choose_theory,
     film_along_sliding,
     find_load_line,
+    note_correlation,
     places_along_sliding,
     predict_run,
     swings,
@@ -184,6 +185,25 @@ def test_without_a_prediction_the_regime_map_is_the_theory():
     npt.assert_array_equal(found.film_theory, found.film_regime_map)
     assert found.film_theory.attrs["regime"] == "isoviscous-rigid"
     assert not choose_theory(settings(), xr.Dataset(), xr.Dataset())
+
+
+def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
+    one = settings()
+    predicted = predict_run(one, film(), frames(), place(one)).triggers
+    whole = choose_theory(one, steady(), predicted).merge(film())
+    assert note_correlation(whole) == []  # no speed
+    speed = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
+    whole = whole.assign(
+        rocker_speed=("trigger", speed),
+        film_min=("trigger", 10.0 - abs(speed)),
+        film_regime_map=("trigger", 20 * abs(speed)),
+        film_predicted_min=("trigger", np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])),
+    )
+    # 0 for the prediction: it is symmetric about the middle of the speeds
+    text = str(note_correlation(whole)[0])
+    assert "correlation of -1.00" in text
+    assert "prediction gives +0.00, the steady regime map +1.00" in text
+    assert note_correlation(whole.drop_vars("film_predicted_min")) == []
 
 
 def test_deflecting_surfaces_are_named_as_a_limit():

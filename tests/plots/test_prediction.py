@@ -54,6 +54,7 @@ def test_the_figure_states_both_correlations():
     measured, predicted = (
         np.corrcoef(speed, FILM[name].values)[0, 1] for name in ("film_min", "film_predicted_min")
     )
+    measured, predicted = (round(float(value), 2) for value in (measured, predicted))
     text = left.texts[0].get_text().replace("−", "-")
     assert text.endswith(f"measured {measured:+.2f}, predicted {predicted:+.2f}")
 
