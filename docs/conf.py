@@ -100,9 +100,13 @@ html_theme_options = {
 SINGLE_PAGES = (
     "index",
     "your_data",
+    "formats",
+    "logs",
+    "tribometers",
     "tutorial",
     "files",
     "glossary",
+    "performance",
     "architecture",
     "matlab",
     "shell_completion",
