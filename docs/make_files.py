@@ -413,7 +413,7 @@ FILM = (
         "1",
         "Exponent n of film_min proportional to (rocker_speed/load)^n, from a log-log fit without "
         "the triggers below a tenth of the highest speed; sliding_speed takes the place of "
-        "rocker_speed where there is no linkage. NaN where fewer than five triggers can be used, "
+        "rocker_speed where there is no linkage, or where the log has the speed. NaN where fewer than five triggers can be used, "
         "or speed over load varies by less than a tenth.",
         TREND,
     ),
@@ -553,6 +553,12 @@ VARIABLE_ATTRIBUTES = (
     Attribute("start_std", "Its standard deviation [s].", "start was fitted"),
     Attribute("log_scale", "Of an exponent: logarithm of the factor of the fitted power law."),
     Attribute("triggers_used", "Of an exponent: number of triggers in the fit."),
+    Attribute("speed", "Of an exponent: variable whose power the film follows."),
+    Attribute(
+        "source",
+        "Of sliding_speed: log where it stands in place of that of the linkage.",
+        "the log of a linkage has the speed",
+    ),
 )
 
 PREDICTED_FRAMES = (

@@ -343,7 +343,7 @@ def describe_exponents(
 
     Empty where the film has no speed or no load.
     """
-    name = "rocker_speed" if "rocker_speed" in film else "sliding_speed"
+    name = _speed_of_trend(film)
     if name not in film or "load" not in film:
         return {}
 
@@ -492,10 +492,19 @@ def _all_frames(cycle: xr.Dataset, trigger: int) -> list[int]:
     return [int(k) for k in np.nonzero(cycle.trigger.values == trigger)[0]]
 
 
+def _speed_of_trend(film: xr.Dataset) -> str:
+    """Name of the speed: that of the joint, unless there is none or the log has its own."""
+    computed = "rocker_speed" in film
+    if "sliding_speed" in film:
+        computed = computed and film.sliding_speed.attrs.get("source") != "log"
+    return "rocker_speed" if computed else "sliding_speed"
+
+
 def _exponent_variables(name: str, exponent: Exponent, film: str, speed: str) -> dict[str, Any]:
     attrs = {
         "units": "1",
         "long_name": f"power of |{speed}|/load that {film} follows",
+        "speed": speed,
         "log_scale": exponent.log_scale,
         "triggers_used": exponent.triggers,
     }

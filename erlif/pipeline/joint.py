@@ -76,7 +76,7 @@ def locate_run(run: Run) -> xr.Dataset:
             # a logged speed stands in place of a computed one, for every kind of motion
             logged = locate_logged(log)
             names = [name for name in ("sliding_speed",) if name in logged]
-            return located.assign({name: logged[name] for name in names})
+            return located.assign({name: logged[name].assign_attrs(source="log") for name in names})
         case RotationSettings() as disc:
             return locate_rotation(
                 log,

@@ -179,6 +179,17 @@ def test_exponents_are_those_of_minimum_and_mean(power_law, calibration):
     assert found.speed_exponent.attrs["triggers_used"] == 12
 
 
+def test_exponents_follow_the_logged_speed_where_there_is_one(power_law, calibration):
+    """A logged speed with the power m of the computed one: film ~ v^0.62 = (v^m)^(0.62/m)."""
+    film, results = power_law
+    load = film["load"].values
+    logged = load * (np.abs(film.rocker_speed.values) / load) ** 1.25
+    known = film.assign(sliding_speed=("trigger", logged, {"source": "log"}))
+    found = xr.Dataset(describe_exponents(known, results, calibration))
+    npt.assert_allclose(found.speed_exponent, 0.62 / 1.25, rtol=1e-6)
+    assert found.speed_exponent.attrs["speed"] == "sliding_speed"
+
+
 def test_marks_of_the_surfaces_widen_the_exponent_of_the_minimum_alone(power_law, calibration):
     film, results = power_law
     plain = xr.Dataset(describe_exponents(film, results, calibration))

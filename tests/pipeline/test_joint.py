@@ -105,3 +105,5 @@ def test_a_logged_speed_stands_in_place_of_that_of_the_linkage(run):
     found = locate_run(replace(run, log=log))
     npt.assert_allclose(found.sliding_speed, np.abs(logged))
     npt.assert_allclose(found.rocker_speed, locate_run(run).rocker_speed)
+    assert found.sliding_speed.attrs["source"] == "log"
+    assert "source" not in locate_run(run).sliding_speed.attrs

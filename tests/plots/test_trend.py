@@ -169,3 +169,12 @@ def test_load_of_each_trigger_enters_the_axis(changed):
     changed["load"] = changed["load"].copy(data=np.full(scene.TRIGGERS, scene.LOAD / 2))
     x, _ = points_of(plots.film_against_speed(changed)[:-2], MINIMUM)
     npt.assert_allclose(x, 2 * np.sort(SPEED_OVER_LOAD), rtol=1e-6)
+
+
+def test_the_speed_of_the_exponent_is_drawn(film):
+    """A film of a linkage whose log has the speed."""
+    logged = film.copy()
+    logged["speed_exponent"] = film.speed_exponent.assign_attrs(speed="sliding_speed")
+    ax = plots.film_against_speed(logged)[0].axes
+    assert ax.get_xlabel().startswith("sliding speed over load")
+    assert plots.film_against_speed(film)[0].axes.get_xlabel().startswith("speed over load")
