@@ -103,6 +103,7 @@ SINGLE_PAGES = (
     "formats",
     "logs",
     "tribometers",
+    "prediction",
     "tutorial",
     "files",
     "glossary",

@@ -413,8 +413,8 @@ FILM = (
         "1",
         "Exponent n of film_min proportional to (rocker_speed/load)^n, from a log-log fit without "
         "the triggers below a tenth of the highest speed; sliding_speed takes the place of "
-        "rocker_speed where there is no linkage, or where the log has the speed. NaN where fewer than five triggers can be used, "
-        "or speed over load varies by less than a tenth.",
+        "rocker_speed where there is no linkage, or where the log has the speed. NaN where fewer "
+        "than five triggers can be used, or speed over load varies by less than a tenth.",
         TREND,
     ),
     Variable("speed_exponent_std", (), "float64", "1", "Its standard deviation.", TREND),

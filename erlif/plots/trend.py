@@ -43,7 +43,8 @@ _ROOM = 0.3  # above the curves for the legend, as a power of the range of the a
 
 
 def _speed_name(film: xr.Dataset) -> str:
-    """The speed that the exponents of a film belong to; films of earlier versions do not name it."""
+    """The speed that the exponents of a film belong to."""
+    # films of earlier versions do not name it
     named = film["speed_exponent"].attrs.get("speed") if "speed_exponent" in film else None
     if isinstance(named, str) and named in _LABELS and named in film:
         return named
