@@ -44,6 +44,12 @@ SMALLEST_SHARE = 1e-4
 LOAD_STEPS = 30
 """Steps from that share to the whole load, each by a factor of 1.4."""
 
+SMALLEST_COSINE = 0.1
+"""Cosine to the load from which a wall is taken to approach its oil. [1]"""
+
+BEYOND = 10 * SWITCH_TOLERANCE
+"""Share of the film by which a pin without resistance moves beyond where it meets oil. [1]"""
+
 MOST_ITERATIONS = 60
 """Newton steps until a solution is given up, besides those of moving edges; 3 or 4 are usual."""
 
@@ -437,13 +443,29 @@ class _Newton:
             pressures = each if self.still else np.where(self.full, each, 0.0)
             changes.append(forces(medium, step.axes, pressures * self.slope))
         matrix = np.array(changes[1:]).T + np.diag(step.stiffness)
-        try:
+        if abs(np.linalg.det(matrix)) > 0:
             return np.asarray(np.linalg.solve(matrix, self.missing - changes[0]))
-        except np.linalg.LinAlgError as error:
-            raise NoConvergenceError(
-                "The film carries no load in its present position: its pressure does not change "
-                "with the position of the body."
-            ) from error
+        return self.fall(found)
+
+    def fall(self, found: Array) -> Array:
+        """Displacement along the load until oil meets the wall, where no full cell resists it."""
+        size = float(np.linalg.norm(self.missing))
+        empty = ~self.full
+        if size > 0 and empty.any():
+            toward = self.missing / size
+            nearer = sum(
+                part * each.centre for part, each in zip(toward, self.step.directions, strict=True)
+            )
+            nearer = np.broadcast_to(nearer, empty.shape)
+            meets = empty & (nearer > SMALLEST_COSINE)
+            if meets.any():
+                found[:] = 0.0  # the pressures stay until the next solution
+                way = (self.void + BEYOND * self.walls.centre)[meets] / nearer[meets]
+                return np.asarray(toward * way.min())
+        raise NoConvergenceError(
+            "The film carries no load in its present position: its pressure does not change with "
+            "the position of the body."
+        )
 
     def allowed(self, shift: Array, change: Array) -> float:
         """Share of a Newton step that leaves enough film everywhere."""

@@ -17,6 +17,9 @@ LARGEST_APPROACH = 0.7
 MOST_ITERATIONS = 60
 """As in `erlif.models.reynolds.balance`."""
 
+THINNEST_FILM = 1e-9
+"""As in `erlif.models.reynolds.transient`. [m]"""
+
 COLUMNS = (
     "displacement_load",
     "displacement_side",
@@ -418,7 +421,8 @@ def march(  # type: ignore[no-untyped-def]
                     for s in range(free):
                         delta += shift[s] * sides[c * nz + j, s + 1]
                     p[i, j] += share * delta
-        if not solved or alpha * p.max() >= 1 - SMALLEST_FLUIDITY or thinnest < 1e-9:
+        least = gap_cells.min() - np.hypot(ex, ey)
+        if not solved or alpha * p.max() >= 1 - SMALLEST_FLUIDITY or least < THINNEST_FILM:
             return k
 
         # the step is made: content by the flow, and its numbers

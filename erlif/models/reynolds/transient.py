@@ -350,6 +350,7 @@ class Ride:
                 halvings += 1
                 share /= 2
                 if halvings > MOST_HALVINGS:
+                    self.refuse_thin_film(now, k, self.resolved)
                     raise ModelError(
                         f"No film was found at {motion.time[k]:.6g} s (step {k}): {error}"
                     ) from error
@@ -360,14 +361,25 @@ class Ride:
             self.instant, self.state = now, state
             iterations += state.iterations
             done = part
-            if state.walls.centre.min() < THINNEST_FILM:
-                raise ModelError(
-                    f"No film carries the load at {now.time:.6g} s (step {k}): under "
-                    f"{now.load:.4g} N it is thinner than {THINNEST_FILM * 1e9:.0f} nm. "
-                    "Check load and viscosity, or end the motion earlier."
-                )
+            self.refuse_thin_film(now, k, THINNEST_FILM)
         self.iterations = iterations
         self.supply = supply / (motion.time[k] - motion.time[k - 1])
+
+    @property
+    def resolved(self) -> float:
+        """Film that is as thick at its minimum as it grows over the next two cells. [m]"""
+        step = 2 * np.pi / self.bearing.medium.grid.along
+        return float(self.bearing.journal.clearance * 2 * step**2)
+
+    def refuse_thin_film(self, now: "_Moment", k: int, limit: float) -> None:
+        """Refuse a film that is thinner than a limit."""
+        film = float(self.bearing.rigid.centre.min() - np.hypot(*self.pin()))
+        if self.bearing.journal.foundation is None and film < limit:
+            raise ModelError(
+                f"No film carries the load at {now.time:.6g} s (step {k}): under {now.load:.4g} N "
+                f"it is thinner than {limit * 1e6:.2g} um, which the cells do not resolve. Check "
+                "load and viscosity, take more cells round the joint, or end the motion earlier."
+            )
 
     def guess(self, step: Step) -> State:
         """Where the Newton steps begin: the last film, moved on as it moved before."""

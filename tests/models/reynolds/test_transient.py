@@ -225,6 +225,16 @@ def test_held_pin_without_a_direction_is_refused():
     solve_journal(joint(), turning, sideways=Mount(np.inf, direction=0.0), cells=(64, 2))
 
 
+def test_pin_without_oil_around_it_falls_until_it_meets_some():
+    """Vented cavities and a light load at high speed: no cell resists the pin for a while."""
+    case = {"length": 0.237, "viscosity": 0.42, "cavitation_pressure": 0.0, "long": True}
+    light = Journal(0.03336, 0.03359, **case)
+    motion = crank_motion(RIG, crank_speed=50.0, load=1.3, cycles=4, steps_per_cycle=50)
+    found = solve_journal(light, motion, cells=(128, 1), sideways="guided", start=(7e-6, -2e-6))
+    assert np.isfinite(found.film_min).all()
+    npt.assert_allclose(found.reaction_load[1:], 1.3, rtol=1e-5)
+
+
 def test_load_that_no_film_carries_is_refused():
     motion = Motion([0.0, 1.0, 2.0], [0.0, 0.0, 0.0], load=1e8)
     with pytest.raises(ModelError, match="No film"):
