@@ -273,7 +273,8 @@ class Ride:
         if mount.rest is not None:
             self.held[1] = mount.rest if mount.guided else self.held[1]
         self.rest = self.held[1] if mount.rest is None else mount.rest
-        self.speed = np.gradient(motion.angle, motion.time)
+        turning = np.diff(motion.angle) / np.diff(motion.time)
+        self.speed = np.concatenate([turning[:1], turning])  # of each step, as its flow and forces
 
         # the film of the start
         self.instant = self.moment(0, 1.0)

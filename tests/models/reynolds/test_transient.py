@@ -165,13 +165,12 @@ def test_turned_load_line_turns_the_orbit():
 
 def test_work_of_load_and_drive_is_the_heat_of_a_full_film():
     full = joint(cavitation_pressure=FULL)
-    motion = rig_motion(1, steps=400)
-    found = solve_journal(full, motion, cells=(96, 6), start=(1e-4, 0.0), grooves=[])
-    middle = slice(2, -2)
-    speed = np.gradient(motion.angle, motion.time)
-    sinking = np.gradient(found.displacement_load.values, motion.time)
-    work = found.friction_torque * speed + LOAD * sinking
-    npt.assert_allclose(found.power[middle], work[middle], rtol=0.02)
+    motion = rig_motion(1, steps=100)
+    found = solve_journal(full, motion, cells=(160, 10), start=(1e-4, 0.0), grooves=[])
+    turned, sunk = np.diff(motion.angle), np.diff(found.displacement_load.values)
+    heat = found.power.values[1:] * np.diff(motion.time)
+    work = found.friction_torque.values[1:] * turned + LOAD * sunk
+    npt.assert_allclose(heat, work, rtol=0.01)
 
 
 def test_stiff_liner_is_rigid_and_a_soft_one_spreads_the_pressure():
