@@ -1,5 +1,6 @@
 """The film that theory predicts for an oscillating joint, at every frame and trigger."""
 
+from erlif.prediction.comparison import Candidate, Comparison, compare_models
 from erlif.prediction.fit import Estimate, MotionFit, fit_motion
 from erlif.prediction.measured import MeasuredMotion, measured_minima, measured_positions
 from erlif.prediction.motion import FrameMotion, follow_motion
@@ -16,6 +17,8 @@ from erlif.prediction.triggers import (
 from erlif.prediction.view import View, gap_in_view, summarise_gap
 
 __all__ = [
+    "Candidate",
+    "Comparison",
     "Estimate",
     "FrameMotion",
     "MeasuredMotion",
@@ -26,6 +29,7 @@ __all__ = [
     "StartFilm",
     "View",
     "average_triggers",
+    "compare_models",
     "find_pin_motion",
     "find_pressures",
     "find_start_film",

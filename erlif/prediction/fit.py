@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,14 +14,17 @@ from erlif.core.errors import ConfigError
 from erlif.core.notes import Level, Note
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.least_squares import (
+    CONVERGED,
     ONE_SIDED,
+    TARGETS,
     TWO_SIDED,
     LeastSquares,
     Minimum,
+    Unknowns,
     interval,
 )
 from erlif.prediction.measured import MeasuredMotion
-from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits
+from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
 
 FEWEST_TRIGGERS = 4
@@ -34,6 +37,11 @@ MISFIT = 1.5
 """Factor of the stated random errors that the residuals require, from which it is reported."""
 
 _TRIALS = (0.03, 1.0, 30.0)  # dampings tried together where many orbits are quick
+
+_HELD_CONVERGED = 0.01  # of chi-square; cells that change to cavities make it jump by as much
+_FEW = (-2.1, 2.1)  # standard deviations at which slow profiles are computed
+_ROUNDS = 3  # corrections of the orbits of a held pin
+_NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
 SIDEWAYS = ("free", "guided", "spring")
 """How a pin may be held."""
@@ -136,6 +144,7 @@ def fit_motion(
     *,
     steps: npt.NDArray[np.integer[Any]],
     trigger: npt.NDArray[np.integer[Any]] | None = None,
+    crank: Array | None = None,
     sideways: str = "free",
     fitted: Sequence[str] = ("viscosity",),
     load_line_std: float = LOAD_LINE_STD,
@@ -160,6 +169,9 @@ def fit_motion(
     trigger : array, (frame,), optional
         Trigger of each frame, a negative number for one that was not measured. By default each
         frame is a trigger.
+    crank : array, (step,), optional
+        Crank angle, counted on from turn to turn. The film of a held pin is then led in by a turn
+        in which its cavities form; else it is full at the first frame. [rad]
     sideways : str
         "free", "guided" or "spring".
     fitted : sequence of str
@@ -200,16 +212,45 @@ def fit_motion(
     _check(measured, frames, sideways, fitted)
     orbits: Orbits = FreeOrbits(journal, motion)
     if sideways != "free":
-        orbits = HeldOrbits(journal, motion, sideways)
+        lead = None if crank is None else lead_of(motion, np.asarray(crank))
+        orbits = HeldOrbits(journal, motion, sideways, lead=lead)
     problem = Problem(orbits, frames, measured, sideways)
     unknowns, fixed = problem.unknowns(fitted, load_line_std)
-    least = LeastSquares(
-        frames.observations(measured),
-        unknowns,
-        lambda sets: problem.predict(sets, unknowns, fixed),
-        trials=_TRIALS if sideways == "free" else (1.0,),
-    )
-    return _describe(problem, least, least.solve(), fixed, profiles)
+    return _search(problem, unknowns, fixed, profiles)
+
+
+def _search(
+    problem: Problem, unknowns: Unknowns, fixed: Mapping[str, float], profiles: bool
+) -> MotionFit:
+    """Fit, with the orbits of a held pin corrected where the fit ends."""
+    observed = problem.observations()
+    free = isinstance(problem.orbits, FreeOrbits)
+    trials, tolerance = (_TRIALS, CONVERGED) if free else ((1.0,), _HELD_CONVERGED)
+
+    def pose() -> LeastSquares:
+        model = problem.model(unknowns, fixed)
+        return LeastSquares(observed, unknowns, model, trials, tolerance)
+
+    least = pose()
+    found = least.solve()
+    smallest = float(np.sqrt(np.diagonal(observed.random_cov, axis1=1, axis2=2).min()))
+    orbits = problem.orbits
+    for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
+        assert isinstance(orbits, HeldOrbits)
+        columns = dict(zip(unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
+        columns.pop("load_line")
+        before = 0.0 if orbits.shift is None else orbits.shift
+        orbits = orbits.corrected(columns)
+        change = 0.0 if orbits.shift is None else float(np.abs(orbits.shift - before).max())
+
+        # the same search with the corrected model, from where it ended
+        problem = replace(problem, orbits=orbits)
+        unknowns = replace(unknowns, start=found.value)
+        least = pose()
+        found = least.solve()
+        if change < _NEAR * smallest * found.inflation:
+            break
+    return _describe(problem, least, found, fixed, profiles)
 
 
 def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:
@@ -255,7 +296,8 @@ def _describe(
     low, high = least.unknowns.low, least.unknowns.high
     if profiles:
         wanted = [k for k, name in enumerate(names) if name != "load_line"]
-        for k, curve in zip(wanted, least.profiles(found, wanted), strict=True):
+        few = _FEW if isinstance(problem.orbits, HeldOrbits) else TARGETS
+        for k, curve in zip(wanted, least.profiles(found, wanted, few), strict=True):
             ends[k] = interval(*curve, TWO_SIDED)
             if not np.isfinite(ends[k]).all():
                 one_sided = interval(*curve, ONE_SIDED)
@@ -273,6 +315,9 @@ def _describe(
     for name, value, one, (a, b) in zip(names, found.value, std, ends, strict=True):
         estimates |= _estimate(name, float(value), float(one), a, b, journal, motion)
 
+    if isinstance(problem.orbits, HeldOrbits) and problem.orbits.lead is not None:
+        estimates.pop("start_attitude", None)
+        estimates["start_film"] = _first_film(problem, least, found, fixed)
     scale = np.where(std > 0, std, 1.0)
     frames = problem.frame_positions(found.value[np.newaxis], least.unknowns, fixed)[0]
     return MotionFit(
@@ -291,6 +336,30 @@ def _describe(
         frames=frames,
         notes=tuple(_notes(estimates, found)),
     )
+
+
+def _first_film(
+    problem: Problem, least: LeastSquares, found: Minimum, fixed: Mapping[str, float]
+) -> Estimate:
+    """The film at the first step of the motion, where the search has that of the lead."""
+    orbits, clearance = problem.orbits, problem.orbits.journal.clearance
+    assert isinstance(orbits, HeldOrbits)
+    motion, shift = orbits.motion, orbits.shift
+    series = motion.time, motion.angle, motion.load, motion.load_direction
+    brief = replace(
+        orbits,
+        motion=Motion(*(np.asarray(one)[:3] for one in series)),
+        shift=None if shift is None else shift[:3],
+    )
+    sets = least.neighbours(found.value)
+    columns = {name: sets[:, k] for k, name in enumerate(least.unknowns.names)}
+    columns |= {name: np.full(len(sets), value) for name, value in fixed.items()}
+    columns.pop("load_line")
+    film = clearance - np.hypot(*brief.follow(columns)[:, 0].T)
+    slope = (film[1:] - film[0]) / np.diag(sets[1:] - found.value)
+    std = float(np.sqrt(slope @ found.covariance @ slope))
+    value = float(film[0])
+    return Estimate(value, std, value - 1.96 * std, value + 1.96 * std, "m")
 
 
 def _estimate(

@@ -18,14 +18,23 @@ MOST_ITERATIONS = 40
 """Trials until the search ends without a minimum; four to ten are usual."""
 
 CONVERGED = 1e-4
-"""Decrease of chi-square that a further step promises, below which the search ends."""
+"""Decrease of chi-square that a further step promises, below which the search ends: a hundredth of
+a standard deviation."""
 
 ONE_SIGMA, TWO_SIDED, ONE_SIDED = 1.0, 3.841, 2.706
 """Rise of chi-square at the ends of the 68 % and 95 % intervals, and at a 95 % limit."""
 
+TARGETS = (-2.4, -1.2, 1.2, 2.4)
+"""Standard deviations at which a profile is computed."""
+
 _DAMPING = 1e-3  # of the first step, over the curvature
-_LARGEST_DAMPING = 1e8
-_TARGETS = np.array([-2.4, -1.2, 1.2, 2.4])  # standard deviations at which a profile is computed
+_INFLATIONS = 4001  # of which the likeliest is taken: steps of half a percent
+_LARGEST_LOG = 40.0  # of the square of an inflation
+_SINGULAR = 1e-14  # of the scaled normal matrix, below which a direction is left out
+_NEARLY = 1.0  # promised decrease up to which the last of all iterations is taken
+_GAIN = 3.0  # tolerances that a step gains, below which it counts as slow
+_SLOW = 3  # steps in turn that hardly gain, after which the search ends
+_LARGEST_DAMPING = 1e5
 
 Predict = Callable[[Array], Array]
 """Sets of unknowns (case, unknown) to observations (case, observation)."""
@@ -177,6 +186,8 @@ class LeastSquares:
         none.
     trials : sequence of float
         Dampings that are tried together, over that of the iteration.
+    tolerance : float
+        Decrease of chi-square that a further step promises, below which the search ends.
     """
 
     def __init__(
@@ -185,12 +196,15 @@ class LeastSquares:
         unknowns: Unknowns,
         predict: Predict,
         trials: Sequence[float] = (1.0,),
+        tolerance: float = CONVERGED,
     ) -> None:
-        self.trials = trials
+        self.trials, self.tolerance = trials, tolerance
         self.observed, self.unknowns, self.predict = observed, unknowns, predict
         self.target = observed.whiten(observed.value)
         self.columns = observed.whiten(np.moveaxis(observed.shared, -1, 0)).T
         self.sources = self.columns.shape[1]
+        axes, sizes, _ = np.linalg.svd(self.columns, full_matrices=False)
+        self.axes, self.spread = axes, sizes**2
         self.known = np.isfinite(unknowns.expected_std)
 
     def misses(self, sets: Array) -> Array:
@@ -246,30 +260,41 @@ class LeastSquares:
         ((miss, jacobian),) = self._evaluate(value)
         if not np.isfinite(miss).all():
             raise ModelError("The model has no film at the start of the fit.")
-        cost = self.reduced(miss, value)[0]
-        damping = _DAMPING
+        damping, slow, cost, promised = _DAMPING, 0, np.inf, np.inf
         for _ in range(MOST_ITERATIONS):
-            promised = self._step(miss, jacobian, value, damping)[1]
-            if promised < CONVERGED * max(1.0, cost / self.target.size):
+            # a poor model is not bent by shared errors of many standard deviations
+            inflation = self._inflation(miss, value)
+            cost = self.reduced(miss, value, inflation)[0]
+            state = miss, jacobian, value, inflation
+            promised = self._step(*state, damping)[1]
+            if promised < self.tolerance:
                 return self._minimum(value, miss, jacobian)
 
             # trials and their neighbours at once: where one is better, its derivatives are there
             dampings = [damping * factor for factor in self.trials]
-            steps = [self._step(miss, jacobian, value, one)[0] for one in dampings]
+            steps = [self._step(*state, one)[0] for one in dampings]
             trials = [np.clip(value + step, unknowns.low, unknowns.high) for step in steps]
             found = self._evaluate(*trials)
             reached = [
-                self.reduced(there, trial)[0] if np.isfinite(there).all() else np.inf
+                self.reduced(there, trial, inflation)[0] if np.isfinite(there).all() else np.inf
                 for trial, (there, _) in zip(trials, found, strict=True)
             ]
             best = int(np.argmin(reached))
+            gain = cost - reached[best]
+            slow = 0 if gain > _GAIN * self.tolerance else slow + int(gain >= 0)
             if reached[best] < cost:
-                value, (miss, jacobian), cost = trials[best], found[best], reached[best]
+                value, (miss, jacobian) = trials[best], found[best]
                 damping = max(dampings[best] / 3, 1e-9)
             elif damping > _LARGEST_DAMPING:
                 return self._minimum(value, miss, jacobian)
             else:
                 damping *= 10 * max(self.trials)
+
+            # differences of a model that is solved to a tolerance promise more than they keep
+            if slow == _SLOW:
+                return self._minimum(value, miss, jacobian)
+        if promised < _NEARLY:
+            return self._minimum(value, miss, jacobian)
         raise ModelError(
             f"The fit found no minimum in {MOST_ITERATIONS} iterations: chi-square {cost:.4g} of "
             f"{self.target.size} observations. Fix one of {', '.join(unknowns.names)}."
@@ -286,12 +311,12 @@ class LeastSquares:
         return found
 
     def _step(
-        self, miss: Array, jacobian: Array, value: Array, damping: float
+        self, miss: Array, jacobian: Array, value: Array, inflation: float, damping: float
     ) -> tuple[Array, float]:
         """A damped step within the bounds, and the decrease of chi-square without damping."""
         unknowns = self.unknowns
         usable = np.nan_to_num(jacobian)
-        matrix, right = self.system(miss, usable, value, 1.0)
+        matrix, right = self.system(miss, usable, value, inflation)
         normal, gradient = matrix.T @ matrix, matrix.T @ right
 
         # an unknown at its bound that would leave it is held there
@@ -301,30 +326,28 @@ class LeastSquares:
             (value >= unknowns.high) & (gradient[:count] > 0)
         )
         free = ~held
-        small = 1e-12 * max(float(np.diag(normal)[:count].max(initial=0.0)), 1e-300)
-        diagonal = np.diag(normal)[free] + small
         inner, pull = normal[np.ix_(free, free)], gradient[free]
-        best = np.linalg.solve(inner + np.diag(1e-12 * diagonal), pull)
-        now = self.reduced(miss, value)[0]
+        best = _solve(inner, pull)
+        now = self.reduced(miss, value, inflation)[0]
         promised = float(now - right @ right + 2 * best @ pull - best @ inner @ best)
-        scale = np.where(np.arange(normal.shape[0])[free] < count, diagonal, 0.0)
+        damped = np.where(np.flatnonzero(free) < count, damping * np.diag(inner), 0.0)
         taken = np.zeros(normal.shape[0])
-        taken[free] = np.linalg.solve(inner + np.diag(damping * scale + 1e-12 * diagonal), pull)
+        taken[free] = _solve(inner + np.diag(damped), pull)
         step = taken[:count]
         step = step / max(1.0, float((np.abs(step) / unknowns.largest).max()))
         return step, promised
 
     def _inflation(self, miss: Array, value: Array) -> float:
         """Factor of the random errors of the greatest likelihood, at least 1."""
-        inflation, freedom = 1.0, max(self.target.size - value.size, 1)
-        for _ in range(20):
-            shared = self.reduced(miss, value, inflation)[1]
-            left = miss - self.columns @ shared
-            found = max(1.0, float(np.sqrt(left @ left / freedom)))
-            if abs(found - inflation) < 1e-3 * inflation:
-                break
-            inflation = found
-        return inflation
+        freedom = max(self.target.size - self.sources - value.size, 1)
+        along = self.axes.T @ miss
+        rest = max(float(miss @ miss - along @ along), 0.0)
+
+        # the likelihood with the shared errors integrated out, over the factor squared
+        square = np.exp(np.linspace(0.0, _LARGEST_LOG, _INFLATIONS))[:, np.newaxis]
+        unlikely = (along**2 / (square + self.spread) + np.log(square + self.spread)).sum(axis=1)
+        unlikely += rest / square[:, 0] + freedom * np.log(square[:, 0])
+        return float(np.sqrt(square[int(np.argmin(unlikely)), 0]))
 
     def _minimum(self, value: Array, miss: Array, jacobian: Array) -> Minimum:
         """The result at a set of unknowns."""
@@ -332,8 +355,7 @@ class LeastSquares:
         matrix, _ = self.system(miss, np.nan_to_num(jacobian), value, inflation)
         normal = matrix.T @ matrix
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-14, hermitian=True)
-        covariance = inverse / np.outer(scale, scale)
+        covariance = _inverse(normal / np.outer(scale, scale)) / np.outer(scale, scale)
         chi, shared = self.reduced(miss, value, inflation)
         plain = self.reduced(miss, value)[0]
         residual = miss - self.columns @ shared
@@ -373,14 +395,16 @@ class LeastSquares:
         (points,) = self.profiles(found, [which])
         return points
 
-    def profiles(self, found: Minimum, which: list[int]) -> list[tuple[Array, Array]]:
+    def profiles(
+        self, found: Minimum, which: list[int], targets: Sequence[float] = TARGETS
+    ) -> list[tuple[Array, Array]]:
         """Profiles of several unknowns, computed together; see `profile`."""
         unknowns, count = self.unknowns, found.value.size
         std = np.sqrt(np.diag(found.covariance))
         sets, fixed = [], []
         for one in which:
             slope = found.covariance[:, one] / found.covariance[one, one]
-            for target in _TARGETS:
+            for target in targets:
                 place = found.value[one] + target * std[one]
                 place = float(np.clip(place, unknowns.low[one], unknowns.high[one]))
                 moved = found.value + slope * (place - found.value[one])
@@ -413,12 +437,23 @@ class LeastSquares:
         ]
         rise = np.fmin(first, second) - least
 
-        curves = []
+        curves, middle = [], len(targets) // 2
         for n, one in enumerate(which):
-            part = slice(n * _TARGETS.size, (n + 1) * _TARGETS.size)
-            place = np.insert(trial[part, one], 2, found.value[one])
-            curves.append((place, np.insert(rise[part], 2, 0.0)))
+            part = slice(n * len(targets), (n + 1) * len(targets))
+            place = np.insert(trial[part, one], middle, found.value[one])
+            curves.append((place, np.insert(rise[part], middle, 0.0)))
         return curves
+
+
+def _inverse(matrix: Array) -> Array:
+    """Inverse of a scaled normal matrix, without the directions that nothing determines."""
+    return np.asarray(np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True))
+
+
+def _solve(normal: Array, right: Array) -> Array:
+    """Solution of normal equations that may be singular."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    return np.asarray(_inverse(normal / np.outer(scale, scale)) @ (right / scale) / scale)
 
 
 def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:

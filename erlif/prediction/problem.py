@@ -11,11 +11,9 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.models.reynolds.full_film import FullFilm
-from erlif.prediction.least_squares import Observations, Unknowns
+from erlif.prediction.least_squares import Observations, Predict, Unknowns
 from erlif.prediction.measured import MeasuredMotion
-from erlif.prediction.orbits import ATMOSPHERE, Orbits
-
-_TRIALS = (0.5, 1.0, 2.0)  # fluidities at which the search for that of a held pin may begin
+from erlif.prediction.orbits import ATMOSPHERE, HELD_ERROR, HELD_SCATTER, Orbits
 
 
 @dataclass(frozen=True)
@@ -85,11 +83,6 @@ class Frames:
         mean[:, ranked[first]] = total / frames.reshape(1, -1, *(1,) * (values.ndim - 2))
         return mean
 
-    def observations(self, measured: MeasuredMotion) -> Observations:
-        """The measured triggers."""
-        good = self.measured
-        return Observations(measured.value[good], measured.random_cov[good], measured.shared[good])
-
 
 @dataclass(frozen=True)
 class Problem:
@@ -111,6 +104,20 @@ class Problem:
     frames: Frames
     measured: MeasuredMotion
     sideways: str
+
+    def observations(self) -> Observations:
+        """The measured triggers, with the error of the model of a held pin."""
+        measured, good = self.measured, self.frames.measured
+        value, shared = measured.value[good], measured.shared[good]
+        random = measured.random_cov[good]
+        if self.sideways != "free":
+            distance = np.hypot(*value.T) if measured.is_position else value[:, 0]
+            film = self.orbits.journal.clearance - distance
+            error = -HELD_ERROR * (film / np.maximum(distance, 1e-12))[:, np.newaxis] * value
+            shared = np.concatenate([shared, error[..., np.newaxis]], axis=2)
+            scatter = (HELD_SCATTER * film) ** 2
+            random = random + scatter[:, np.newaxis, np.newaxis] * np.eye(value.shape[1])
+        return Observations(value, random, shared)
 
     def unknowns(
         self, fitted: Sequence[str], load_line_std: float
@@ -146,6 +153,12 @@ class Problem:
             fixed["rest"] = 0.0
         return unknowns, {name: value for name, value in fixed.items() if name not in names}
 
+    def impulse(self) -> Array:
+        """Integral of the load since the first step, (frame,). [N s]"""
+        motion = self.orbits.motion
+        parts = 0.5 * np.diff(motion.time) * (motion.load[1:] + motion.load[:-1])
+        return np.asarray(np.append(0.0, np.cumsum(parts))[self.frames.steps])
+
     def _start(self) -> dict[str, float]:
         """Where the search begins: pure squeeze through the measured films."""
         journal, motion = self.orbits.journal, self.orbits.motion
@@ -155,12 +168,7 @@ class Problem:
             np.hypot(*place.T) if self.measured.is_position else place[:, 0], 0, None
         )
         film = np.clip(1 - distance / journal.clearance, 1e-5, 0.9999)
-        gone = np.append(
-            0.0, np.cumsum(0.5 * np.diff(motion.time) * (motion.load[1:] + motion.load[:-1]))
-        )
-        impulse = self.frames.average(gone[self.frames.steps][np.newaxis, :, np.newaxis])[
-            0, good, 0
-        ]
+        impulse = self.frames.average(self.impulse()[np.newaxis])[0, good]
 
         # eps / sqrt(1 - eps^2) rises with the impulse over K; the ends let oil out besides
         eccentricity = 1 - film
@@ -206,6 +214,10 @@ class Problem:
         cosine, sine = np.cos(line)[:, np.newaxis], np.sin(line)[:, np.newaxis]
         x, y = orbit[..., 0], orbit[..., 1]
         return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+
+    def model(self, unknowns: Unknowns, fixed: Mapping[str, float]) -> Predict:
+        """`predict` as a function of sets of unknowns alone."""
+        return lambda sets: self.predict(sets, unknowns, fixed)
 
     def predict(self, sets: Array, unknowns: Unknowns, fixed: Mapping[str, float]) -> Array:
         """What is expected of each measured trigger, (case, trigger, axis). [m]"""

@@ -1,0 +1,368 @@
+"""Which physics carries the film: models of the joint compared by their likelihood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.reynolds import Journal, Motion
+from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
+from erlif.prediction.least_squares import LeastSquares, Minimum, Predict, Unknowns
+from erlif.prediction.measured import MeasuredMotion
+from erlif.prediction.orbits import FreeOrbits
+from erlif.prediction.problem import Frames, Problem
+
+STEADY = {
+    "film_hamrock_dowson": "the steady 2.65 formula",
+    "film_theory": "the steady film of the regime map",
+}
+"""Steady formulas, by the variables of a film that hold them."""
+
+SQUEEZE = "squeeze in closed form"
+"""A long joint under its load without rotation, eps / sqrt(1 - eps^2) linear in time."""
+
+HELD = {
+    "free": "a pin that is free sideways",
+    "guided": "a guided pin",
+    "spring": "a pin on a sideways spring",
+}
+"""Transient films, by how the pin is held."""
+
+_CARRIES = {
+    SQUEEZE: "squeeze carries the film, and the film shows no rotation of the bushing",
+    HELD["free"]: "squeeze carries the film of a pin that is free sideways, and the pin sinks",
+    HELD[
+        "guided"
+    ]: "the swing carries the film of a pin that is guided: cavities rectify its wedge",
+    HELD["spring"]: "squeeze and swing carry the film of a pin on a sideways spring",
+    STEADY["film_hamrock_dowson"]: "the film follows the steady 2.65 formula",
+    STEADY["film_theory"]: "the film follows the steady formula of the regime map",
+}
+
+_STRENGTHS = ((2.0, "undecided"), (6.0, "weak"), (10.0, "strong"), (np.inf, "very strong"))
+"""Differences of BIC below which the evidence has a name. Kass and Raftery (1995)."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One model of the film, fitted.
+
+    Attributes
+    ----------
+    name : str
+        What carries the film.
+    bic : float
+        Bayesian information criterion above that of the best model. [1]
+    unknowns : int
+        Numbers that were fitted, the load line among them.
+    inflation : float
+        Factor of the stated random errors that the residuals require.
+    residual : float
+        Root mean square of what remains of the measured values. [m]
+    """
+
+    name: str
+    bic: float
+    unknowns: int
+    inflation: float
+    residual: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Models of the film in the order of their likelihood.
+
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+        The best first.
+    verdict : str
+        Which physics carries the film, and how sure that is: one line.
+    fit : MotionFit or None
+        The best transient model.
+    independent : float
+        Share of the values that counts as independent: residuals of neighbouring triggers are
+        correlated where the model leaves a trend.
+    """
+
+    candidates: tuple[Candidate, ...]
+    verdict: str
+    fit: MotionFit | None
+    independent: float
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """What a comparison needs of a fit."""
+
+    name: str
+    log_likelihood: float
+    unknowns: int
+    inflation: float
+    miss: Array  # measured less predicted, (trigger, axis) [m]
+    residual: Array  # in stated errors, (trigger, axis)
+
+
+def compare_models(
+    measured: MeasuredMotion,
+    journal: Journal,
+    motion: Motion,
+    *,
+    steps: npt.NDArray[np.integer[Any]],
+    trigger: npt.NDArray[np.integer[Any]] | None = None,
+    crank: Array | None = None,
+    steady: Mapping[str, Array] | None = None,
+    sideways: Sequence[str] = ("free", "guided"),
+    load_line_std: float = LOAD_LINE_STD,
+) -> Comparison:
+    """Compare what may carry the film: steady wedge, squeeze, and the transient film.
+
+    The models are not special cases of each other, so that a likelihood ratio has no known
+    distribution. They are compared by the Bayesian information criterion (Schwarz 1978),
+    p ln n - 2 ln L. Every model may inflate the random errors by what its residuals require, so
+    that a misfit costs as much as the data warrant, and n is reduced to the residuals that are
+    independent in the best one. The viscosity is free in all models: a steady formula may have any
+    factor.
+
+    Parameters
+    ----------
+    measured : MeasuredMotion
+    journal : Journal
+        The joint, with the expected viscosity.
+    motion : Motion
+        Rotation of the bushing and load.
+    steps : array, (frame,)
+        Step of the motion at each frame.
+    trigger : array, (frame,), optional
+        Trigger of each frame; by default each frame is one.
+    crank : array, (step,), optional
+        Crank angle, counted on, for the lead of a held pin; as for `fit_motion`. [rad]
+    steady : mapping of str to array, (trigger,), optional
+        Films of steady formulas under the names of `STEADY`. [m]
+    sideways : sequence of str
+        Transient films to compare: of "free", "guided" and "spring".
+    load_line_std : float
+        As for `fit_motion`. [m]
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ConfigError
+        As `fit_motion`.
+    ModelError
+        If none of the models could be fitted.
+
+    Examples
+    --------
+    Squeeze without rotation, measured to 10 nm, beside a constant steady film:
+
+    >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+    >>> time = np.linspace(0.0, 4.0, 41)
+    >>> ratio = 3.0 + time * 222.4 / joint.squeeze_constant
+    >>> noise = 1e-8 * np.random.default_rng(1).normal(size=(41, 2))
+    >>> place = np.stack([230e-6 * ratio / np.hypot(1, ratio), 0 * time], axis=1) + noise
+    >>> measured = MeasuredMotion(place, 1e-16 * np.eye(2) * np.ones((41, 1, 1)),
+    ...                           np.zeros((41, 2, 0)))
+    >>> found = compare_models(
+    ...     measured, joint, Motion(time, angle=0 * time, load=222.4), steps=np.arange(41),
+    ...     steady={"film_theory": np.full(41, 131e-6)}, sideways=["free"])
+    >>> found.candidates[-1].name, found.candidates[-1].bic > 10
+    ('the steady film of the regime map', True)
+    """
+    frames = Frames.of(measured, np.asarray(steps), trigger)
+    problem = Problem(FreeOrbits(journal, motion), frames, measured, "free")
+    fitted: list[_Fitted] = []
+    fits: dict[str, MotionFit] = {}
+    failures: list[str] = []
+    for held in sideways:
+        try:
+            found = fit_motion(
+                measured,
+                journal,
+                motion,
+                steps=steps,
+                trigger=trigger,
+                crank=crank,
+                sideways=held,
+                load_line_std=load_line_std,
+                profiles=False,
+            )
+        except ModelError as error:
+            failures.append(str(error))
+            continue
+        fits[HELD[held]] = found
+        fitted.append(_of_motion(problem, HELD[held], found))
+    simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
+    for name, unknowns, predict in [(SQUEEZE, *_squeeze(problem)), *simple]:
+        least = LeastSquares(problem.observations(), unknowns, predict)
+        try:
+            fitted.append(_of_minimum(problem, name, least.solve()))
+        except ModelError as error:
+            failures.append(str(error))
+    if not fitted:
+        raise ModelError(f"No model of the film could be fitted. {failures[0]}")
+    return _rank(fitted, fits)
+
+
+def _rank(fitted: Sequence[_Fitted], fits: Mapping[str, MotionFit]) -> Comparison:
+    """Order by the criterion, with the values that are independent in the best model."""
+    likeliest = max(fitted, key=lambda one: one.log_likelihood)
+    share = _independent(likeliest.residual)
+    number = likeliest.residual.size
+    criteria = [
+        one.unknowns * np.log(max(number * share, 2.0)) - 2 * share * one.log_likelihood
+        for one in fitted
+    ]
+    order = np.argsort(criteria)
+    least = criteria[order[0]]
+    candidates = tuple(
+        Candidate(
+            fitted[k].name,
+            float(criteria[k] - least),
+            fitted[k].unknowns,
+            fitted[k].inflation,
+            float(np.sqrt(np.mean(fitted[k].miss ** 2))),
+        )
+        for k in order
+    )
+    transient = [one.name for one in candidates if one.name in fits]
+    return Comparison(
+        candidates, _verdict(candidates), fits[transient[0]] if transient else None, share
+    )
+
+
+def _verdict(candidates: Sequence[Candidate]) -> str:
+    """One line: which physics, and how sure."""
+    best = candidates[0]
+    text = _CARRIES[best.name]
+    if len(candidates) > 1:
+        second = candidates[1]
+        strength = next(name for limit, name in _STRENGTHS if second.bic < limit)
+        text += f" ({strength}: BIC {second.bic:.3g} below that of {second.name})"
+    if best.inflation > MISFIT:
+        text += f"; its residuals are {best.inflation:.3g} times the stated errors"
+    return text[0].upper() + text[1:] + "."
+
+
+def _independent(residual: Array) -> float:
+    """Share of independent values in residuals (trigger, axis) with a first-order correlation."""
+    shares = []
+    for axis in residual.T:
+        off = axis - axis.mean()
+        size = float(off @ off)
+        correlation = float(off[1:] @ off[:-1]) / size if size > 0 else 0.0
+        correlation = min(max(correlation, 0.0), 0.99)
+        shares.append((1 - correlation) / (1 + correlation))
+    return float(np.mean(shares))
+
+
+def _of_motion(problem: Problem, name: str, found: MotionFit) -> _Fitted:
+    """A transient film."""
+    predicted = found.predicted[problem.frames.measured]
+    if not problem.measured.is_position:
+        predicted = np.hypot(*predicted.T)[:, np.newaxis]
+    value = problem.measured.value[problem.frames.measured]
+    residual = found.residual.reshape(value.shape)
+    return _Fitted(
+        name,
+        found.log_likelihood,
+        len(found.names),
+        found.inflation,
+        value - predicted,
+        residual,
+    )
+
+
+def _of_minimum(problem: Problem, name: str, found: Minimum) -> _Fitted:
+    """A model in closed form."""
+    value = problem.measured.value[problem.frames.measured]
+    return _Fitted(
+        name,
+        found.log_likelihood,
+        found.value.size,
+        found.inflation,
+        value - found.predicted,
+        found.residual.reshape(value.shape),
+    )
+
+
+def _plain_unknowns(names: Sequence[str], start: Sequence[float]) -> Unknowns:
+    """Unknowns of a closed form, unbounded."""
+    ones = np.ones(len(names))
+    return Unknowns(
+        names=tuple(names),
+        start=np.array(start, dtype=float),
+        step=1e-4 * ones,
+        low=-np.inf * ones,
+        high=np.inf * ones,
+        largest=np.inf * ones,
+        expected=0 * ones,
+        expected_std=np.inf * ones,
+    )
+
+
+def _pointed(problem: Problem, distance: Array, direction: Array) -> Array:
+    """Displacements (case, trigger, axis) of a pin in one direction, which holds the load line."""
+    if not problem.measured.is_position:
+        return distance[..., np.newaxis]
+    angle = direction[:, np.newaxis]
+    return np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=-1)
+
+
+def _distances(problem: Problem) -> tuple[Array, float]:
+    """Measured displacements, and their mean direction."""
+    value = problem.measured.value[problem.frames.measured]
+    if not problem.measured.is_position:
+        return value[:, 0], 0.0
+    mean = value.mean(axis=0)
+    return np.hypot(*value.T), float(np.arctan2(mean[1], mean[0]))
+
+
+def _steady(problem: Problem, film: Array) -> tuple[Unknowns, Predict]:
+    """A steady film times any factor, in one direction."""
+    clearance = problem.orbits.journal.clearance
+    distance, direction = _distances(problem)
+    shape = np.nan_to_num(np.asarray(film, dtype=float)[problem.frames.measured])
+    mean = max(float(shape.mean()), 1e-12)
+    factor = max(float((clearance - distance).mean()), 1e-9) / mean
+    names, start = ["factor"], [float(np.log(factor))]
+    if problem.measured.is_position:
+        names, start = [*names, "direction"], [*start, direction]
+
+    def predict(sets: Array) -> Array:
+        films = np.exp(np.minimum(sets[:, :1], 50.0)) * shape
+        return _pointed(problem, clearance - films, sets[:, -1])
+
+    return _plain_unknowns(names, start), predict
+
+
+def _squeeze(problem: Problem) -> tuple[Unknowns, Predict]:
+    """Squeeze of a long joint in closed form, in one direction."""
+    journal = problem.orbits.journal
+    impulse = problem.impulse()
+    scale = max(float(np.ptp(impulse)), 1e-300)
+    distance, direction = _distances(problem)
+    eccentricity = np.clip(distance / journal.clearance, 0.0, 0.99999)
+    ratio = eccentricity / np.sqrt(1 - eccentricity**2)
+    at = problem.frames.average(impulse[np.newaxis])[0, problem.frames.measured]
+    slope, first = np.polyfit(at / scale, ratio, 1, w=(1 - eccentricity) ** 1.5)
+    names, start = ["start", "slope"], [float(first), float(slope)]
+    if problem.measured.is_position:
+        names, start = [*names, "direction"], [*start, direction]
+
+    def predict(sets: Array) -> Array:
+        ratios = sets[:, :1] + sets[:, 1:2] * impulse / scale
+        frames = journal.clearance * ratios / np.hypot(1, ratios)
+        found = problem.frames.average(frames)[:, problem.frames.measured]
+        return _pointed(problem, found, sets[:, -1])
+
+    return _plain_unknowns(names, start), predict

@@ -1,0 +1,95 @@
+"""Which physics carries the film, on orbits of the virtual rig and on films of other laws."""
+
+import numpy as np
+import pytest
+
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds import Journal, crank_motion, solve_journal
+from erlif.prediction import MeasuredMotion, compare_models, measured_minima
+from erlif.rig.orbit import Bearing, follow_orbit
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+SPEED = 114 * 2 * np.pi / 60
+LONG = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
+STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+FRAMES = 100
+MOTION = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=2, steps_per_cycle=100)
+STEPS = np.arange(FRAMES) * 2
+CRANK = np.arange(MOTION.time.size) * 2 * np.pi / 100
+STD = np.array([5e-9, 20e-9])
+SWEPT = np.abs(np.asarray(RIG.rocker_speed(CRANK[STEPS], crank_speed=SPEED)))
+STEADY = {"film_theory": 52e-6 * SWEPT, "film_hamrock_dowson": 1e-6 * SWEPT**0.7}
+
+
+def measure(orbit, seed):
+    noisy = orbit + np.random.default_rng(seed).normal(size=orbit.shape) * STD
+    return MeasuredMotion(
+        noisy, np.diag(STD**2) * np.ones((FRAMES, 1, 1)), np.zeros((FRAMES, 2, 0))
+    )
+
+
+def free_orbit():
+    """A free pin in oil 25 % thicker than stated, by Chebyshev collocation."""
+    return follow_orbit(
+        Bearing(STATED.radius, STATED.clearance, STATED.length, 0.15),
+        MOTION.time[STEPS],
+        load=lambda time: 222.4,
+        rotation=lambda time: float(RIG.rocker_speed(SPEED * time, crank_speed=SPEED)),
+        start=(205e-6, 20e-6),
+    )
+
+
+def compare(measured, joint, **options):
+    return compare_models(measured, joint, MOTION, steps=STEPS, crank=CRANK, **options)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_free_pin_is_recognised_by_its_positions(seed):
+    found = compare(measure(free_orbit(), seed), STATED, steady=STEADY)
+    assert found.candidates[0].name == "a pin that is free sideways"
+    assert found.candidates[1].bic > 10
+    assert found.verdict.startswith("Squeeze carries the film of a pin that is free sideways")
+    assert "very strong" in found.verdict
+    assert found.fit.sideways == "free"
+
+
+def test_free_pin_is_recognised_by_its_minima():
+    film = STATED.clearance - np.hypot(*free_orbit().T)
+    noisy = film + np.random.default_rng(3).normal(0, 5e-9, FRAMES)
+    measured = measured_minima(noisy, np.full(FRAMES, 5e-9), clearance=STATED.clearance)
+    found = compare(measured, STATED, steady=STEADY)
+    names = [one.name for one in found.candidates]
+    assert names.index("a pin that is free sideways") < names.index("a guided pin")
+
+
+def test_guided_pin_is_recognised():
+    long = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=1600)
+    solved = solve_journal(
+        LONG, long, start=(205e-6, 0.0), sideways="guided", cells=(256, 1), compiled=True
+    )
+    orbit = np.stack([solved.displacement_load, solved.displacement_side], axis=1)[4800:-1:32]
+    found = compare(measure(orbit, 4), LONG, steady=STEADY)
+    assert found.candidates[0].name == "a guided pin"
+    assert found.candidates[1].bic > 10
+
+
+def test_steady_film_is_recognised_and_has_any_viscosity():
+    film = 3.0 * STEADY["film_theory"]
+    orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
+    found = compare(measure(orbit, 5), STATED, steady=STEADY, sideways=["free"])
+    assert found.candidates[0].name == "the steady film of the regime map"
+
+
+def test_what_no_model_describes_is_stated():
+    rng = np.random.default_rng(6)
+    orbit = np.stack([rng.uniform(190e-6, 220e-6, FRAMES), 0 * STEPS], axis=1)
+    found = compare(measure(orbit, 6), STATED, steady=STEADY, sideways=["free"])
+    assert "times the stated errors" in found.verdict
+
+
+def test_trend_in_the_residuals_reduces_the_evidence():
+    """A film of no model: neighbours depart together along the load, and not sideways."""
+    film = 20e-6 + 2e-6 * np.sin(np.linspace(0, 6, FRAMES))
+    orbit = np.stack([STATED.clearance - film, 0 * film], axis=1)
+    found = compare(measure(orbit, 7), STATED, sideways=["free"])
+    assert found.independent < 0.6
