@@ -386,6 +386,8 @@ def _check_film_attributes(film: xr.Dataset) -> None:
     if "film_theory" in film:
         for name in ("regime", "reason"):
             _expect_text(film.film_theory.attrs, name)
+    if "attitude" in film:
+        _expect_number(film.attitude.attrs, "load_line", "attitude")
     if "encoder_angle" in film:
         for name in ("zero", "zero_std"):
             _expect_number(film.encoder_angle.attrs, name, "encoder_angle", optional=True)

@@ -94,6 +94,8 @@ DAMAGES = [
     (attribute("log_scale", "x", "speed_exponent"), "log_scale of speed_exponent is 'x'"),
     (attribute("reason", None, "film_theory"), "its attribute reason is missing"),
     (attribute("zero", np.inf, "encoder_angle"), "zero of encoder_angle is"),
+    (attribute("load_line", None, "attitude"), "load_line of attitude is missing"),
+    (without("eccentricity"), "it has no variable eccentricity"),
 ]
 
 
