@@ -486,6 +486,65 @@ PREDICTION_ATTRIBUTES = (
     Attribute("start_film_fitted", "1 where it was fitted to the measured minima."),
 )
 
+PRESSURE = (
+    FILM[0],
+    Variable("y", ("y",), "float64", "mm", "Place in the image, up to 12 along the axis."),
+    Variable("x", ("x",), "float64", "mm", "Place in the image, up to 48 along sliding."),
+    Variable("place", ("place",), "float64", "mm", "Places along sliding."),
+    *(
+        Variable(
+            f"{name}{suffix}", dims, "float64", unit, "Its standard deviation." if suffix else text
+        )
+        for name, dims, unit, text in (
+            ("pressure", MAP, "kPa", "Pressure above ambient. NaN where it is not known."),
+            (
+                "pressure_profile",
+                ("trigger", "place"),
+                "kPa",
+                "Pressure in the axial middle of the image.",
+            ),
+            (
+                "peak_pressure",
+                T,
+                "kPa",
+                "Highest pressure of this profile. NaN where its standard deviation is above half "
+                "of it.",
+            ),
+            ("peak_place", T, "mm", "Place of the peak along sliding."),
+            ("load_from_pressure", T, "N", "Force of the pressure along the load line."),
+            ("side_from_pressure", T, "N", "Force sideways, positive along sliding."),
+            (
+                "film_rate",
+                T,
+                "um s-1",
+                "Rate of the film at the load line, in the axial middle of the image.",
+            ),
+        )
+        for suffix in ("", "_std")
+    ),
+    Variable("peak_std_random", T, "float64", "kPa", "Part of peak_pressure_std by noise."),
+    Variable(
+        "peak_std_shared", T, "float64", "kPa", "Part of it by errors that all triggers share."
+    ),
+    Variable(
+        "peak_of_load", T, "float64", "kPa", "Peak of pure squeeze of a long joint under the load."
+    ),
+    Variable("pressure_measured", T, "float64", "1", "1 where the pressure is known, else 0."),
+    Variable("cavity", T, "float64", "1", "Share of the image without a full film."),
+    *(one for one in FILM if one.name in ("encoder_angle", "crank_angle", "stroke", "load")),
+)
+
+PRESSURE_ATTRIBUTES = (
+    *(
+        one
+        for one in FILM_ATTRIBUTES
+        if one.name in ("title", "history", "erlif_version", "settings")
+    ),
+    Attribute("film_identity", "Identity of the film."),
+    Attribute("statement", "What the pressure is good for, and what would make it better."),
+    Attribute("balance", "The load that it makes, beside the logged one."),
+)
+
 VARIABLE_ATTRIBUTES = (
     Attribute("units", "Unit, in the notation of UDUNITS."),
     Attribute("long_name", "Short description."),
@@ -872,7 +931,8 @@ INTRODUCTION = """\
 # Files
 
 erlif reads `run.toml`, `fixture.toml`, `encoder.csv`, `profile.csv` and frames; it writes
-`calibration.nc`, `film.nc` and `prediction.nc`. This page is generated from the program.
+`calibration.nc`, `film.nc`, `prediction.nc` and `pressure.nc`. This page is generated from the
+program.
 
 In settings files a quantity is text with a unit, `"50 lbf"` or `"114 rpm"`, in any unit of its
 kind. A bare number in place of a quantity is refused, and so is an unknown key; the message names
@@ -926,6 +986,11 @@ PREDICTION_TEXT = """\
 netCDF-4, written by `erlif predict`: the film that theory predicts for a joint that oscillates. One
 chunk of `film_predicted` is the map of one trigger, with 14 bits of mantissa (0.003 % at most).
 Maps of single frames follow from their eccentricity and attitude, as docs/prediction.md shows."""
+
+
+PRESSURE_TEXT = """\
+netCDF-4, written by `erlif pressure`: the pressure in the film of a joint that oscillates, from the
+measured positions of its pin and their rate."""
 
 
 def render() -> str:
@@ -991,6 +1056,10 @@ def render() -> str:
     lines += attributes_table(PREDICTION_ATTRIBUTES)
     lines += ["Group `frames`, what belongs to single frame pairs:", ""]
     lines += variables_table([*FRAMES[:3], *(replace(one, when="") for one in PREDICTED_FRAMES)])
+    lines += ["## pressure.nc", "", PRESSURE_TEXT, ""]
+    lines += variables_table([replace(one, when="") for one in PRESSURE])
+    lines += ["Attributes of the file:", ""]
+    lines += attributes_table(PRESSURE_ATTRIBUTES)
     return "\n".join(lines).rstrip("\n") + "\n"
 
 

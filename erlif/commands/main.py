@@ -26,6 +26,7 @@ from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
 from erlif.commands.predict import predict
+from erlif.commands.pressure import pressure
 from erlif.commands.process import process
 from erlif.commands.report import report
 from erlif.commands.simulate import simulate
@@ -116,6 +117,7 @@ for command in (
     process,
     batch,
     predict,
+    pressure,
     budget,
     figures,
     report,

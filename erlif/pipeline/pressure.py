@@ -254,7 +254,7 @@ def _describe(
     columns["load"] = (("trigger",), load, {"units": "N", "long_name": "load, logged or set"})
 
     x, y = grid
-    millimetre = {"units": "mm"}
+    millimetre = {"units": "mm", "long_name": "position in the image"}
     result = xr.Dataset(
         columns,
         {
@@ -266,7 +266,10 @@ def _describe(
     )
     return result.assign_attrs(
         title=f"pressure from the film, {settings.name}",
+        history=f"erlif {__version__}: pressure {settings.name}",
         erlif_version=__version__,
+        settings=film.attrs["settings"],
+        film_identity=str(film.attrs.get("identity", "")),
         statement=state_limits(result),
         balance=state_balance(result),
     )

@@ -17,6 +17,7 @@ from erlif.plots.example import (
     example_film,
     example_frames,
     example_images,
+    example_pressure,
     example_registration,
     write_example,
 )
@@ -43,6 +44,13 @@ from erlif.plots.prediction import (
     prediction_figure,
     prediction_map_figure,
 )
+from erlif.plots.pressure import (
+    load_balance,
+    pressure_figure,
+    pressure_map,
+    pressure_profile,
+    write_pressure_figure,
+)
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
 from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
@@ -59,6 +67,7 @@ __all__ = [
     "example_film",
     "example_frames",
     "example_images",
+    "example_pressure",
     "example_registration",
     "film_against_speed",
     "film_and_prediction",
@@ -69,6 +78,7 @@ __all__ = [
     "find_run",
     "fixture_profile",
     "gap_curvature",
+    "load_balance",
     "map_sheet_figure",
     "missing_figures",
     "pin_figure",
@@ -76,6 +86,9 @@ __all__ = [
     "predicted_map",
     "prediction_figure",
     "prediction_map_figure",
+    "pressure_figure",
+    "pressure_map",
+    "pressure_profile",
     "profile_residual",
     "ratio_against_thickness",
     "ratio_image",
@@ -91,4 +104,5 @@ __all__ = [
     "write_calibration_figure",
     "write_example",
     "write_figures",
+    "write_pressure_figure",
 ]

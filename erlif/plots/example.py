@@ -385,3 +385,51 @@ def write_example(path: str | Path) -> Path:
     groups = {"registration": example_registration(), "frames": example_frames()}
     write_dataset(example_film(), path, groups=groups)
     return path
+
+
+def example_pressure() -> xr.Dataset:
+    """Make a pressure of three triggers by the formula of a squeezed long film.
+
+    Returns
+    -------
+    xarray.Dataset
+        The variables of `erlif.pressure_from_film` that figures draw.
+
+    Examples
+    --------
+    A film of 6 um under 50 lbf:
+
+    >>> print(f"{example_pressure().peak_pressure.values[1]:.0f} kPa")
+    78 kPa
+    """
+    settings = RunSettings.model_validate(_SETTINGS)
+    film = example_film().isel(trigger=slice(3))
+    joint = settings.joint
+    assert joint is not None  # _SETTINGS have one
+    load = film["load"].values
+    radius = float(conformal_radius(joint.pin_radius, bushing_radius=joint.bushing_radius))
+    reach = math.sqrt(2 * 6e-6 * radius)  # m
+
+    # p = p0 (1 + x^2/2Rh)^-2, whose integral is pi/2 times reach and peak
+    peak = 1e-3 * load / (joint.length * 0.5 * math.pi * reach)
+    x, y = np.linspace(0.125, 15.875, 48), np.linspace(0.125, 5.875, 12)
+    profile = peak[:, None] / (1 + ((x - 8.0) * 1e-3 / reach) ** 2) ** 2
+    columns = {
+        "pressure": (("trigger", "y", "x"), np.repeat(profile[:, None], y.size, axis=1)),
+        "pressure_profile": (("trigger", "place"), profile),
+        "pressure_profile_std": (("trigger", "place"), 0.05 * profile),
+        "peak_pressure": ("trigger", peak),
+        "peak_pressure_std": ("trigger", np.array([0.05, 0.04, 0.05]) * peak),
+        "peak_place": ("trigger", np.full(3, 8.0)),
+        "peak_place_std": ("trigger", np.full(3, 0.2)),
+        "load_from_pressure": ("trigger", np.array([0.97, 1.01, 1.04]) * load),
+        "load_from_pressure_std": ("trigger", 0.05 * load),
+    }
+    kept = film[["crank_angle", "encoder_angle", "stroke", "load"]].drop_vars(
+        ["x", "y"], errors="ignore"
+    )
+    return (
+        kept.assign(columns)
+        .assign_coords(x=x, y=y, place=x)
+        .assign_attrs(settings=film.attrs["settings"], statement="made by formula")
+    )

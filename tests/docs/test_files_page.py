@@ -13,6 +13,7 @@ import xarray as xr
 import erlif
 from erlif.calibration import read_profile
 from erlif.calibration.departure import Departure
+from erlif.files import write_dataset
 from erlif.ingest import read_encoder_log
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -100,6 +101,13 @@ def test_prediction_holds_the_variables_and_attributes_of_the_page(page, film, t
         check_names(file.attrs, page.PREDICTION_ATTRIBUTES)
         frames = [one for one in page.FRAMES if one.name in ("frame", "trigger", "cycle")]
         check_variables(contents(file.groups["frames"]), [*frames, *page.PREDICTED_FRAMES])
+
+
+def test_pressure_holds_the_variables_and_attributes_of_the_page(page, film, tmp_path):
+    write_dataset(erlif.pressure_from_film(film), tmp_path / "pressure.nc")
+    with h5netcdf.File(tmp_path / "pressure.nc") as file:
+        check_variables(contents(file), page.PRESSURE)
+        check_names(file.attrs, page.PRESSURE_ATTRIBUTES)
 
 
 def test_calibration_holds_the_variables_and_attributes_of_the_page(page, small_rig):

@@ -1,0 +1,47 @@
+"""``erlif pressure``: the pressure that carries the joint, from its measured film."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.compiling import announced_compiling
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+
+
+@click.command()
+@click.argument("film", type=PATH)
+@click.option("-o", "--output", type=PATH, help="Default: pressure.nc beside FILM.")
+@OVERWRITE
+def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
+    """Find the pressure in the film of an oscillating joint; writes pressure.nc and its figure.
+
+    The Reynolds equation is solved on the measured film and its rate. The load is not put in: the
+    one that the pressure makes is compared with it.
+
+    \b
+    Example:
+      erlif pressure data_samples/straight_bushing/film.nc
+    """
+    with large_imports():
+        from erlif.files import refuse_existing, write_dataset
+        from erlif.pipeline.pressure import pressure_from_film
+        from erlif.plots import write_pressure_figure
+
+    # everything that can be refused is refused before the work starts
+    output = output or film.parent / "pressure.nc"
+    picture = output.with_suffix(".png")
+    expect_suffix(output, ".nc")
+    refuse_existing(output, overwrite=overwrite, holds="peak_pressure")
+    refuse_existing(picture, overwrite=overwrite)
+    with announced_compiling():
+        found = pressure_from_film(film)
+    write_dataset(found, output)
+    click.echo(found.attrs["statement"])
+    written = [output]
+    if found.pressure_measured.values.any():
+        click.echo(found.attrs["balance"])
+        written.append(write_pressure_figure(found, picture))
+    click.echo(f"written: {', '.join(str(path) for path in written)}")

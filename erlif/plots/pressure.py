@@ -1,0 +1,289 @@
+"""The pressure that carries the joint: its map, its profile along sliding, and its load."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import Container
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+
+from erlif.core.errors import ConfigError
+from erlif.files import check_trigger
+from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
+from erlif.plots.style import (
+    COVERAGE,
+    FLAGGED,
+    MEAN,
+    MUTED,
+    TWO_COLUMNS,
+    add_colour_bar,
+    colour_map,
+    frame_legend,
+    given_or_new,
+    letter,
+    new_figure,
+    save_figure,
+    styled,
+)
+from erlif.plots.triggers import choose_abscissa, stroke_looks
+
+_THIRD = 0.3  # of two columns, for each of three panels
+_AROUND = 0.9  # inch above and below the map
+_LEAST_HEIGHT = 2.2  # inch
+
+
+@styled
+def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> AxesImage:
+    """Draw the pressure over the image at one trigger.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    trigger : int
+        Number of the trigger, counted from 0.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    AxesImage
+        Grey where the pressure is not known.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_pressure
+    >>> image = pressure_map(example_pressure(), trigger=0)
+    >>> image.axes.get_title()
+    'trigger 0'
+    """
+    check_trigger(found, trigger)
+    ax = given_or_new(ax)
+    image = ax.imshow(
+        found.pressure.isel(trigger=trigger).values,
+        cmap=colour_map("batlow", bad=FLAGGED),
+        extent=pixel_edges(found),
+        interpolation="nearest",
+    )
+    bare_image(ax)
+    label_position(ax, found)
+    ax.set_title(f"trigger {trigger}")
+    add_colour_bar(image, ax, "pressure [kPa]", extend="neither")
+    return image
+
+
+@styled
+def pressure_profile(
+    found: xr.Dataset, *, trigger: int, ax: Axes | None = None
+) -> list[Artist | Container]:
+    """Draw the pressure along sliding in the axial middle of the image, with its 95 % band.
+
+    Parameters
+    ----------
+    found, trigger, ax
+        As for `pressure_map`.
+
+    Returns
+    -------
+    list of Artist or Container
+        The band, the profile, and the peak with bars of 1.96 standard deviations.
+
+    Raises
+    ------
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_pressure
+    >>> band, profile, peak = pressure_profile(example_pressure(), trigger=0)
+    >>> profile.axes.get_ylabel()
+    'pressure [kPa]'
+    """
+    check_trigger(found, trigger)
+    ax = given_or_new(ax)
+    one = found.isel(trigger=trigger)
+    place, value = one.place.values, one.pressure_profile.values
+    reach = COVERAGE * one.pressure_profile_std.values
+    band = ax.fill_between(
+        place, value - reach, value + reach, color=MEAN, alpha=0.3, linewidth=0, label="95 %"
+    )
+    (line,) = ax.plot(place, value, color=MEAN, linewidth=1.2, label="pressure")
+    peak = ax.errorbar(
+        one.peak_place.values,
+        one.peak_pressure.values,
+        xerr=COVERAGE * one.peak_place_std.values,
+        yerr=COVERAGE * one.peak_pressure_std.values,
+        color="black",
+        linewidth=0.8,
+        marker="o",
+        markersize=2.5,
+        label="peak",
+    )
+    ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
+    frame_legend(ax, loc="best")
+    return [band, line, peak]
+
+
+@styled
+def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | Container]:
+    """Draw the load that the pressure makes against crank angle, with the logged one.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    ax : Axes, optional
+        Default: those of a new figure, one column wide.
+
+    Returns
+    -------
+    list of Artist or Container
+        Points of both strokes with bars of one standard deviation, then the logged load.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_pressure
+    >>> *points, logged = load_balance(example_pressure())
+    >>> logged.get_label()
+    'logged'
+    """
+    ax = given_or_new(ax)
+    angle, label, _ = choose_abscissa(found)
+    artists: list[Artist | Container] = []
+    for members, look in stroke_looks(found):
+        artists.append(
+            ax.errorbar(
+                angle[members],
+                found.load_from_pressure.values[members],
+                yerr=found.load_from_pressure_std.values[members],
+                linestyle="none",
+                elinewidth=0.7,
+                **look,
+            )
+        )
+    order = np.argsort(angle)
+    artists += ax.plot(
+        angle[order], found["load"].values[order], color=MUTED, label="logged", zorder=1
+    )
+    ax.set(xlabel=label, ylabel="load of the pressure [N]")
+    ax.set_ylim(bottom=0)
+    frame_legend(ax, loc="lower right")
+    return artists
+
+
+def best_trigger(found: xr.Dataset) -> int:
+    """Find the trigger whose peak is known best.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ConfigError
+        If the pressure is known at no trigger.
+
+    Examples
+    --------
+    >>> found = xr.Dataset({"peak_pressure": ("trigger", [80.0, 90.0]),
+    ...                     "peak_pressure_std": ("trigger", [8.0, 3.0])})
+    >>> best_trigger(found)
+    1
+    """
+    share = (found.peak_pressure_std / found.peak_pressure).values
+    if not np.isfinite(share).any():
+        raise ConfigError(
+            "Expected a pressure to draw; it is known at no trigger. "
+            f"{found.attrs.get('statement', '')}"
+        )
+    return int(np.nanargmin(share))
+
+
+@styled
+def pressure_figure(found: xr.Dataset, *, trigger: int | None = None) -> Figure:
+    """Draw map and profile of the pressure at one trigger, and the balance of the load at all.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    trigger : int, optional
+        Default: the one whose peak is known best.
+
+    Returns
+    -------
+    Figure
+        Two columns wide.
+
+    Raises
+    ------
+    ConfigError
+        If the pressure is known at no trigger.
+    ErlifError
+        If there is no such trigger.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_pressure
+    >>> figure = pressure_figure(example_pressure())
+    >>> len(figure.axes)
+    3
+    """
+    chosen = best_trigger(found) if trigger is None else trigger
+    height = max(image_height(found, _THIRD * TWO_COLUMNS) + _AROUND, _LEAST_HEIGHT)
+    figure = new_figure(TWO_COLUMNS, height)
+    panels = figure.subplots(1, 3)
+    pressure_map(found, trigger=chosen, ax=panels[0])
+    pressure_profile(found, trigger=chosen, ax=panels[1])
+    load_balance(found, ax=panels[2])
+    for ax, name in zip(panels, "abc", strict=True):
+        letter(ax, name)
+    return figure
+
+
+def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
+    """Write the figure of a pressure; parameters as for `pressure_figure` and `save_figure`.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        As `erlif.pressure_from_film` returns it.
+    path : Path
+        PNG, PDF or SVG, by its suffix.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    ErlifError
+        If the pressure is known at no trigger, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from erlif.plots import example_pressure
+    >>> with TemporaryDirectory() as directory:
+    ...     path = write_pressure_figure(example_pressure(), Path(directory) / "pressure.png")
+    ...     path.stat().st_size > 10_000
+    True
+    """
+    return save_figure(pressure_figure(found), path)

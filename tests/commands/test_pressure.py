@@ -1,0 +1,43 @@
+"""``erlif pressure``: what it writes, what it shows, what it refuses."""
+
+import pytest
+
+from erlif.files import open_netcdf
+
+
+@pytest.fixture
+def own(film, tmp_path):
+    """A copy of the film in a directory of its own."""
+    path = tmp_path / "lab" / "film.nc"
+    path.parent.mkdir()
+    path.write_bytes(film.read_bytes())
+    return path
+
+
+def test_a_pressure_lies_beside_its_film_with_what_it_is_good_for(own, command):
+    result = command("pressure", own)
+    with open_netcdf(own.parent / "pressure.nc") as found:
+        assert found.attrs["statement"] in result.stdout
+        assert found.sizes["trigger"] == 6
+        known = bool(found.pressure_measured.values.any())
+    assert (own.parent / "pressure.png").is_file() == known
+    assert "written: " in result.stdout
+
+
+def test_an_existing_pressure_is_replaced_on_request_only(own, command, refused):
+    first = own.parent / "pressure.nc"
+    command("pressure", own)
+    before = first.read_bytes()
+    assert "use --overwrite" in refused("pressure", own)
+    command("pressure", own, "--overwrite")
+    assert first.read_bytes() == before
+    assert "something else" in refused("pressure", own, "-o", own, "--overwrite")
+    assert "a name in .nc" in refused("pressure", own, "-o", own.with_suffix(".txt"))
+
+
+def test_what_is_no_film_is_refused(own, refused):
+    assert "does not exist" in refused("pressure", own.with_name("other.nc"))
+    other = own.with_name("notes.nc")
+    other.write_text("no film")
+    assert "notes.nc is damaged or something else" in refused("pressure", other)
+    assert not own.with_name("pressure.nc").exists()
