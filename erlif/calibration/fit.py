@@ -24,7 +24,7 @@ from erlif.calibration.departure import (
 from erlif.calibration.pairing import pair_profile_with_image, thin_out
 from erlif.calibration.placement import add_uncertainty_of_turn, refine_pose
 from erlif.calibration.points import Points
-from erlif.calibration.pose import FoundPose, Freedom, Pose
+from erlif.calibration.pose import ALONG, FoundPose, Freedom, Pose
 from erlif.calibration.profile import Profile
 from erlif.calibration.regression import OUTLIER, Fit, fit_robustly
 from erlif.calibration.soundness import check_fit, places
@@ -128,6 +128,9 @@ def fit_calibration(
     if align:
         points, freedom, found = refine_pose(ratios, profile, points, pose)
         notes += found.describe(points)
+
+    if found is None or not found.determined[ALONG]:
+        notes.append(_describe_given_origin(points, pixel_pitch))
 
     fit = fit_robustly(points, freedom)
     if found is not None:
@@ -415,6 +418,19 @@ def _describe_limit(points: Points, covered: _Range) -> Note:
         f"the profile reaches {points.thickness.max():.1f} um, but beyond {covered.high:.1f} um "
         f"the noise of a single pixel of one frame exceeds {_USEFUL:.0%} of the thickness, or what "
         "this light allows: the calibrated range ends there",
+    )
+
+
+def _describe_given_origin(points: Points, pixel_pitch: float) -> Note:
+    """Note on the error of an origin along the profile that no fit can show."""
+    # another origin shifts all films alike, and K, p and q follow a shifted film as well
+    shift = float(np.median(np.abs(points.gradient[:, 0]))) * pixel_pitch
+    return Note(
+        Level.NOTE,
+        "",
+        "the origin along the profile is used as given: if it is wrong, all films are wrong by "
+        f"{shift:.2g} um for each pixel, which neither the chi-square nor the standard deviations "
+        "show. Check it with a mark on the fixture",
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 from scenes.fixture import (
     PITCH,
     SHAPE,
+    WEDGE,
     K,
     P,
     Q,
@@ -16,6 +17,7 @@ from scenes.fixture import (
     has_note,
     image,
     log_ratio,
+    wedge_profile,
 )
 
 from erlif.calibration import Profile
@@ -253,3 +255,17 @@ def test_a_surface_keeps_its_covariance():
     found = FoundPose(given, np.zeros(4), np.diag([0, 0, 0, 1e-4]), np.zeros(4, bool))
     fit = fit_robustly(points, freedom)
     assert add_uncertainty_of_turn(fit, points, freedom, found) is fit
+
+
+def test_a_misplaced_straight_wedge_shifts_all_films_by_what_the_note_states():
+    """20 px of a wedge of 17.9 um in its columns; the chi-square does not show it."""
+    rng = np.random.default_rng(21)
+    ratios, profile = image(rng, log_ratio(WEDGE)), wedge_profile(rng)
+    per_pixel = float(np.mean(np.diff(WEDGE)))
+    placed, misplaced = (calibrate(ratios, profile, origin=(x, 0.0)) for x in (0.0, -20.0))
+    assert misplaced.reduced_chi_square < 1.5
+
+    films = np.linspace(3.0, 10.0, 8)
+    read = np.interp(placed.predict(films), misplaced.predict(WEDGE), WEDGE)
+    npt.assert_allclose(read - films, 20 * per_pixel, rtol=0.15)
+    assert has_note(misplaced, f"all films are wrong by {per_pixel:.2g} um for each pixel")
