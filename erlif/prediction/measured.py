@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
+from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError
 from erlif.core.products import require
+from erlif.files import settings_of
 
-_MICRO = 1e6
+_MICRO, _MILLI = 1e6, 1e-3
+_PLACES = 96  # places along sliding at which marks count as independent
+_NEGLIGIBLE_MARKS = 1e-8  # share of the variance of the marks below which a source is left out
 _NEGLIGIBLE = 1e-12  # share of the largest variance below which a source of errors is left out
 
 
@@ -63,8 +68,9 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
     Returns
     -------
     MeasuredMotion
-        Marks of the surfaces, which repeat from trigger to trigger, are shared like the
-        calibration.
+        Marks of the surfaces repeat from trigger to trigger and are shared like the calibration. In
+        a film with settings and calibration each trigger shares those that it sees: pixels beyond
+        the calibrated range do not count, and which ones these are changes as the thin line moves.
 
     Raises
     ------
@@ -103,7 +109,9 @@ def measured_positions(film: xr.Dataset, calibration_cov: Array | None = None) -
 
     # what is left repeats from trigger to trigger: marks of the surfaces
     left = whole - random - columns @ np.swapaxes(columns, 1, 2)
-    return MeasuredMotion(value, random, np.concatenate([columns, _roots(left)], axis=2))
+    seen = _seen_angles(film)
+    marks = _roots(left) if seen is None else _share_marks(left, seen)
+    return MeasuredMotion(value, random, np.concatenate([columns, marks], axis=2))
 
 
 def measured_minima(
@@ -146,6 +154,72 @@ def _root(covariance: Array) -> Array:
     safe = np.where(scale > 0, scale, 1.0)
     values, axes = np.linalg.eigh(covariance / np.outer(safe, safe))
     return np.asarray(safe[:, np.newaxis] * axes * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _seen_angles(film: xr.Dataset) -> Array | None:
+    """Ends of what each trigger sees of the joint, from the load line, (trigger, end). [rad]
+
+    None where the film does not state them.
+    """
+    if not {"settings", "calibration"} <= set(film.attrs) or not {"x", "y"} <= set(film.coords):
+        return None
+    settings = settings_of(film)
+    joint, roi = settings.joint, settings.thickness.roi
+    if joint is None:
+        return None
+    axis = "x" if settings.optics.x_axis == "sliding" else "y"
+    place = film[axis].values
+    first, last = (place[0], place[-1]) if roi is None else getattr(roi, axis)
+    radius = math.sqrt(joint.pin_radius * joint.bushing_radius) / _MILLI
+    region = (np.array([first, last]) - film.pin_displacement.attrs["load_line"]) / radius
+
+    # beyond this angle from the thinnest film, c - e cos(angle) is above the range
+    load, side = film.pin_displacement.values.T
+    eccentricity = np.hypot(load, side)
+    clearance = (joint.bushing_radius - joint.pin_radius) * _MICRO
+    highest = calibration_of(film).thickness_range[1]
+    reach = np.arccos(np.clip((clearance - highest) / eccentricity, -1.0, 1.0))
+    attitude = np.arctan2(side, load)
+    ends = attitude[:, np.newaxis] + reach[:, np.newaxis] * np.array([-1.0, 1.0])
+    return np.asarray(np.clip(ends, *region))
+
+
+def _share_marks(covariances: Array, seen: Array) -> Array:
+    """Sources of the errors by marks, for what each trigger sees, (trigger, axis, source).
+
+    Marks are taken as independent from place to place along sliding: waves and scratches of turning
+    run along the axis. Each trigger weighs them as the least-squares fit of both displacements to
+    what it sees, scaled to its own covariance.
+    """
+    known = np.isfinite(seen).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    found = np.full((len(seen), 2, _PLACES), np.nan)
+    if not known.any():
+        return found[:, :, :0]
+
+    places = np.linspace(seen[known, 0].min(), seen[known, 1].max(), _PLACES)
+    shapes = np.stack([np.cos(places), np.sin(places)], axis=1)
+    width = places[1] - places[0]
+    for k in np.flatnonzero(known):
+        # the place at an end counts as far as it is seen, so that windows change continuously
+        inside = np.minimum(places - seen[k, 0], seen[k, 1] - places) / width + 0.5
+        weight = np.clip(inside, 0.0, 1.0)[:, np.newaxis]
+        fit = np.linalg.pinv(shapes * weight).T * weight
+        found[k] = _square_root(covariances[k]) @ np.linalg.inv(_square_root(fit.T @ fit)) @ fit.T
+
+    # a few sources hold nearly all of it
+    rows = found[known].reshape(-1, _PLACES)
+    _, size, axes = np.linalg.svd(rows, full_matrices=False)
+    kept = axes[size**2 > _NEGLIGIBLE_MARKS * np.sum(size**2)]
+    return np.asarray(found @ kept.T)
+
+
+def _square_root(covariance: Array) -> Array:
+    """Symmetric root of a covariance that may be singular."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(scale > 0, scale, 1.0)
+    values, axes = np.linalg.eigh(covariance / np.outer(safe, safe))
+    root = (axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T
+    return np.asarray(safe[:, np.newaxis] * root)
 
 
 def _roots(covariances: Array) -> Array:

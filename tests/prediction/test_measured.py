@@ -1,12 +1,30 @@
 """Positions taken from a film keep what repeats apart from what is new at every trigger."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.gap import (
+    AXIAL_ORIGIN,
+    BORE,
+    LOAD_LINE,
+    PIN,
+    WHOLE,
+    X,
+    Y,
+    circle_gap,
+    known_calibration,
+    noisy_ratios,
+)
 
 from erlif.core.errors import ConfigError, ErlifError
+from erlif.plots import example_film
 from erlif.prediction import measured_minima, measured_positions
+from erlif.rig import RigSettings
+from erlif.rig.film import draw_marks
+from erlif.trend import PinView, find_pin_position
 
 TRIGGERS = 5
 BOTH = ("trigger", "parameter", "parameter_other")
@@ -61,6 +79,67 @@ def test_triggers_without_position_are_unknown():
     positions = film()[1]
     positions["pin_displacement"][2, 0] = np.nan
     assert measured_positions(positions).known.tolist() == [True, True, False, True, True]
+
+
+SWING = np.linspace(-3.5, 3.5, 8)  # mm, places of the thin line
+
+
+def errors_by_marks(highest, seeds):
+    """Errors of both displacements by the marks of turned surfaces, (seed, place, axis). [um]"""
+    view = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
+    calibration = replace(known_calibration(), thickness_range=(0.2, highest))
+    angle = SWING / view.radius
+    gaps = [circle_gap(224 * np.cos(one), 224 * np.sin(one)) for one in angle]
+    columns, rows = np.meshgrid(np.arange(X.size, dtype=float), np.arange(Y.size, dtype=float))
+
+    def place(film):
+        ratios = noisy_ratios(film, 1e-9, np.random.default_rng(0))
+        return find_pin_position(ratios, calibration, region=WHOLE, view=view).value[:2]
+
+    smooth = np.array([place(gap) for gap in gaps])
+    found = []
+    for seed in range(seeds):
+        rig = RigSettings(width=X.size, height=Y.size)
+        marks = draw_marks(rig, np.random.default_rng(seed))(columns, rows)
+        found.append([place(gap + marks) for gap in gaps] - smooth)
+    # scratches lie deeper than waves are high: the mean of the errors is not zero
+    return np.array(found) - np.mean(found, axis=0)
+
+
+def stated_sources(highest, errors):
+    """Sources of the errors that a film with these errors states, (place, axis, source). [um]"""
+    view = PinView(PIN * 1e-3, BORE * 1e-3, X[1], LOAD_LINE, AXIAL_ORIGIN)
+    angle = SWING / view.radius
+    film = example_film().isel(trigger=np.zeros(SWING.size, dtype=int))
+    marks = np.zeros((SWING.size, 4, 4))
+    marks[:, :2, :2] = np.einsum("kpa,kpb->pab", errors, errors) / len(errors)
+    film["pin_displacement"] = film.pin_displacement.copy(
+        data=224 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    )
+    film["pin_displacement"].attrs["load_line"] = LOAD_LINE
+    film["pin_position_cov"] = film.pin_position_cov_random + marks
+    region = f"x = [{X[0]}, {X[-1]}]"
+    film.attrs["settings"] = film.attrs["settings"].replace("x = [2.0, 14.0]", region)
+    film.attrs["calibration"] = film.attrs["calibration"].replace(
+        '"thickness_range": [0.3, 16.0]', f'"thickness_range": [0.3, {highest}]'
+    )
+    return measured_positions(film).shared * 1e6
+
+
+@pytest.mark.parametrize(("highest", "alike"), [(25.0, True), (9.0, False)])
+def test_marks_are_shared_as_far_as_the_same_ones_are_seen(highest, alike):
+    """Pixels above the range do not count; the thin line moves by 7 mm over 12 mm."""
+    errors = errors_by_marks(highest, 40)
+    sources = stated_sources(highest, errors)
+    for axis in range(2):
+        seen = np.corrcoef(errors[:, :, axis].T)
+        covariance = sources[:, axis] @ sources[:, axis].T
+        std = np.sqrt(np.diag(covariance))
+        npt.assert_allclose(std, np.sqrt(np.mean(errors[:, :, axis] ** 2, axis=0)), rtol=0.02)
+        stated = covariance / np.outer(std, std)
+        assert np.abs(stated - seen).max() < (0.02 if alike else 0.45)
+        assert (stated.min() > 0.95) == alike
+        assert (seen.min() > 0.95) == alike
 
 
 def test_minima_share_their_calibration():
