@@ -94,6 +94,19 @@ def test_two_axial_grooves_of_the_databook(slenderness, sommerfeld, eccentricity
     npt.assert_allclose(np.degrees(found.attitude), attitude, atol=0.7)
 
 
+@pytest.mark.parametrize("eccentricity", [0.1, 0.4, 0.8])
+def test_short_bearing_of_ocvirk(eccentricity):
+    """W = eta R om L^3 / (4 c^2) eps / (1 - eps^2)^2 sqrt(16 eps^2 + pi^2 (1 - eps^2))."""
+    joint, rest = bearing(0.02), 1 - eccentricity**2
+    load = joint.viscosity * joint.radius * SPEED * joint.length**3 / (4 * joint.clearance**2)
+    load *= eccentricity / rest**2 * np.sqrt(16 * eccentricity**2 + np.pi**2 * rest)
+    found = steady_journal(joint, speed=SPEED, load=load)
+    npt.assert_allclose(found.eccentricity, eccentricity, rtol=5e-4)
+    npt.assert_allclose(
+        found.attitude, np.arctan(np.pi * np.sqrt(rest) / (4 * eccentricity)), atol=5e-4
+    )
+
+
 def test_full_sommerfeld_bearing():
     """F = 12 pi eps / ((2 + eps^2) sqrt(1 - eps^2)) eta omega R L (R/c)^2, normal to e."""
     full = Journal(
