@@ -45,12 +45,36 @@ class FrameMotion:
         Crank angle, counted on from turn to turn. (step,) [rad]
     viscosity : float
         Viscosity to which the times are scaled, that of the frames in the mean. [Pa s]
+    lead : Motion | None
+        One turn of the crank before the first frame, at the mean crank speed and the first load,
+        with times from zero; its end is the first frame. None where it is not known.
     """
 
     motion: Motion
     steps: npt.NDArray[np.int64]
     crank: Array
     viscosity: float
+    lead: Motion | None = None
+
+    def with_lead(self) -> FrameMotion:
+        """The motion with its lead in front, in which cavities have formed before the first frame.
+
+        Raises
+        ------
+        ValueError
+            If there is no lead.
+        """
+        if self.lead is None:
+            raise ValueError("Expected a motion with a lead; this one has none. Follow its frames.")
+        lead, own = self.lead, self.motion
+        before = lead.time.size - 1
+        whole = Motion(
+            np.append(lead.time[:-1], lead.time[-1] + own.time),
+            np.append(lead.angle[:-1], own.angle),
+            np.append(lead.load[:-1], own.load),
+        )
+        turn = self.crank[0] + _TURN * (np.arange(before) / before - 1)
+        return FrameMotion(whole, self.steps + before, np.append(turn, self.crank), self.viscosity)
 
     @property
     def cycles(self) -> Array:
@@ -140,7 +164,14 @@ def follow_motion(
     angle = direction * (np.asarray(linkage.rocker_angle(fine)) - middle)
     load = np.interp(at, time, frames["load"].values)
     mean, since = _scaled_time(at, time, np.broadcast_to(viscosity, time.shape))
-    return FrameMotion(Motion(since, angle=angle, load=load), place[steps], fine, mean)
+    motion = Motion(since, angle=angle, load=load)
+
+    # the turn before, by which a held pin has its cavities
+    before = fine[0] + _TURN * np.linspace(-1.0, 0.0, math.ceil(per_turn) + 1)
+    earlier = direction * (np.asarray(linkage.rocker_angle(before)) - middle)
+    period = _TURN * float(since[-1]) / float(fine[-1] - fine[0])
+    lead = Motion(np.linspace(0.0, period, before.size), angle=earlier, load=float(load[0]))
+    return FrameMotion(motion, place[steps], fine, mean, lead)
 
 
 def _clock(frames: xr.Dataset, linkage: CrankRocker, crank_speed: float) -> tuple[Array, Array]:

@@ -155,7 +155,8 @@ def predict_triggers(
     sideways : str or float
         "free", "guided", or a stiffness. [N/m]
     start_film : float, optional
-        Minimum film thickness at the first frame; default: that of the least squares. [m]
+        Minimum film thickness at the first frame; default: that of the least squares. A pin that is
+        held then goes through the lead of `motion` first, in which its cavities form. [m]
     cells : (int, int)
         As for `predict_frames`.
 
@@ -194,6 +195,8 @@ def predict_triggers(
         return summarise_gap(at.displacement_load, at.displacement_side, journal, view)[0]
 
     fitted = start_film is None
+    if fitted and sideways != "free" and motion.lead is not None:
+        motion = motion.with_lead()
     if start_film is None:
         measured, std = film["film_min"].values, film["film_min_std"].values
         start_film = find_start_film(
@@ -203,14 +206,17 @@ def predict_triggers(
     predicted = _describe_positions(triggers, journal, view, "trigger")
     each = _describe_positions(frames, journal, view, "frame")
     predicted = predicted.merge(each.rename({name: f"{name}_frame" for name in each}))
+    turns = motion.cycles
     predicted["elapsed_cycles"] = (
         "frame",
-        motion.cycles,
+        turns - turns.min(),
         {"units": "1", "long_name": "turns of the crank since the first frame"},
     )
-    predicted["film_predicted_min"].attrs.update(
-        start_film=_MICRO * start_film, start_film_fitted=int(fitted)
-    )
+    # after a lead the film at the first frame is no longer that of the start
+    first = int(np.argmin(motion.steps))
+    reached = np.hypot(frames.displacement_load, frames.displacement_side).values[first]
+    begun = _MICRO * (journal.clearance - float(reached))
+    predicted["film_predicted_min"].attrs.update(start_film=begun, start_film_fitted=int(fitted))
     return predicted
 
 

@@ -109,6 +109,32 @@ def test_the_start_film_is_found_from_noisy_minima():
     assert attrs["start_film"] == pytest.approx(12.0, abs=0.05)
 
 
+def test_the_lead_of_a_held_pin_is_the_turn_before_its_first_frame():
+    """The second of two equal turns is that of a recording of one turn with its lead."""
+    both, _ = motion(count=25, cycles=2)
+    one, _ = motion(count=25)
+    twice = predict_frames(LONG, both, start_film=12e-6, sideways="guided")
+    led = predict_frames(LONG, one.with_lead(), start_film=12e-6, sideways="guided")
+    second = twice.displacement_load.values[25:]
+    npt.assert_allclose(led.displacement_load, second, atol=1e-9)
+    cold = predict_frames(LONG, one, start_film=float(230e-6 - second[0]), sideways="guided")
+    assert np.abs(cold.displacement_load.values - second).max() > 0.1e-6
+
+
+def test_a_fitted_guided_film_is_led_in():
+    both, _ = motion(count=25, cycles=2)
+    twice = predict_frames(LONG, both, start_film=12e-6, sideways="guided")
+    minimum = 1e6 * (230e-6 - twice.displacement_load.values[25:])
+    film = xr.Dataset(
+        {"film_min": ("trigger", minimum), "film_min_std": ("trigger", np.full(25, 0.02))}
+    )
+    one, _ = motion(count=25)
+    found = predict_triggers(film, LONG, one, trigger=np.arange(25), view=VIEW, sideways="guided")
+    npt.assert_allclose(found.film_predicted_min, minimum, atol=0.02)
+    assert found.film_predicted_min.attrs["start_film"] == pytest.approx(minimum[0], abs=0.02)
+    npt.assert_allclose(found.elapsed_cycles, np.arange(25) / 25, atol=1e-12)
+
+
 def test_a_guided_pin_stays_on_the_load_line():
     moved, _ = motion()
     found = predict_frames(LONG, moved, start_film=20e-6, sideways="guided")
