@@ -334,7 +334,7 @@ def _describe(
         residual=found.residual,
         predicted=problem.frames.average(frames[np.newaxis])[0],
         frames=frames,
-        notes=tuple(_notes(estimates, found)),
+        notes=(*_notes(estimates, found), *_note_rupture(problem, least, found, fixed)),
     )
 
 
@@ -420,3 +420,24 @@ def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
             )
         )
     return notes
+
+
+def _note_rupture(
+    problem: Problem, least: LeastSquares, found: Minimum, fixed: Mapping[str, float]
+) -> list[Note]:
+    """A film that is taken as full and would rupture at the stated cavitation pressure."""
+    orbits = problem.orbits
+    if not isinstance(orbits, FreeOrbits):
+        return []
+    columns = dict(zip(least.unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
+    columns.pop("load_line")
+    (orbit,) = orbits.follow({name: np.array([value]) for name, value in columns.items()})
+    lowest, rupture = orbits.lowest_pressure(orbit), orbits.journal.cavitation_pressure
+    if not lowest < rupture:
+        return []
+    text = (
+        f"The film of the free pin is taken as full; its pressure falls to {lowest * 1e-3:.3g} "
+        f"kPa, below the cavitation pressure of {rupture * 1e-3:.3g} kPa. Compare with "
+        "solve_journal, which follows the cavities."
+    )
+    return [Note(Level.NOTE, "fit", text)]

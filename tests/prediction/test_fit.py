@@ -1,5 +1,7 @@
 """Fits of simulated sequences whose truth is the orbit of the virtual rig."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -175,3 +177,11 @@ def test_spring_needs_positions():
     measured = measured_minima(np.full(FRAMES, 5e-6), np.full(FRAMES, 1e-8), clearance=230e-6)
     with pytest.raises(ConfigError, match="positions of the pin for the fit of a spring"):
         fit_motion(measured, STATED, MOTION, steps=STEPS, sideways="spring")
+
+
+def test_free_film_below_its_cavitation_pressure_is_reported(orbit):
+    # under 222 N the full film falls to some kilopascals of suction beside the thinnest film
+    for cavitation, reported in ((0.0, True), (-1e5, False)):
+        joint = replace(STATED, cavitation_pressure=cavitation)
+        found = fit_motion(photograph(orbit, 0), joint, MOTION, steps=STEPS, profiles=False)
+        assert any("taken as full" in note.text for note in found.notes) == reported
