@@ -48,6 +48,26 @@ class Note:
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
 
 
+def rank_notes(notes: Iterable[Note]) -> list[Note]:
+    """Notes with errors and warnings first; those of one level keep their order.
+
+    Parameters
+    ----------
+    notes : iterable of Note
+
+    Returns
+    -------
+    list of Note
+
+    Examples
+    --------
+    >>> found = [Note(Level.NOTE, "camera1", "dark 64.0 DN"), Note(Level.WARNING, "", "no flat")]
+    >>> str(rank_notes(found)[0])
+    'no flat'
+    """
+    return sorted(notes, key=lambda note: _ORDER.index(note.level))
+
+
 def join_notes(notes: Iterable[Note]) -> str:
     """Notes as the lines of a file attribute: warnings first, each marked as one.
 
@@ -65,7 +85,7 @@ def join_notes(notes: Iterable[Note]) -> str:
     >>> join_notes([Note(Level.NOTE, "camera1", "dark 64.0 DN")])
     'camera1: dark 64.0 DN'
     """
-    ordered = sorted(notes, key=lambda note: _ORDER.index(note.level))
+    ordered = rank_notes(notes)
     return "\n".join(
         str(note) if note.level is Level.NOTE else f"{note.level}: {note}" for note in ordered
     )

@@ -7,6 +7,7 @@ import xarray as xr
 
 from erlif.calibration import Calibration
 from erlif.core.flags import Flag
+from erlif.core.notes import rank_notes
 from erlif.core.units import count_of
 from erlif.files import flag_shares
 from erlif.report.prediction import correlation_lines, difference_lines
@@ -239,5 +240,5 @@ def describe_calibration(calibration: Calibration) -> str:
         share = 100 * np.expm1(calibration.departure.predict(film))
         text = f"{share.min():+.2f} to {share.max():+.2f} % of the ratio, followed by a spline"
         add("departure from the model", text)
-    lines += [f"  {note.level.value}: {note}" for note in calibration.notes]
+    lines += [f"  {note.level.value}: {note}" for note in rank_notes(calibration.notes)]
     return "\n".join(lines)

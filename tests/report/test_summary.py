@@ -119,7 +119,7 @@ def test_spline_is_described_by_its_range(calibration):
 def test_notes_of_a_calibration_are_listed(calibration):
     notes = (Note(Level.NOTE, "camera1", "one"), Note(Level.WARNING, "", "two"))
     text = describe_calibration(replace(calibration, notes=notes))
-    assert text.splitlines()[-2:] == ["  note: camera1: one", "  warning: two"]
+    assert text.splitlines()[-2:] == ["  warning: two", "  note: camera1: one"]  # warnings first
 
 
 # one line
