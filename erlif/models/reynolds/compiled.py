@@ -15,7 +15,7 @@ SWITCH_TOLERANCE = 1e-7
 RESIDUAL_TOLERANCE = 1e-7
 LARGEST_APPROACH = 0.7
 MOST_ITERATIONS = 60
-"""As in `erlif.models.reynolds.balance`."""
+"""As in `erlif.models.reynolds.balance`: the cache of compiled code follows this file alone."""
 
 THINNEST_FILM = 1e-9
 """As in `erlif.models.reynolds.transient`. [m]"""
