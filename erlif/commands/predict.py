@@ -15,14 +15,23 @@ from erlif.commands.progress import show_progress
 @click.command()
 @click.argument("source", metavar="RUN_DIR|FILM", type=PATH)
 @click.option("-o", "--output", type=PATH, help="Default: prediction.nc in RUN_DIR or beside FILM.")
+@click.option(
+    "--fit", "fitted", is_flag=True, help="Also fit viscosity, start and mount; see below."
+)
 @ALLOW_OUTSIDE
 @OVERWRITE
-def predict(source: Path, output: Path | None, allow_outside: bool, overwrite: bool) -> None:
+def predict(
+    source: Path, output: Path | None, fitted: bool, allow_outside: bool, overwrite: bool
+) -> None:
     """Predict the film of an oscillating joint at every trigger, as its camera would see it.
 
     The transient Reynolds equation is solved over the motion of the frames. [prediction] in
     run.toml holds what it takes for given. A run directory is predicted with its present settings,
     a film with those that it holds.
+
+    --fit prints which physics carries the measured film: the steady formulas, squeeze, and the
+    transient film of a free and of a guided pin are fitted to the positions of the pin and compared
+    by their likelihood, with the viscosity of the best. It needs FILM, or film.nc in RUN_DIR.
 
     \b
     Example:
@@ -48,3 +57,9 @@ def predict(source: Path, output: Path | None, allow_outside: bool, overwrite: b
     with prediction:
         click.echo(summarise_prediction(prediction))
     click.echo(f"written: {output}")
+    if fitted:
+        from erlif.pipeline.fit import fit_film
+        from erlif.report.fit import summarise_comparison
+
+        with announced_compiling():
+            click.echo(summarise_comparison(fit_film(source)))

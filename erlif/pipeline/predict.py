@@ -66,7 +66,7 @@ _OF_FILM = (
 
 
 @dataclass(frozen=True)
-class _Source:
+class Source:
     """What a prediction is made from.
 
     Attributes
@@ -157,7 +157,7 @@ def _write_prediction(
     """Predict and write trigger by trigger; parameters as for `predict`."""
     remove_remains(output)
     refuse_existing(output, overwrite=overwrite, holds=MAP.name)
-    source = _read_film(path) if is_film(path) else _read_run(path, allow_outside)
+    source = read_film(path) if is_film(path) else _read_run(path, allow_outside)
     settings = source.settings
     x, y = pixel_positions(settings, source.shape)
     place = places_along_sliding(settings, x, y, choose_region(settings, source.shape))
@@ -196,8 +196,8 @@ def spread_over_image(gap: Array, settings: RunSettings, shape: tuple[int, int])
     return np.ascontiguousarray(np.broadcast_to(across, shape), np.float32)
 
 
-def _read_film(path: Path) -> _Source:
-    """The source that a film holds."""
+def read_film(path: Path) -> Source:
+    """The settings, statistics and frames that a film holds."""
     with open_film(path) as film, closing(open_film(path, group="frames")) as group:
         settings = settings_of(film)
         _refuse_steady(settings)
@@ -218,10 +218,10 @@ def _read_film(path: Path) -> _Source:
             frames["time"] = ("frame", group["time"].values)
         shape = film.sizes["y"], film.sizes["x"]
         hashes = {path.name: str(film.attrs.get("identity", ""))}
-    return _Source(settings, kept, frames, shape, hashes)
+    return Source(settings, kept, frames, shape, hashes)
 
 
-def _read_run(run_dir: Path, allow_outside: bool) -> _Source:
+def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     """The source of a run directory, with its film where that was made."""
     run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
     _refuse_steady(run.settings)
@@ -243,7 +243,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> _Source:
                 'there is none. Make it with erlif process, or give start_film = "20 um" in '
                 "[prediction] of run.toml."
             )
-        return _Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
+        return Source(run.settings, xr.Dataset(), frames, run.pairs.shape, hashes)
     with open_film(paths[0]) as film:
         if film.sizes["trigger"] != int(frames.trigger.max()) + 1:
             raise EncoderError(
@@ -253,7 +253,7 @@ def _read_run(run_dir: Path, allow_outside: bool) -> _Source:
             )
         kept = film[[name for name in _OF_FILM if name in film]].load()
         hashes[paths[0].name] = str(film.attrs.get("identity", ""))
-    return _Source(run.settings, kept, frames, run.pairs.shape, hashes)
+    return Source(run.settings, kept, frames, run.pairs.shape, hashes)
 
 
 def _refuse_steady(settings: RunSettings) -> None:
@@ -265,13 +265,13 @@ def _refuse_steady(settings: RunSettings) -> None:
         )
 
 
-def _identify(source: _Source) -> str:
+def _identify(source: Source) -> str:
     """Identity of the work, by which an interrupted one is resumed."""
     parts = [__version__, to_toml(source.settings), describe_hashes(source.hashes)]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _describe(source: _Source, prediction: Prediction) -> xr.Dataset:
+def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
     """Everything of the triggers, and the record of how it was made."""
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
@@ -294,7 +294,7 @@ def _describe(source: _Source, prediction: Prediction) -> xr.Dataset:
     )
 
 
-def _describe_frames(source: _Source, prediction: Prediction) -> xr.Dataset:
+def _describe_frames(source: Source, prediction: Prediction) -> xr.Dataset:
     """The positions of the frames: those averaged in a trigger each have their own film."""
     belong = source.frames[["trigger", "cycle"]].copy()
     belong["trigger"].attrs = {"units": "1", "long_name": "trigger within the cycle"}

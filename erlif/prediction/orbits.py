@@ -16,7 +16,7 @@ CELLS = (64, 2)
 """Cells of the transient film round the joint and along half of its length, for derivatives. What
 these, and every other step of time, leave out is extrapolated once for each fit."""
 
-HELD_ERROR = 0.004
+HELD_ERROR = 0.008
 """Relative error of the extrapolated film of a held pin, against that of the virtual rig."""
 
 HELD_SCATTER = 0.0015

@@ -46,3 +46,10 @@ def test_a_start_outside_the_clearance_is_refused(lab, film, refused):
     lab.film.write_bytes(film.read_bytes())
     lab.edit("run/run.toml", ("[joint]", '[prediction]\nstart_film = "1 mm"\n[joint]'))
     assert "outside the clearance" in refused("predict", lab.run)
+
+
+def test_fit_prints_which_physics_carries_the_film(own, command):
+    result = command("predict", own, "--fit")
+    assert "BIC" in result.stdout
+    assert "a guided pin" in result.stdout
+    assert "viscosity: " in result.stdout

@@ -1,0 +1,180 @@
+"""Are fitted viscosity, start and mount true? Sequences with the orbits of the virtual rig.
+
+    pip install -e .
+    python benchmarks/fit_film.py            # 20 seeds, free and guided; 100 free ones for coverage
+    python benchmarks/fit_film.py --time     # 200 cycles in one fit
+
+The orbits are those of `erlif.rig`: Chebyshev collocation for the free pin, projected
+over-relaxation with cavities for the guided one. They share no code with the fitted model. Every
+sequence has its own viscosity, start film, load line, noise, error of the scale of all films
+(0.5 %, as of a calibration) and shift that repeats at every trigger (as of marks on a surface). The
+viscosity that the fit is given first is 0.12 Pa s throughout.
+"""
+
+import argparse
+import time
+import warnings
+
+import numpy as np
+
+from erlif.models import Journal, crank_motion
+from erlif.models.mechanism import CrankRocker
+from erlif.models.reynolds.full_film import follow_full_film
+from erlif.prediction import MeasuredMotion, compare_models, fit_motion
+from erlif.rig.cavitation import follow_cavitated
+from erlif.rig.orbit import Bearing, follow_orbit
+
+RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+SPEED = 114 * 2 * np.pi / 60
+PERIOD = 2 * np.pi / SPEED
+LOAD = 222.4
+STATED = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
+STD = np.array([5e-9, 20e-9])  # new at every trigger, along the load and sideways [m]
+SCALE = 0.005  # of all films
+MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
+CYCLES, FRAMES = 2, 50
+GUIDED = 5  # orbits, each photographed four times
+
+
+def bearing(viscosity):
+    return Bearing(STATED.radius, STATED.clearance, STATED.length, viscosity)
+
+
+def times(cycles=CYCLES):
+    return np.arange(cycles * FRAMES) * PERIOD / FRAMES
+
+
+def free_orbit(viscosity, start):
+    return follow_orbit(
+        bearing(viscosity),
+        times(),
+        load=lambda _: LOAD,
+        rotation=lambda moment: float(RIG.rocker_speed(SPEED * moment, crank_speed=SPEED)),
+        start=start,
+    )
+
+
+def guided_orbit(viscosity, film, elapsed=3):
+    """After some cycles, in which the cavities have formed."""
+    middle = float(np.mean(RIG.limits()))
+    return follow_cavitated(
+        bearing(viscosity),
+        np.append(-elapsed * PERIOD, times()),
+        load=lambda _: LOAD,
+        angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
+        step=PERIOD / 200,
+        stiffness=np.inf,
+        start=(STATED.clearance - film, 0.0),
+    )[1:]
+
+
+def photograph(orbit, line, rng):
+    turn = line / STATED.radius
+    cosine, sine = np.cos(turn), np.sin(turn)
+    place = orbit @ np.array([[cosine, sine], [-sine, cosine]])
+    distance = np.hypot(*orbit.T)
+    film = STATED.clearance - distance
+    shared = np.zeros((len(orbit), 2, 3))
+    shared[..., 0] = -SCALE * (film / distance)[:, None] * place
+    shared[:, 0, 1], shared[:, 1, 2] = MARKS
+    value = place + rng.normal(size=place.shape) * STD + shared @ rng.normal(size=3)
+    return MeasuredMotion(value, np.diag(STD**2) * np.ones((len(orbit), 1, 1)), shared)
+
+
+def motion_of(cycles=CYCLES):
+    return crank_motion(RIG, crank_speed=SPEED, load=LOAD, cycles=cycles, steps_per_cycle=100)
+
+
+def study(measured, truth, **options):
+    """Pulls of every quantity, error of the viscosity, and what was recognised."""
+    motion = motion_of()
+    steps, crank = np.arange(CYCLES * FRAMES) * 2, np.arange(motion.time.size) * 2 * np.pi / 100
+    found = fit_motion(
+        measured, STATED, motion, steps=steps, crank=crank, profiles=False, **options
+    )
+    pulls = {k: (found.estimates[k].value - v) / found.estimates[k].std for k, v in truth.items()}
+    return found, pulls, (motion, steps, crank)
+
+
+def report(name, pulls, errors, recognised):
+    errors = np.array(errors)
+    print(f"\n{name}: {len(errors)} sequences, {recognised} recognised")
+    pull = np.array([one["viscosity"] for one in pulls])
+    near = int(np.sum((np.abs(errors) < 0.03) & (np.abs(pull) < 2)))
+    print(
+        f"viscosity: rms error {100 * np.sqrt(np.mean(errors**2)):.2f} %, largest "
+        f"{100 * np.abs(errors).max():.2f} %, {near} within 3 % and two standard deviations"
+    )
+    print("| quantity | within 1 std | within 2 std | rms pull |\n|---|---|---|---|")
+    for key in pulls[0]:
+        one = np.abs([pull[key] for pull in pulls])
+        print(
+            f"| {key} | {100 * np.mean(one < 1):.0f} % | {100 * np.mean(one < 2):.0f} % | "
+            f"{np.sqrt(np.mean(one**2)):.2f} |",
+            flush=True,
+        )
+
+
+def run_free(count, compared):
+    pulls, errors, recognised = [], [], 0
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        viscosity, film = rng.uniform(0.08, 0.4), np.exp(rng.uniform(np.log(5e-6), np.log(40e-6)))
+        angle, line = rng.uniform(-0.1, 0.1), rng.normal() * 1e-3
+        distance = STATED.clearance - film
+        orbit = free_orbit(viscosity, (distance * np.cos(angle), distance * np.sin(angle)))
+        measured = photograph(orbit, line, rng)
+        truth = {
+            "viscosity": viscosity,
+            "start_film": film,
+            "start_attitude": angle,
+            "load_line": line,
+        }
+        found, pull, (motion, steps, crank) = study(measured, truth)
+        pulls.append(pull)
+        errors.append(found.estimates["viscosity"].value / viscosity - 1)
+        if compared:
+            best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
+            recognised += best.candidates[0].name == "a pin that is free sideways"
+    report("free pin", pulls, errors, recognised if compared else "not")
+
+
+def run_guided():
+    pulls, errors, recognised = [], [], 0
+    for number in range(GUIDED):
+        rng = np.random.default_rng(1000 + number)
+        viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
+        orbit = guided_orbit(viscosity, film)
+        for _ in range(4):
+            measured = photograph(orbit, 0.0, rng)
+            truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
+            found, pull, (motion, steps, crank) = study(
+                measured, truth, sideways="guided", load_line_std=1e-3
+            )
+            pulls.append(pull)
+            errors.append(found.estimates["viscosity"].value / viscosity - 1)
+            best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
+            recognised += best.candidates[0].name == "a guided pin"
+    report("guided pin", pulls, errors, recognised)
+
+
+def run_time(cycles=200):
+    motion, rng = motion_of(cycles), np.random.default_rng(1)
+    start = np.array([[130e-6, 20e-6]])
+    orbit = follow_full_film(STATED, motion, start=start, fluidity=0.2)[0, :-1:2]
+    measured = photograph(orbit, 1e-3, rng)
+    begun = time.perf_counter()
+    fit_motion(measured, STATED, motion, steps=np.arange(len(orbit)) * 2)
+    print(f"{cycles} cycles, {len(orbit)} positions, free: {time.perf_counter() - begun:.1f} s")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--time", action="store_true")
+    warnings.simplefilter("ignore")
+    if parser.parse_args().time:
+        run_time()
+    else:
+        run_free(20, compared=True)
+        run_free(100, compared=False)
+        run_guided()

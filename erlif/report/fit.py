@@ -1,0 +1,59 @@
+"""The fit of a film in words: which physics carries it, and what was fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from erlif.prediction import Comparison, Estimate
+
+_SHOWN = {
+    "viscosity": ("viscosity", 1.0, "Pa s"),
+    "squeeze_time": ("squeeze constant over load, K/W", 1.0, "s"),
+    "start_film": ("film at the first frame", 1e6, "um"),
+    "load_line": ("load line, from the middle of the image", 1e3, "mm"),
+}
+"""Estimates of the summary: title, factor and unit."""
+
+
+def summarise_comparison(found: Comparison) -> str:
+    """Describe a comparison: the verdict, the models in their order, and the best fit.
+
+    Parameters
+    ----------
+    found : Comparison
+
+    Returns
+    -------
+    str
+        Several lines.
+
+    Examples
+    --------
+    >>> from erlif.prediction import Candidate
+    >>> one = Candidate("a guided pin", 0.0, 4, 1.0, 4e-8)
+    >>> print(summarise_comparison(Comparison((one,), "It swings.", None, 1.0)))
+    It swings.
+      model          BIC  residual [nm]
+      a guided pin   0    40
+    """
+    width = max(len(one.name) for one in found.candidates) + 3
+    lines = [found.verdict, f"  {'model':{width}s}{'BIC':5s}residual [nm]"]
+    lines += [
+        f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e9:.3g}" for one in found.candidates
+    ]
+    if found.fit is not None:
+        lines.append(f"  fitted: pin {found.fit.sideways} sideways")
+        for name, (title, factor, unit) in _SHOWN.items():
+            if name in found.fit.estimates:
+                lines.append(f"    {title}: {_value(found.fit.estimates[name], factor)} {unit}")
+        lines += [f"  {note}" for note in found.fit.notes]
+    return "\n".join(lines)
+
+
+def _value(estimate: Estimate, factor: float) -> str:
+    """A value with its standard deviation, or the limit that the data give."""
+    one = estimate.times(factor, estimate.unit)
+    if np.isfinite(one.low) and np.isinf(one.high):
+        return f"above {one.low:.3g} (95 %)"
+    digits = max(0, 1 - int(np.floor(np.log10(one.std)))) if one.std > 0 else 3
+    return f"{one.value:.{digits}f} +- {one.std:.{digits}f}"

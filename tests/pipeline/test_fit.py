@@ -1,0 +1,48 @@
+"""A virtual run of known viscosity, photographed, processed and fitted."""
+
+import pytest
+
+import erlif
+from erlif.core.errors import ErlifError
+from erlif.pipeline.fit import fit_film
+from erlif.rig import RigSettings, simulate
+
+
+@pytest.fixture(scope="module")
+def sinking(small_rig, tmp_path_factory):
+    """A free pin that sinks in oil of 0.1 Pa s, where run.toml states another viscosity."""
+    directory = tmp_path_factory.mktemp("sinking")
+    rig = RigSettings(
+        film="reynolds",
+        tilt=0.0,
+        viscosity=0.1,
+        width=128,
+        height=96,
+        spacing=6.0,
+        fixture_frames=1,
+        dark_pages=4,
+        flat_pages=3,
+        bubbles=0,
+    )
+    simulate(directory, seed=5, rig=rig)
+    erlif.process(
+        directory / "run",
+        calibration=small_rig.fixture / "calibration.nc",
+        output=directory / "run" / "film.nc",
+        workers=1,
+    ).close()
+    return directory / "run"
+
+
+def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
+    found = fit_film(sinking)
+    assert found.candidates[0].name == "a pin that is free sideways"
+    assert len(found.candidates) == 5
+    viscosity = found.fit.estimates["viscosity"]
+    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
+    assert viscosity.std < 0.2 * 0.1
+
+
+def test_run_without_a_film_is_refused(lab):
+    with pytest.raises(ErlifError, match="Run erlif process"):
+        fit_film(lab.run)
