@@ -109,8 +109,8 @@ def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     if view is None or "pin_displacement" not in film:
         raise ConfigError(
             "Expected the position of the pin in the film; there is none, because the image is "
-            "wider than half a turn of the pin or the film is of an earlier version. Process the "
-            "run again."
+            "wider than half a turn of the pin or the film is of an earlier version. Make the "
+            "film again with: erlif process RUN_DIR"
         )
     return view
 

@@ -210,7 +210,7 @@ def best_trigger(found: xr.Dataset) -> int:
     if not np.isfinite(share).any():
         raise ConfigError(
             "Expected a pressure to draw; it is known at no trigger. "
-            f"{found.attrs.get('statement', '')}"
+            f"{found.attrs.get('statement', '')} Record more triggers per cycle, or more light."
         )
     return int(np.nanargmin(share))
 

@@ -209,7 +209,10 @@ def compare_models(
         except ModelError as error:
             failures.append(str(error))
     if not fitted:
-        raise ModelError(f"No model of the film could be fitted. {failures[0]}")
+        raise ModelError(
+            f"No model of the film could be fitted. {failures[0]} Check load, viscosity and radii "
+            "in run.toml."
+        )
     return _rank(fitted, fits)
 
 

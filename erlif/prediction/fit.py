@@ -258,7 +258,7 @@ def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequ
     if sideways not in SIDEWAYS:
         raise ConfigError(
             f"Expected a pin that is {', '.join(SIDEWAYS[:-1])} or {SIDEWAYS[-1]}, got "
-            f"{sideways!r}."
+            f"{sideways!r}. Choose one."
         )
     unknown = [name for name in fitted if name not in ("viscosity", "cavitation_pressure")]
     if unknown:
@@ -275,7 +275,7 @@ def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequ
     if sideways == "spring" and not measured.is_position:
         raise ConfigError(
             "Expected positions of the pin for the fit of a spring; minima do not contain the "
-            'sideways displacement. Fit "free" or "guided".'
+            'sideways displacement. Choose "free" or "guided".'
         )
 
 

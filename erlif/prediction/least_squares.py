@@ -259,7 +259,10 @@ class LeastSquares:
         value = np.clip(unknowns.start, unknowns.low, unknowns.high)
         ((miss, jacobian),) = self._evaluate(value)
         if not np.isfinite(miss).all():
-            raise ModelError("The model has no film at the start of the fit.")
+            raise ModelError(
+                "The model has no film at the start of the fit. Check load and viscosity, or give "
+                "another start."
+            )
         damping, slow, cost, promised = _DAMPING, 0, np.inf, np.inf
         for _ in range(MOST_ITERATIONS):
             # a poor model is not bent by shared errors of many standard deviations
@@ -297,7 +300,8 @@ class LeastSquares:
             return self._minimum(value, miss, jacobian)
         raise ModelError(
             f"The fit found no minimum in {MOST_ITERATIONS} iterations: chi-square {cost:.4g} of "
-            f"{self.target.size} observations. Fix one of {', '.join(unknowns.names)}."
+            f"{self.target.size} observations. Leave one of them out of the fit: "
+            f"{', '.join(unknowns.names)}."
         )
 
     def _evaluate(self, *values: Array) -> list[tuple[Array, Array]]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
 from scipy.linalg import cho_factor, cho_solve, eigh
 
 from erlif.core.arrays import Array
@@ -160,12 +159,15 @@ def _check(time: Array, position: Array, covariance: Array) -> None:
             "triggers per cycle."
         )
     if not (np.diff(time) > 0).all():
-        raise ModelError("Expected rising times of the positions; sort them, and take each once.")
+        raise ModelError(
+            "Expected rising times of the positions; they fall or repeat. Take each once, in order."
+        )
     if not (np.isfinite(position).all() and np.isfinite(covariance).all()):
         raise ModelError("Expected finite positions and covariances; leave out times without one.")
     if not (np.linalg.eigvalsh(covariance)[:, 0] > 0).all():
         raise ModelError(
-            "Expected covariances of positions that are positive definite; at least one is not."
+            "Expected covariances of positions that are positive definite; at least one is not. "
+            "Leave out positions without a standard deviation."
         )
 
 
@@ -174,6 +176,8 @@ def _lay_basis(time: Array) -> tuple[Array, Array]:
     intervals = min(time.size - 1, _MOST_INTERVALS)
     step = (time[-1] - time[0]) / intervals
     knots = time[0] + step * np.arange(-_DEGREE, intervals + _DEGREE + 1)
+    from scipy.interpolate import BSpline  # loads scipy.optimize, which processing does not need
+
     splines = BSpline(knots, np.eye(intervals + _DEGREE), _DEGREE)
     return np.asarray(splines(time)), np.asarray(splines.derivative()(time))
 

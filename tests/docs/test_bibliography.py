@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 BIBLIOGRAPHY = (ROOT / "docs" / "bibliography.md").read_text(encoding="utf-8")
 ENTRIES = BIBLIOGRAPHY.split("\n- ")
-NAME = r"[A-Z][a-zé]+"
+NAME = r"[A-Z][A-Za-zé]+"
 AUTHORS = rf"({NAME})(?: et al\.|(?:, {NAME})*,?\s+and\s+{NAME})?"
 CITATION = re.compile(rf"\b{AUTHORS}\s+\(((?:18|19|20)\d\d)|\({AUTHORS},?\s+((?:18|19|20)\d\d)\)")
 

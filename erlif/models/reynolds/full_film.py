@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.reynolds.journal import Journal, Motion
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline  # loads scipy.optimize: imported where it is used
 
 THINNEST = 1e-5
 """Smallest film of the tables over the clearance."""
@@ -178,6 +181,8 @@ def follow_full_film(
     >>> print(f"{sunk / joint.clearance:.6f} {ratio / np.hypot(1, ratio):.6f}")
     0.825510 0.825510
     """
+    from scipy.interpolate import CubicSpline
+
     film, clearance = FullFilm.of(journal), journal.clearance
     place = np.array(start, dtype=float, ndmin=2) / clearance
     if not (np.hypot(*place.T) < 1 - THINNEST).all():
@@ -250,6 +255,8 @@ def follow_full_film(
 
 def _stride(motion: Motion) -> int:
     """Steps of the motion in one of the orbit, as many as resolve rotation and load."""
+    from scipy.interpolate import CubicSpline
+
     stride = _LONGEST_STEP
     while stride > 1:
         kept = np.unique(np.append(np.arange(0, motion.time.size, stride), motion.time.size - 1))
@@ -286,6 +293,8 @@ def _tabulate(slenderness: float | None) -> tuple[CubicSpline, CubicSpline]:
 
     Two grids and Richardson's extrapolation; in the unit of the dampings, and of pressure.
     """
+    from scipy.interpolate import CubicSpline
+
     thin = np.linspace(0.0, -np.log(THINNEST), _NODES)
     eccentricity = -np.expm1(-thin)
     coarse, fine = (_solve_squeeze(eccentricity, slenderness, n) for n in (_POINTS, 2 * _POINTS))
