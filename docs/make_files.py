@@ -531,6 +531,13 @@ PRESSURE = (
     ),
     Variable("pressure_measured", T, "float64", "1", "1 where the pressure is known, else 0."),
     Variable("cavity", T, "float64", "1", "Share of the image without a full film."),
+    Variable(
+        "cavity_change",
+        T,
+        "float64",
+        "1",
+        "Change of the cavities about the trigger over their sum; above 0.4 there is no pressure.",
+    ),
     *(one for one in FILM if one.name in ("encoder_angle", "crank_angle", "stroke", "load")),
 )
 

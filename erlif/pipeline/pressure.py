@@ -21,7 +21,7 @@ from erlif.pipeline.position import choose_view
 from erlif.pipeline.prediction import build_journal, swings
 from erlif.prediction.motion import follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
-from erlif.prediction.pressure import CLEAR, find_pressures
+from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
 from erlif.prediction.smoothing import FEWEST
 from erlif.settings import CrankRockerSettings, RunSettings
 from erlif.trend import PinView, viscosity_at
@@ -57,8 +57,9 @@ def pressure_from_film(film: xr.Dataset | str | Path) -> xr.Dataset:
         sliding, load_from_pressure and side_from_pressure [N], each with its _std;
         peak_std_random and peak_std_shared [kPa], by noise and by errors that all triggers share;
         pressure_measured, 1 or 0; film_rate and film_rate_std [um s-1] at the load line; cavity
-        [1]; load [N]. NaN where the noise forbids the pressure. Attributes: statement, what the
-        pressure is good for and what would make it better; balance, the load in comparison.
+        and cavity_change [1]; load [N]. NaN where the noise forbids the pressure. Attributes:
+        statement, what the pressure is good for and what would make it better; balance, the load in
+        comparison.
 
     Raises
     ------
@@ -297,22 +298,30 @@ def state_limits(found: xr.Dataset) -> str:
             f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
             "(median standard deviation)."
         )
-    if count < total:
-        lines.append(_state_refusal(found, ~measured))
-    if np.nanmax(np.append(found.cavity.values, 0.0)) > 0:
+    closing = ~measured & (found.cavity_change.values > CHANGING)
+    if closing.any():
         lines.append(
-            "The film in the image is ruptured at some triggers. Cavities of earlier triggers are "
-            "not followed, so that the pressure after a reversal may be wrong there."
+            f"Cavities close or open at {int(closing.sum())} triggers ({_list_triggers(closing)}), "
+            "where the film changes more quickly than a smooth path can follow: no pressure there. "
+            "More triggers in a cycle would help."
         )
+    refused = ~measured & ~closing
+    if refused.any():
+        lines.append(_state_refusal(found, refused))
     return " ".join(lines)
+
+
+def _list_triggers(which: Mask) -> str:
+    """The first eight triggers of a kind."""
+    names = [str(k) for k in np.flatnonzero(which)]
+    return ", ".join(names[:8] + ["..."] * (len(names) > 8))
 
 
 def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
     """Why the pressure is not known at some triggers, and what would help."""
-    names = ", ".join(str(k) for k in np.flatnonzero(refused)[:8]) + (
-        ", ..." if refused.sum() > 8 else ""
+    start = (
+        f"The noise forbids the pressure at {refused.sum()} triggers ({_list_triggers(refused)}): "
     )
-    start = f"The noise forbids the pressure at {refused.sum()} triggers ({names}): "
     random, shared = found.peak_std_random.values[refused], found.peak_std_shared.values[refused]
     if not np.isfinite(random).any():
         return (
@@ -394,4 +403,5 @@ _MEANINGS: dict[str, tuple[str, float, str]] = {
     "side_from_pressure_std": ("N", 1.0, "its standard deviation"),
     "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
     "cavity": ("1", 1.0, "share of the image without a full film"),
+    "cavity_change": ("1", 1.0, "change of the cavities about the trigger, over their sum"),
 }

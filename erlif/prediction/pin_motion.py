@@ -22,6 +22,10 @@ class PinMotion:
 
     Attributes
     ----------
+    time : Array
+        Rising, (trigger,). [s]
+    angle : Array
+        Of the bushing from the middle of its swing, (trigger,). [rad]
     position : Array
         Displacements towards the load and sideways [m], tilts [m/m], (trigger, number).
     rate : Array
@@ -37,6 +41,8 @@ class PinMotion:
         Scatter of the positions about a smooth path over the stated one, (number,).
     """
 
+    time: Array
+    angle: Array
     position: Array
     rate: Array
     turning: Array
@@ -126,6 +132,8 @@ def find_pin_motion(
     if gradient is not None and calibration_cov is not None:
         shared += _carry_calibration(path, whole, back @ gradient, calibration_cov)
     return PinMotion(
+        time=time,
+        angle=angle,
         position=both[:, :NUMBERS],
         rate=both[:, NUMBERS:],
         turning=turning,

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -23,6 +24,13 @@ CELLS = (384, 24)
 
 SLOPE_CELLS = (192, 8)
 """Cells for the derivatives with position and rate, of which a few per cent are enough."""
+
+STEPS_PER_TURN = 100
+"""Steps over which cavities are followed in a turn of the crank."""
+
+CHANGING = 0.4
+"""Change of the cavities from the trigger before to the one after, over their sum, above which they
+close or open too quickly for a smooth path."""
 
 GRID_ERROR = 0.005
 """Relative error of peak and load by the cells, for films of 2 to 100 um, by comparison with the
@@ -45,6 +53,8 @@ def solve_pin_motion(
     rate: Array,
     turning: float,
     *,
+    turned: float = 0.0,
+    void_fraction: Array | None = None,
     cells: tuple[int, int] = CELLS,
 ) -> xr.Dataset:
     """Solve the pressure of one position of the pin and its rate.
@@ -61,6 +71,11 @@ def solve_pin_motion(
         Their rates. [m/s, 1/s]
     turning : float
         Speed of rotation of the bushing. [rad/s]
+    turned : float
+        Angle by which the cells are turned, half that of the bushing where cavities are given.
+        [rad]
+    void_fraction : array, (angle, axial), optional
+        Cavities from before, as `follow_cavities` finds them.
     cells : (int, int)
         Round the joint and over its length; a long one has one.
 
@@ -79,8 +94,7 @@ def solve_pin_motion(
 
     Notes
     -----
-    The line opposite to the load line and the ends are at ambient pressure. Cavities from before
-    are not followed: a film that is full, or that just ruptures, is exact.
+    The line opposite to the load line and the ends are at ambient pressure.
 
     Examples
     --------
@@ -92,9 +106,8 @@ def solve_pin_motion(
     >>> print(f"{float(found.pressure.max()) / form:.2f}")
     1.00
     """
-    around, along = cells[0], 1 if journal.long else cells[1]
-    angle = (np.arange(around) + 0.5) * (2 * np.pi / around) - np.pi
-    axial = ((np.arange(along) + 0.5) / along - 0.5) * journal.length
+    angle, axial = _lay_cells(journal, cells)
+    around, along, angle = angle.size, axial.size, angle + turned
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
     load, side = position[0] + position[2] * axial, position[1] + position[3] * axial
     film = journal.clearance - load * cosine - side * sine
@@ -113,6 +126,7 @@ def solve_pin_motion(
         width=None if journal.long else journal.length,
         viscosity=journal.viscosity,
         film_rate=change[:, 0] if journal.long else change,
+        void_fraction=void_fraction,
         pressure_viscosity=journal.pressure_viscosity,
         cavitation_pressure=journal.cavitation_pressure,
         roughness=journal.roughness,
@@ -133,6 +147,89 @@ def solve_pin_motion(
     )
 
 
+def _lay_cells(journal: Journal, cells: tuple[int, int]) -> tuple[Array, Array]:
+    """Angles [rad] and axial places [m] of the cells."""
+    around, along = cells[0], 1 if journal.long else cells[1]
+    angle = (np.arange(around) + 0.5) * (2 * np.pi / around) - np.pi
+    axial = ((np.arange(along) + 0.5) / along - 0.5) * journal.length
+    return np.asarray(angle, float), np.asarray(axial, float)
+
+
+def follow_cavities(
+    journal: Journal, motion: PinMotion, *, cells: tuple[int, int] = CELLS
+) -> Array:
+    """Follow the cavities of the film along the path of the pin.
+
+    The cavities at the first trigger are those of a turn before, over which the pin has moved as
+    in the recorded one. The oil is conserved in the frame that turns with half the bushing.
+
+    Parameters
+    ----------
+    journal : Journal
+    motion : PinMotion
+        Over a turn of the crank, or a large part of it.
+    cells : (int, int)
+        As for `solve_pin_motion`.
+
+    Returns
+    -------
+    array, (trigger, angle, axial)
+        Share of void in each cell. The cells turn with half the bushing. [1]
+
+    Raises
+    ------
+    OverlapError
+        If pin and bushing touch.
+    ModelError
+        If the pressure does not converge.
+
+    Examples
+    --------
+    A pin that approaches the bushing has a full film:
+
+    >>> time = np.linspace(0.0, 0.5, 5)
+    >>> toward = np.array([1.0, 0.0, 0.0, 0.0])
+    >>> motion = PinMotion(time, 0 * time, 1e-4 * np.outer(1 + time, toward),
+    ...                    np.tile(1e-4 * toward, (5, 1)), 0 * time, None, None, np.ones(4))
+    >>> joint = Journal(0.0333, 0.0335, length=0.2, viscosity=0.1, long=True)
+    >>> float(follow_cavities(joint, motion, cells=(64, 1)).max())
+    0.0
+    """
+    # the turn before joins the recorded one, also where the film sinks from turn to turn
+    step = float(np.median(np.diff(motion.time)))
+    period = motion.time[-1] - motion.time[0] + step
+    closing = motion.position[-1] + step / 2 * (motion.rate[-1] + motion.rate[0])
+    time = np.concatenate([motion.time - period, motion.time])
+    position = np.concatenate([motion.position + motion.position[0] - closing, motion.position])
+    path = CubicHermiteSpline(time, position, np.tile(motion.rate, (2, 1)))
+    swing = CubicHermiteSpline(time, np.tile(motion.angle, 2), np.tile(motion.turning, 2))
+
+    # triggers are steps, and between them no step is longer than that of an even turn
+    parts = np.ceil(np.diff(time) / period * STEPS_PER_TURN - 1e-6).astype(np.int64)
+    place = np.concatenate([[0], np.cumsum(parts)])
+    fine = np.interp(np.arange(place[-1] + 1), place, time)
+    angle, axial = _lay_cells(journal, cells)
+    at, turned = path(fine), angle + swing(fine)[:, None] / 2
+    load = at[:, None, None, 0] + at[:, None, None, 2] * axial
+    side = at[:, None, None, 1] + at[:, None, None, 3] * axial
+    film = journal.clearance - load * np.cos(turned)[..., None] - side * np.sin(turned)[..., None]
+    if film.min() <= 0:
+        raise OverlapError("Expected a gap all over the joint; pin and bushing overlap on the way.")
+    solved = solve_film(
+        film[..., 0] if journal.long else film,
+        time=fine - fine[0],
+        length=2 * np.pi * journal.radius,
+        width=None if journal.long else journal.length,
+        viscosity=journal.viscosity,
+        pressure_viscosity=journal.pressure_viscosity,
+        cavitation_pressure=journal.cavitation_pressure,
+        roughness=journal.roughness,
+        foundation=journal.foundation,
+    )
+    void = solved.void_fraction.values.reshape(film.shape)
+    return np.asarray(void[place[motion.time.size :]])
+
+
 def find_pressures(
     journal: Journal,
     motion: PinMotion,
@@ -146,7 +243,8 @@ def find_pressures(
 
     Errors of position and rate are carried to the pressure by its derivatives. Where the standard
     deviation of the peak is above half the peak, the pressure is not known: all is NaN there but
-    the standard deviations. So it is where the gap closes outside the image.
+    the standard deviations. So it is where the gap closes outside the image, and where cavities
+    close or open so quickly that the path of the pin has a kink.
 
     Parameters
     ----------
@@ -170,7 +268,7 @@ def find_pressures(
         [Pa], peak_place [m], load_from_pressure and side_from_pressure [N], each with _std;
         peak_std_random and peak_std_shared, the parts of peak_pressure_std that noise and shared
         errors make [Pa]; pressure_measured, 1 or 0; cavity, the share of the image without a full
-        film [1].
+        film, and cavity_change, how much cavities change about the trigger [1].
 
     Raises
     ------
@@ -181,26 +279,46 @@ def find_pressures(
     --------
     >>> joint = Journal(0.0333, 0.0335, length=0.2, viscosity=0.1, long=True)
     >>> still = np.diag([5e-9, 5e-9, 0, 0, 5e-7, 5e-7, 0, 0])[None] ** 2
-    >>> motion = PinMotion(np.array([[1e-4, 0, 0, 0]]), np.array([[1e-4, 0, 0, 0]]), np.zeros(1),
-    ...                    still, 0 * still, np.ones(4))
+    >>> motion = PinMotion(np.zeros(1), np.zeros(1), np.array([[1e-4, 0, 0, 0]]),
+    ...                    np.array([[1e-4, 0, 0, 0]]), np.zeros(1), still, 0 * still, np.ones(4))
     >>> found = find_pressures(joint, motion, viscosity=np.array([0.1]),
     ...                        place=np.linspace(-0.01, 0.01, 9), axial=np.zeros(1))
     >>> float((found.peak_pressure_std / found.peak_pressure).item()) < 0.01
     True
     """
     view = _View(journal.radius, place, axial)
-    rows = [
-        _find_one(
-            replace(journal, viscosity=float(viscosity[k])),
-            np.concatenate([motion.position[k], motion.rate[k]]),
-            float(motion.turning[k]),
-            motion.random_cov[k],
-            motion.shared_cov[k],
-            view,
-            cells,
-        )
-        for k in range(motion.turning.size)
-    ]
+
+    def find(voids: dict[tuple[int, int], Array] | None) -> list[dict[str, Array]]:
+        return [
+            _find_one(
+                replace(journal, viscosity=float(viscosity[k])),
+                np.concatenate([motion.position[k], motion.rate[k]]),
+                float(motion.turning[k]),
+                motion.random_cov[k],
+                motion.shared_cov[k],
+                view,
+                cells,
+                0.5 * float(motion.angle[k]),
+                {grid: void[k] for grid, void in (voids or {}).items()},
+            )
+            for k in range(motion.turning.size)
+        ]
+
+    rows = find(None)
+    # a cavity at a trigger without a pressure may be one of the noise
+    if any(row["cavity"] > 0 and row["pressure_measured"] > 0 for row in rows):
+        mean = replace(journal, viscosity=float(np.mean(viscosity)))
+        grids = {cells, min(cells, SLOPE_CELLS)}
+        try:
+            voids = {grid: follow_cavities(mean, motion, cells=grid) for grid in grids}
+        except OverlapError:
+            rows = [view.nothing() for _ in rows]
+        else:
+            change = _change_of_cavities(voids[cells])
+            rows = [
+                row | {"cavity_change": moved} if moved <= CHANGING else _hide(row, moved)
+                for row, moved in zip(find(voids), change, strict=True)
+            ]
     dims = {
         "pressure": ("trigger", "axial", "place"),
         "pressure_std": ("trigger", "axial", "place"),
@@ -214,6 +332,24 @@ def find_pressures(
         },
         {"place": place, "axial": axial},
     )
+
+
+def _change_of_cavities(void: Array) -> Array:
+    """Change of the cavities about each trigger over their sum; a turn is closed. (trigger,)"""
+    around = np.concatenate([void[-1:], void, void[:1]])
+    change = np.abs(around[2:] - around[:-2]).sum(axis=(1, 2))
+    total = (around[2:] + around[:-2]).sum(axis=(1, 2))
+    return np.asarray(np.divide(change, total, out=np.zeros_like(total), where=total > 0))
+
+
+def _hide(row: dict[str, Array], change: float) -> dict[str, Array]:
+    """The row of a trigger at which cavities change quickly: it has no pressure."""
+    kept = ("cavity", "peak_std_random", "peak_std_shared")
+    hidden = {
+        name: value if name in kept else np.full_like(value, np.nan, float)
+        for name, value in row.items()
+    }
+    return hidden | {"pressure_measured": np.array(0), "cavity_change": np.array(change)}
 
 
 @dataclass(frozen=True)
@@ -261,7 +397,9 @@ class _View:
         shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
         rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         rows |= {f"{name}_std": value for name, value in rows.items()}
-        parts = dict.fromkeys(("peak_std_random", "peak_std_shared", "cavity"), np.array(np.nan))
+        parts = dict.fromkeys(
+            ("peak_std_random", "peak_std_shared", "cavity", "cavity_change"), np.array(np.nan)
+        )
         return rows | parts | {"pressure_measured": np.array(0)}
 
 
@@ -299,11 +437,21 @@ def _find_one(
     shared_cov: Array,
     view: _View,
     cells: tuple[int, int],
+    turned: float,
+    voids: dict[tuple[int, int], Array],
 ) -> dict[str, Array]:
-    """Pressure of one trigger; `numbers` are position and rate."""
+    """Pressure of one trigger; `numbers` are position and rate, `voids` cavities by their cells."""
 
     def solve(at: Array, cells: tuple[int, int]) -> xr.Dataset:
-        return solve_pin_motion(journal, at[:NUMBERS], at[NUMBERS:], turning, cells=cells)
+        return solve_pin_motion(
+            journal,
+            at[:NUMBERS],
+            at[NUMBERS:],
+            turning,
+            turned=turned,
+            void_fraction=voids.get(cells),
+            cells=cells,
+        )
 
     try:
         solved = solve(numbers, cells)
@@ -331,6 +479,7 @@ def _find_one(
     measured = bool(rows["peak_pressure_std"] <= CLEAR * rows["peak_pressure"])
     rows["pressure_measured"] = np.array(int(measured))
     rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
+    rows["cavity_change"] = np.array(0.0)
     if not measured:
         for name in found:
             rows[name] = np.full_like(rows[name], np.nan)

@@ -48,6 +48,7 @@ def solve_film(
     width: float | None = None,
     entrainment: Values = 0.0,
     film_rate: Values = None,
+    void_fraction: Values = None,
     time: Values = None,
     load: Values = None,
     pressure_viscosity: float = 0.0,
@@ -80,6 +81,8 @@ def solve_film(
         Mean of the speeds of both surfaces along x. [m/s]
     film_rate : array, optional
         Rate of change of the film, of its shape. [m/s]
+    void_fraction : array, optional
+        With `film_rate`: share of void in each cell from before, as a film with `time` has it. [1]
     time : array, (time,), optional
         Times of the films. [s]
     load : float or array, (time,), optional
@@ -133,14 +136,17 @@ def solve_film(
     course = _Course(medium, films, times, speeds, loads)
 
     if time is not None:
-        if film_rate is not None:
-            raise ModelError("film_rate belongs to one instant: give it without time.")
+        if film_rate is not None or void_fraction is not None:
+            raise ModelError(
+                "film_rate and void_fraction belong to one instant: give them without time."
+            )
         states = course.follow()
     elif film_rate is None:
         states = [course.steady()]
     else:
         rate = np.asarray(film_rate, dtype=float).reshape(films.shape[1:])
-        states = [course.instant(rate)]
+        void = np.zeros_like(rate) if void_fraction is None else _checked_void(void_fraction, rate)
+        states = [course.instant(rate, void)]
     return _dataset(course, states, with_time=time is not None, wide=width is None)
 
 
@@ -167,6 +173,17 @@ def _checked_films(film: Values, time: Values) -> Array:
             )
     check_film(film=films)
     return films
+
+
+def _checked_void(void_fraction: Values, film_rate: Array) -> Array:
+    """The share of void in each cell."""
+    void = np.asarray(void_fraction, dtype=float)
+    if void.size != film_rate.size or not ((void >= 0) & (void <= 1)).all():
+        raise ModelError(
+            f"void_fraction must hold values from 0 to 1 for {film_rate.size} cells, got shape "
+            f"{void.shape}."
+        )
+    return void.reshape(film_rate.shape)
 
 
 def _over_time(name: str, value: Values, number: int) -> Array:
@@ -264,8 +281,8 @@ class _Course:
         step = self.step(0, 0.0)
         return settle(self.medium, step, np.zeros(step.load.size), rate=crossing)
 
-    def instant(self, film_rate: Array) -> State:
-        """The film of a given rate, without cavities from before."""
+    def instant(self, film_rate: Array, void: Array) -> State:
+        """The film of a given rate, with the share of void that it holds from before."""
         if self.loads is not None:
             raise ModelError("A film with a given rate carries what it does: give no load.")
         grid, film = self.medium.grid, self.films[0]
@@ -276,7 +293,8 @@ class _Course:
         rate = quickest / SHORT_TIME
         step = self.step(0, rate)
         before = start_state(self.medium, step, np.zeros(0))
-        return advance(self.medium, step, replace(before, content=film - film_rate / rate))
+        content = np.where(void > SHORT_TIME, film * (1 - void), film - film_rate / rate)
+        return advance(self.medium, step, replace(before, content=content))
 
     def follow(self) -> list[State]:
         """The films one after the other."""

@@ -202,3 +202,28 @@ def test_bad_input_is_refused(change, message):
     rest = {name: value for name, value in {**case, **change}.items() if name != "film"}
     with pytest.raises(ModelError, match=message):
         solve_film(film, **rest)
+
+
+def test_a_cavity_from_before_carries_nothing():
+    """Plates that approach: with a cavity over one half, the other is a strip of half the width.
+
+    Its peak is 6 eta V a^2/h^3, with a quarter of the length as a; Reynolds (1886).
+    """
+    film, void = np.full(200, 20e-6), np.where(cells(200) < 0.5, 0.3, 0.0)
+    case = {"length": 0.04, "viscosity": VISCOSITY, "film_rate": np.full(200, -1e-4)}
+    found = solve_film(film, void_fraction=void, cavitation_pressure=0.0, **case)
+    form = 6 * VISCOSITY * 1e-4 * 0.01**2 / 20e-6**3
+    npt.assert_allclose(found.peak_pressure, form, rtol=0.02)
+    npt.assert_allclose(found.pressure[:99], 0.0, atol=1e-6 * form)
+    npt.assert_allclose(found.void_fraction[:99], 0.3, rtol=1e-4)
+    whole = solve_film(film, void_fraction=0 * void, cavitation_pressure=0.0, **case)
+    npt.assert_allclose(whole.peak_pressure, 4 * form, rtol=1e-3)
+
+
+def test_cavities_that_do_not_fit_are_refused():
+    film = np.full(8, 20e-6)
+    case = {"length": 0.04, "viscosity": VISCOSITY}
+    with pytest.raises(ModelError, match="from 0 to 1 for 8 cells"):
+        solve_film(film, film_rate=0 * film, void_fraction=np.full(8, 1.5), **case)
+    with pytest.raises(ModelError, match="give them without time"):
+        solve_film(np.stack([film, film]), time=[0, 1], void_fraction=film, **case)
