@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +12,20 @@ from erlif.calibration import calibration_of
 from erlif.core.errors import ConfigError
 from erlif.files import open_film
 from erlif.models.reynolds import Journal
+from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.predict import is_film, read_film
 from erlif.pipeline.prediction import build_journal, build_motion
 from erlif.prediction import (
     Comparison,
     MeasuredMotion,
     compare_models,
+    film_temperature,
     measured_minima,
     measured_positions,
 )
 from erlif.prediction.comparison import STEADY
 from erlif.prediction.fit import LOAD_LINE_STD
+from erlif.trend import VogelLaw
 
 _POSITIONS = (
     "pin_displacement",
@@ -73,7 +77,7 @@ def fit_film(path: Path) -> Comparison:
         }
     used = source.frames.used.values
     given = source.settings.prediction.load_line is not None
-    return compare_models(
+    found = compare_models(
         measured,
         journal,
         motion.motion,
@@ -83,6 +87,14 @@ def fit_film(path: Path) -> Comparison:
         steady=steady,
         load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
     )
+
+    # the temperature of the film belongs to its viscosity where the law of the oil is known
+    joint = describe_joint(source.settings)
+    if found.fit is None or joint is None or not isinstance(joint.viscosity, VogelLaw):
+        return found
+    warm = film_temperature(found.fit.estimates["viscosity"], joint.viscosity)
+    estimates = {**found.fit.estimates, "temperature": warm}
+    return replace(found, fit=replace(found.fit, estimates=estimates))
 
 
 def _film_in(run_dir: Path) -> Path:

@@ -1,7 +1,7 @@
 """The film that theory predicts for an oscillating joint, at every frame and trigger."""
 
 from erlif.prediction.comparison import Candidate, Comparison, compare_models
-from erlif.prediction.fit import Estimate, MotionFit, fit_motion
+from erlif.prediction.fit import Estimate, MotionFit, film_temperature, fit_motion
 from erlif.prediction.measured import MeasuredMotion, measured_minima, measured_positions
 from erlif.prediction.motion import FrameMotion, follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
@@ -30,6 +30,7 @@ __all__ = [
     "View",
     "average_triggers",
     "compare_models",
+    "film_temperature",
     "find_pin_motion",
     "find_pressures",
     "find_start_film",

@@ -26,6 +26,7 @@ from erlif.prediction.least_squares import (
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import ATMOSPHERE, FreeOrbits, HeldOrbits, Orbits, lead_of
 from erlif.prediction.problem import Frames, Problem
+from erlif.trend import VogelLaw
 
 FEWEST_TRIGGERS = 4
 """Measured positions below which nothing is fitted."""
@@ -217,6 +218,39 @@ def fit_motion(
     problem = Problem(orbits, frames, measured, sideways)
     unknowns, fixed = problem.unknowns(fitted, load_line_std)
     return _search(problem, unknowns, fixed, profiles)
+
+
+def film_temperature(viscosity: Estimate, law: VogelLaw) -> Estimate:
+    """The temperature at which the oil has a fitted viscosity, by Vogel's law eta = a e^(b/(T-c)).
+
+    Parameters
+    ----------
+    viscosity : Estimate
+        As fitted. [Pa s]
+    law : VogelLaw
+        Of the oil; its own error is not included.
+
+    Returns
+    -------
+    Estimate
+        [degC]
+
+    Examples
+    --------
+    A viscosity of e times `a` belongs to the temperature c + b:
+
+    >>> found = film_temperature(
+    ...     Estimate(0.1 * np.e, 0.001, 0.26, 0.28, "Pa s"), VogelLaw(a=0.1, b=20.0, c=5.0))
+    >>> round(found.value, 6), found.low < found.value < found.high
+    (25.0, True)
+    """
+    logarithm = float(np.log(viscosity.value / law.a))
+    low, high = (
+        law.c + law.b / float(np.log(one / law.a)) if law.a < one < np.inf else edge
+        for one, edge in ((viscosity.high, -np.inf), (viscosity.low, np.inf))
+    )
+    std = law.b / logarithm**2 * viscosity.std / viscosity.value
+    return Estimate(law.c + law.b / logarithm, abs(std), low, high, "degree_Celsius")
 
 
 def _search(

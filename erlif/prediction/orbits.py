@@ -16,12 +16,16 @@ CELLS = (64, 2)
 """Cells of the transient film round the joint and along half of its length, for derivatives. What
 these, and every other step of time, leave out is extrapolated once for each fit."""
 
-HELD_ERROR = 0.008
+FINE_CELLS, LONG_CELLS = (96, 6), (64, 4)
+"""Cells from which is extrapolated, and those for long runs."""
+
+HELD_ERROR = 0.004
 """Relative error of the extrapolated film of a held pin, against that of the virtual rig."""
 
 HELD_SCATTER = 0.0015
 """Part of it that changes over the cycle."""
 
+_LONG = 2000  # steps of a long run
 _SECOND_ORDER = 4 / 3  # of the change by twice as many cells, that by infinitely many
 _FIRST_ORDER = 2.0  # and of the change by steps of half the length
 
@@ -147,12 +151,13 @@ class HeldOrbits:
 
         Richardson's extrapolation, in each direction by itself.
         """
-        around, across = self.cells
-        coarse = self.follow_one(self.cells, 2, **unknowns)
-        shift = _FIRST_ORDER * (self.follow_one(self.cells, 1, **unknowns) - coarse)
+        fine = FINE_CELLS if self.motion.time.size <= _LONG else LONG_CELLS
+        (around, across), steps = fine, self.follow_one(fine, 2, **unknowns)
+        shift = steps - self.follow_one(self.cells, 2, **unknowns)
+        shift = shift + _FIRST_ORDER * (self.follow_one(fine, 1, **unknowns) - steps)
         finer = [(2 * around, across)] + ([] if self.journal.long else [(around, 2 * across)])
         for cells in finer:
-            shift = shift + _SECOND_ORDER * (self.follow_one(cells, 2, **unknowns) - coarse)
+            shift = shift + _SECOND_ORDER * (self.follow_one(cells, 2, **unknowns) - steps)
         return self if np.isnan(shift).any() else replace(self, shift=shift)
 
     def follow_one(

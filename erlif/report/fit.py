@@ -9,6 +9,7 @@ from erlif.prediction import Comparison, Estimate
 _SHOWN = {
     "viscosity": ("viscosity", 1.0, "Pa s"),
     "squeeze_time": ("squeeze constant over load, K/W", 1.0, "s"),
+    "temperature": ("temperature of the oil, by its law", 1.0, "degC"),
     "start_film": ("film at the first frame", 1e6, "um"),
     "load_line": ("load line, from the middle of the image", 1e3, "mm"),
 }

@@ -8,9 +8,17 @@ import pytest
 
 from erlif.core.errors import ConfigError
 from erlif.models.mechanism import CrankRocker
+from erlif.models.oil import vogel_viscosity
 from erlif.models.reynolds import Journal, Motion, crank_motion, solve_journal
-from erlif.prediction import MeasuredMotion, fit_motion, measured_minima
+from erlif.prediction import (
+    Estimate,
+    MeasuredMotion,
+    film_temperature,
+    fit_motion,
+    measured_minima,
+)
 from erlif.rig.orbit import Bearing, follow_orbit
+from erlif.trend import VogelLaw
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 SPEED = 114 * 2 * np.pi / 60
@@ -185,3 +193,18 @@ def test_free_film_below_its_cavitation_pressure_is_reported(orbit):
         joint = replace(STATED, cavitation_pressure=cavitation)
         found = fit_motion(photograph(orbit, 0), joint, MOTION, steps=STEPS, profiles=False)
         assert any("taken as full" in note.text for note in found.notes) == reported
+
+
+def test_temperature_is_that_at_which_the_oil_has_the_viscosity():
+    law = VogelLaw(a=8e-5, b=900.0, c=-95.0)
+    at = [vogel_viscosity(T + 273.15, a=law.a, b=law.b, c=law.c + 273.15) for T in (25, 24, 26)]
+    found = film_temperature(Estimate(at[0], 0.5 * (at[1] - at[2]), at[2], at[1], "Pa s"), law)
+    npt.assert_allclose([found.value, found.low, found.high], [25, 24, 26], rtol=1e-9)
+    npt.assert_allclose(found.std, 1.0, rtol=0.01)
+
+
+def test_viscosity_without_upper_limit_leaves_the_temperature_without_a_lower_one():
+    law = VogelLaw(a=8e-5, b=900.0, c=-95.0)
+    found = film_temperature(Estimate(0.3, 0.2, 0.1, np.inf, "Pa s"), law)
+    assert found.low == -np.inf
+    assert np.isfinite(found.high)
