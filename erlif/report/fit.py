@@ -57,4 +57,4 @@ def _value(estimate: Estimate, factor: float) -> str:
     if np.isfinite(one.low) and np.isinf(one.high):
         return f"above {one.low:.3g} (95 %)"
     digits = max(0, 1 - int(np.floor(np.log10(one.std)))) if one.std > 0 else 3
-    return f"{one.value:.{digits}f} +- {one.std:.{digits}f}"
+    return f"{one.value:.{digits}f} ± {one.std:.{digits}f}"

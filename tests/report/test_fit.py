@@ -31,8 +31,8 @@ def test_the_verdict_stands_first_and_models_in_their_order():
 
 def test_values_have_their_errors_in_the_units_of_the_laboratory():
     text = summarise_comparison(comparison(Estimate(0.1198, 0.0006, 0.1186, 0.121, "Pa s")))
-    assert "viscosity: 0.11980 +- 0.00060 Pa s" in text
-    assert "film at the first frame: 6.268 +- 0.014 um" in text
+    assert "viscosity: 0.11980 ± 0.00060 Pa s" in text
+    assert "film at the first frame: 6.268 ± 0.014 um" in text
 
 
 def test_a_bound_is_given_as_one():
