@@ -39,7 +39,7 @@ from erlif.pipeline.prediction import (
     frames_of_run,
     places_along_sliding,
     predict_run,
-    swings,
+    refuse_steady,
 )
 from erlif.prediction.triggers import CELLS
 from erlif.settings import RunSettings, to_toml
@@ -200,7 +200,7 @@ def read_film(path: Path) -> Source:
     """The settings, statistics and frames that a film holds."""
     with open_film(path) as film, closing(open_film(path, group="frames")) as group:
         settings = settings_of(film)
-        _refuse_steady(settings)
+        refuse_steady(settings, "the prediction")
         kept = film[[name for name in _OF_FILM if name in film]].load()
         trigger = group.trigger.values
         frames = xr.Dataset(
@@ -224,7 +224,7 @@ def read_film(path: Path) -> Source:
 def _read_run(run_dir: Path, allow_outside: bool) -> Source:
     """The source of a run directory, with its film where that was made."""
     run = open_run(run_dir, find_start=fit_start, allow_outside=allow_outside)
-    _refuse_steady(run.settings)
+    refuse_steady(run.settings, "the prediction")
     cycle = locate_run(run)
     frames = frames_of_run(run, cycle)
     if "load" not in frames:
@@ -254,15 +254,6 @@ def _read_run(run_dir: Path, allow_outside: bool) -> Source:
         kept = film[[name for name in _OF_FILM if name in film]].load()
         hashes[paths[0].name] = str(film.attrs.get("identity", ""))
     return Source(run.settings, kept, frames, run.pairs.shape, hashes)
-
-
-def _refuse_steady(settings: RunSettings) -> None:
-    """Refuse a run whose tables describe no joint that swings."""
-    if not swings(settings):
-        raise ConfigError(
-            'Expected [mechanism] of kind "crank-rocker", [joint] and [oil], which the prediction '
-            "of an oscillating joint needs; one of them is missing. Add it to run.toml."
-        )
 
 
 def _identify(source: Source) -> str:

@@ -58,6 +58,36 @@ def swings(settings: RunSettings) -> bool:
     return isinstance(settings.mechanism, CrankRockerSettings) and None not in tables
 
 
+def refuse_steady(settings: RunSettings, what: str) -> None:
+    """Refuse a run whose tables describe no joint that swings, and name what it lacks.
+
+    Parameters
+    ----------
+    settings : RunSettings
+    what : str
+        What needs such a joint, for the message.
+
+    Raises
+    ------
+    ConfigError
+    """
+    if swings(settings):
+        return
+    links = settings.mechanism
+    if links is not None and not isinstance(links, CrankRockerSettings):
+        raise ConfigError(
+            f'Expected [mechanism] of kind "crank-rocker" for {what} of an oscillating joint; this '
+            f'run has kind "{links.kind}", of which erlif has none. Use the measured film alone, '
+            "or the shapes of erlif.models.reynolds."
+        )
+    needed = {"mechanism": links, "joint": settings.joint, "oil": settings.oil}
+    missing = " and ".join(f"[{name}]" for name, table in needed.items() if table is None)
+    raise ConfigError(
+        f"Expected [mechanism], [joint] and [oil] for {what} of an oscillating joint; run.toml has "
+        f"no {missing}. Add what is missing."
+    )
+
+
 def frames_of_run(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     """What the prediction needs of every frame.
 
@@ -117,12 +147,10 @@ def build_motion(settings: RunSettings, frames: xr.Dataset) -> FrameMotion:
     EncoderError
         As `erlif.prediction.follow_motion`.
     """
+    refuse_steady(settings, "the prediction")
     links, joint = settings.mechanism, describe_joint(settings)
-    if not isinstance(links, CrankRockerSettings) or joint is None:
-        raise ConfigError(
-            'Expected [mechanism] of kind "crank-rocker", [joint] and [oil] in run.toml for the '
-            "prediction of an oscillating joint; one of them is missing. Add it."
-        )
+    assert isinstance(links, CrankRockerSettings)
+    assert joint is not None
     linkage = build_linkage(links)
     assert isinstance(linkage, CrankRocker)
     return follow_motion(

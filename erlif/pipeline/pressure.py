@@ -18,7 +18,7 @@ from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.joint import build_linkage, describe_joint
 from erlif.pipeline.position import choose_view
-from erlif.pipeline.prediction import build_journal, swings
+from erlif.pipeline.prediction import build_journal, refuse_steady
 from erlif.prediction.motion import follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
@@ -100,12 +100,7 @@ def _find(film: xr.Dataset) -> xr.Dataset:
 
 def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
     """The joint as the camera sees it; a film of another kind of joint is refused."""
-    if not swings(settings):
-        raise ConfigError(
-            'Expected [mechanism] of kind "crank-rocker", [joint] and [oil], which the pressure of '
-            "an oscillating joint needs; one of them is missing. Add it to run.toml and process "
-            "the run again."
-        )
+    refuse_steady(settings, "the pressure")
     view = choose_view(settings, (film.sizes["y"], film.sizes["x"]))
     if view is None or "pin_displacement" not in film:
         raise ConfigError(
@@ -135,7 +130,7 @@ def _follow(
 ) -> tuple[PinMotion, npt.NDArray[np.intp]]:
     """Motion of the pin, and the triggers that it holds in the order of their times."""
     links = settings.mechanism
-    assert isinstance(links, CrankRockerSettings)  # `swings` has seen to it
+    assert isinstance(links, CrankRockerSettings)  # `refuse_steady` has seen to it
     linkage = build_linkage(links)
     assert isinstance(linkage, CrankRocker)
     frames = xr.Dataset(

@@ -780,7 +780,7 @@ class PredictionOptions(Settings):
         None,
         description="Place of the load line along the sliding direction, from the centre of the "
         "first pixel: there the pin would touch the bushing at rest. Default: the middle of the "
-        "image.",
+        "image for the position, and for the prediction the place about which the pin swings.",
     )
     direction: Literal["along", "against"] = Field(
         "along",

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.film import CRANK, LOAD, RUN_TOML, minimum_film
 
 import erlif
 from erlif.core.errors import ConfigError
@@ -18,12 +19,12 @@ from erlif.pipeline.prediction import (
     note_correlation,
     places_along_sliding,
     predict_run,
+    refuse_steady,
     swings,
     try_prediction,
 )
 from erlif.settings import RunSettings
 from erlif.trend import Region
-from tests.scenes.film import CRANK, LOAD, RUN_TOML, minimum_film
 
 SLIDER = {"kind": "slider-crank", "crank": "5 cm", "coupler": "20 cm", "crank_speed": "60 rpm"}
 PLACE = 0.06 * np.arange(300)
@@ -224,3 +225,16 @@ def test_a_film_is_kept_whose_prediction_fails(lab):
     assert np.isfinite(film.film_min).all()
     npt.assert_array_equal(film.film_theory, film.film_regime_map)
     assert "[prediction]: the film over the cycle is not predicted" in film.attrs["notes"]
+
+
+@pytest.mark.parametrize(
+    ("chosen", "words"),
+    [
+        (settings(without=["oil"]), r"the pressure .* run.toml has no \[oil\]"),
+        (settings(without=["oil", "joint"]), r"no \[joint\] and \[oil\]"),
+        (settings(mechanism=SLIDER), 'this run has kind "slider-crank"'),
+    ],
+)
+def test_what_a_joint_lacks_to_swing_is_named(chosen, words):
+    with pytest.raises(ConfigError, match=words):
+        refuse_steady(chosen, "the pressure")
