@@ -63,13 +63,11 @@ def save_calibration(
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> calibration = Calibration(
-    ...     0.65, 0.40, 0.25, np.eye(3), (0.1, 12.0), (580.0, 610.0), xr.Dataset(), 1.0, "wedge"
-    ... )
+    >>> from erlif.plots import example_calibration
     >>> with TemporaryDirectory() as directory:
-    ...     path = save_calibration(calibration, Path(directory) / "calibration.nc")
+    ...     path = save_calibration(example_calibration(), Path(directory) / "calibration.nc")
     ...     open_calibration(path).parameters
-    array([0.65, 0.4 , 0.25])
+    array([0.66 , 0.39 , 0.245])
     """
     output = Path(output)
     refuse_existing(output, overwrite=overwrite, holds="ratio_at_zero")
