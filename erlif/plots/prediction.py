@@ -32,6 +32,7 @@ from erlif.plots.style import (
     given_or_new,
     letter,
     new_figure,
+    signed,
     styled,
 )
 from erlif.plots.triggers import choose_abscissa, stroke_looks
@@ -215,8 +216,9 @@ def prediction_figure(film: xr.Dataset, frames: xr.Dataset) -> Figure:
             speed_correlation(film[name].values, speed)
             for name in ("film_min", "film_predicted_min")
         ]
-        text = "correlation with |speed|: measured {:+.2f}, predicted {:+.2f}".format(*values)
-        left.annotate(text.replace("-", "−"), (0.02, 0.02), xycoords="axes fraction", fontsize=6.5)
+        measured, predicted = (signed(one) if np.isfinite(one) else "none" for one in values)
+        text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
+        left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=6.5)
     letter(left, "a")
     letter(right, "b")
     return figure

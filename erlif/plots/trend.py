@@ -39,6 +39,7 @@ _TALL = 0.4  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
+_AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
 _ROOM = 0.3  # above the curves for the legend, as a power of the range of the axis
 
 
@@ -89,17 +90,23 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
+    drawn: list[Line2D] = []
     for name, exponent, colour, dashes, label in (
         ("film_mean", "speed_exponent_mean", MEAN, _DASHES, "mean"),
         ("film_min", "speed_exponent", MINIMUM, "-", "minimum"),
     ):
-        artists += _draw_points(ax, film, name, colour)
-        lines += _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+        points = _draw_points(ax, film, name, colour)
+        power = _draw_power(ax, film, exponent, label, color=colour, linestyle=dashes)
+        artists += points
+        lines += power
+        drawn += power if points else []
 
     ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
-    ax.legend(handles=[*lines, *_stroke_keys(film)], loc="best")
+    # a statistic that no trigger has is not named
+    if drawn:
+        ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best")
     return [*artists, *lines]
 
 
@@ -143,7 +150,8 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     # a power is drawn over the triggers it was fitted to, not beyond them
     x = speed_over_load(film)[_used_in_fit(film)]
     ends = np.geomspace(x.min(), x.max(), 50)
-    label = f"{label}, n = {power:.3f} ± {std:.3f}"
+    error = f" ± {std:.3f}" if np.isfinite(std) else ""
+    label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
     return ax.plot(
         _MILLI * ends, np.exp(scale) * ends**power, linewidth=0.8, label=label, zorder=4, **look
     )
@@ -197,6 +205,8 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     artists: list[Artist] = []
     for members, look in stroke_looks(film):
         which = members & (value > 0)
+        if not which.any():
+            continue
         label = f"measured minimum, {look['label']}" if "stroke" in film else "measured minimum"
         bars = ax.errorbar(
             x[which],
@@ -214,9 +224,12 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         artists += ax.plot(
             x,
             film.film_predicted_min.values,
-            "x",
+            "D",
             color=MEAN,
+            markerfacecolor="none",
+            markersize=_AROUND_POINTS,
             label="transient film over the cycle",
+            zorder=4,  # above the points, which stay visible within
         )
 
     # steady theory depends on speed and load alone, so that its points in order make a curve

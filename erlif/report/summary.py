@@ -87,10 +87,8 @@ def summarise_in_a_line(film: xr.Dataset) -> str:
         thickness = f"{np.nanmin(minimum):.2f} to {np.nanmax(minimum):.2f} um"
     trend = ""
     if "speed_exponent" in film:
-        exponent = "not fitted"
-        if np.isfinite(float(film.speed_exponent)):
-            exponent = f"{float(film.speed_exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
-        trend = f"n = {exponent}, "
+        fitted = np.isfinite(float(film.speed_exponent))
+        trend = f"{_power(film, 'speed_exponent') if fitted else 'n = not fitted'}, "
     return (
         f"minimum film thickness {thickness}, {trend}{film.sizes['trigger']} triggers "
         f"from {int(film.frames_used.sum())} frame pairs"
@@ -165,10 +163,17 @@ def _trend_lines(film: xr.Dataset) -> list[str]:
             "can be used"
         )
         return [_line(title, reason)]
-    minimum = f"{float(exponent):.3f} ± {float(film.speed_exponent_std):.3f}"
-    mean = f"{float(film.speed_exponent_mean):.3f} ± {float(film.speed_exponent_mean_std):.3f}"
+    minimum, mean = _power(film, "speed_exponent"), _power(film, "speed_exponent_mean")
     used = exponent.attrs["triggers_used"]
-    return [_line(title, f"minimum: n = {minimum}, mean: n = {mean}; {used} triggers")]
+    return [_line(title, f"minimum: {minimum}, mean: {mean}; {used} triggers")]
+
+
+def _power(film: xr.Dataset, name: str) -> str:
+    """A fitted power with its standard deviation, in words where either is not known."""
+    value, std = float(film[name]), float(film[f"{name}_std"])
+    if not np.isfinite(value):
+        return "not fitted"
+    return f"n = {value:.3f} ± {std:.3f}" if np.isfinite(std) else f"n = {value:.3f}, error unknown"
 
 
 def _theory_lines(film: xr.Dataset) -> list[str]:

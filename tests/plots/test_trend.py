@@ -178,3 +178,32 @@ def test_the_speed_of_the_exponent_is_drawn(film):
     ax = plots.film_against_speed(logged)[0].axes
     assert ax.get_xlabel().startswith("sliding speed over load")
     assert plots.film_against_speed(film)[0].axes.get_xlabel().startswith("speed over load")
+
+
+def test_the_transient_film_is_seen_round_and_above_the_points(film):
+    *points, transient, _, _ = plots.film_and_theory(film)
+    assert transient.get_markerfacecolor() == "none"
+    for line in points:
+        assert transient.get_markersize() > line.get_markersize()
+        assert transient.get_zorder() > line.get_zorder()
+
+
+def test_a_statistic_without_a_point_is_not_in_the_legend(changed):
+    """Here the mean, and the return stroke of the minimum, have none."""
+    changed["film_mean"] = changed.film_mean * np.nan
+    for name in ("speed_exponent_mean", "speed_exponent_mean_std"):
+        changed[name] = changed[name] * np.nan
+    assert not [text for text in labels_of(draw(changed)) if text.startswith("mean")]
+    changed["film_min"] = changed.film_min.where(changed.stroke > 0)
+    labels = labels_of(plots.film_and_theory(changed)[0].axes)
+    assert "measured minimum, outward" in labels
+    assert "measured minimum, return" not in labels
+
+
+def draw(film):
+    return plots.film_against_speed(film)[0].axes
+
+
+def test_a_falling_power_has_the_minus_of_the_figures(changed):
+    changed.speed_exponent.values[()] = -0.25
+    assert "minimum, n = −0.250 ± 0.010" in labels_of(draw(changed))

@@ -60,6 +60,20 @@ def test_powers_are_given_with_their_standard_deviations(film):
     )
 
 
+def test_a_power_that_is_not_known_is_given_in_words(film):
+    """First the mean film has no power, then the power of the minimum no error."""
+    unknown = film.assign(
+        speed_exponent_mean=film.speed_exponent_mean * np.nan,
+        speed_exponent_mean_std=film.speed_exponent_mean_std * np.nan,
+    )
+    line = line_of(summarise(unknown), "power of speed over load")
+    assert line == "minimum: n = 0.600 ± 0.010, mean: not fitted; 6 triggers"
+    unknown = film.assign(speed_exponent_std=film.speed_exponent_std * np.nan)
+    line = line_of(summarise(unknown), "power of speed over load")
+    assert line.startswith("minimum: n = 0.600, error unknown, mean: n = 0.400 ± 0.010")
+    assert "nan" not in summarise_in_a_line(unknown)
+
+
 def test_theory_is_that_of_the_highest_speed(film):
     speeds = scene.rocker_speed(scene.CRANK)
     top = int(np.abs(speeds).argmax())
