@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.interpolate import CubicHermiteSpline
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -195,6 +194,8 @@ def follow_cavities(
     >>> float(follow_cavities(joint, motion, cells=(64, 1)).max())
     0.0
     """
+    from scipy.interpolate import CubicHermiteSpline  # loads scipy.optimize: only where needed
+
     # the turn before joins the recorded one, also where the film sinks from turn to turn
     step = float(np.median(np.diff(motion.time)))
     period = motion.time[-1] - motion.time[0] + step
