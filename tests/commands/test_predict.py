@@ -2,17 +2,6 @@
 
 import re
 
-import pytest
-
-
-@pytest.fixture
-def own(film, tmp_path):
-    """A copy of the film in a directory of its own."""
-    path = tmp_path / "lab" / "film.nc"
-    path.parent.mkdir()
-    path.write_bytes(film.read_bytes())
-    return path
-
 
 def test_a_prediction_lies_beside_its_film_with_a_summary(own, command):
     result = command("predict", own)

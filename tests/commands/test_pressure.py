@@ -1,17 +1,6 @@
 """``erlif pressure``: what it writes, what it shows, what it refuses."""
 
-import pytest
-
 from erlif.files import open_netcdf
-
-
-@pytest.fixture
-def own(film, tmp_path):
-    """A copy of the film in a directory of its own."""
-    path = tmp_path / "lab" / "film.nc"
-    path.parent.mkdir()
-    path.write_bytes(film.read_bytes())
-    return path
 
 
 def test_a_pressure_lies_beside_its_film_with_what_it_is_good_for(own, command):
