@@ -18,7 +18,7 @@ from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.joint import build_linkage, describe_joint
 from erlif.pipeline.position import choose_view
-from erlif.pipeline.prediction import build_journal, refuse_steady
+from erlif.pipeline.prediction import build_journal, describe_sideways, refuse_steady
 from erlif.prediction.motion import follow_motion
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
 from erlif.prediction.pressure import CHANGING, CLEAR, find_pressures
@@ -32,6 +32,9 @@ GRID = (48, 12)
 UNBALANCED = 3.0
 """Difference of the load from that of the pressure, over its standard deviation, that is no chance
 (1 of 400)."""
+
+UNLIKELY = 1.96
+"""Difference of the median load, over its standard deviation, above which it is not balanced."""
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
 _NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
@@ -260,11 +263,11 @@ def _describe(
             "place": ("place", x if view.sliding_along_x else y, millimetre),
         },
     )
+    result.attrs["settings"] = film.attrs["settings"]  # names the mount
     return result.assign_attrs(
         title=f"pressure from the film, {settings.name}",
         history=f"erlif {__version__}: pressure {settings.name}",
         erlif_version=__version__,
-        settings=film.attrs["settings"],
         film_identity=str(film.attrs.get("identity", "")),
         statement=state_limits(result),
         balance=state_balance(result),
@@ -293,11 +296,13 @@ def state_limits(found: xr.Dataset) -> str:
             f"The pressure is measured at {count} of {total} triggers, its peak to {share:.1f} % "
             "(median standard deviation)."
         )
-    closing = ~measured & (found.cavity_change.values > CHANGING)
+    quick = found.cavity_change.values > CHANGING
+    closing = ~measured & (quick | np.roll(quick, 1) | np.roll(quick, -1))
     if closing.any():
         lines.append(
-            f"Cavities close or open at {int(closing.sum())} triggers ({_list_triggers(closing)}), "
-            "where the film changes more quickly than a smooth path can follow: no pressure there. "
+            f"Cavities close or open at {int(closing.sum())} triggers or beside them "
+            f"({_list_triggers(closing)}), where the film "
+            "changes more quickly than a smooth path can follow: no pressure there. "
             "More triggers in a cycle would help."
         )
     refused = ~measured & ~closing
@@ -361,24 +366,52 @@ def state_balance(found: xr.Dataset) -> str:
     measured = found.pressure_measured.values > 0
     load, std = (found[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
     logged = found["load"].values
-    measured &= np.isfinite(logged) & np.isfinite(load)
+    measured &= np.isfinite(logged) & np.isfinite(load) & np.isfinite(std)
     if not measured.any():
         return "No load to compare with."
-    best = int(np.flatnonzero(measured)[np.argmin((std / np.abs(load))[measured])])
-    ratio, ratio_std = load[best] / logged[best], std[best] / logged[best]
+
+    # errors of triggers are correlated, so that the median has the error of a single one
+    ratio, error = load[measured] / logged[measured], std[measured] / np.abs(logged[measured])
+    good = error <= np.median(error)
+    middle, reach = float(np.median(ratio[good])), float(np.median(error[good]))
     text = (
-        f"The pressure carries {100 * ratio:.1f} ± {100 * ratio_std:.1f} % of the load at trigger "
-        f"{best}, where it is known best"
+        f"The pressure carries {100 * middle:.1f} ± {100 * reach:.1f} % of the load (median of the "
+        f"{good.sum()} triggers where it is known best; one standard deviation)"
     )
-    off = np.abs(load - logged)[measured] > UNBALANCED * std[measured]
-    if off.mean() <= 0.05:
+    off = np.zeros(measured.size, bool)
+    off[measured] = np.abs(ratio - 1) > UNBALANCED * error
+    shifted = abs(middle - 1) > UNLIKELY * reach
+    if not shifted and not off.any():
         return text + ": the load is balanced."
-    return (
-        f"{text}; it differs from the load by more than three standard deviations at {off.sum()} "
-        f"of {measured.sum()} triggers. Likely: the viscosity of the oil in the gap, to which the "
-        "load is proportional; else the direction of the motion, the load line, or clearance and "
-        "length in [joint]."
-    )
+    if off.any():
+        text += (
+            f"; it differs from the load by more than three standard deviations at {off.sum()} of "
+            f"{measured.sum()} triggers ({_list_triggers(off)})"
+        )
+    causes = _name_causes(settings_of(found), middle, shifted=shifted)
+    return f"{text}. What fits: {'; '.join(causes)}."
+
+
+def _name_causes(settings: RunSettings, ratio: float, *, shifted: bool) -> list[str]:
+    """Everything that makes a load differ by this ratio, or at single triggers alone."""
+    # a film holds all settings, so that a default cannot be separated from a statement
+    mount = f"the mount: {describe_sideways(settings.prediction)} in [prediction]"
+    if settings.prediction.sideways == "free":
+        mount = "the mount: free sideways is assumed, also where [prediction] states no mount"
+    causes = [
+        mount + " (free and guided pins have different load lines and cavities)",
+        "load line or direction of the motion in [prediction]",
+        "clearance and length in [joint]",
+    ]
+    # a scale moves all triggers alike, and none makes a load negative
+    if shifted and ratio > 0:
+        causes = [
+            f"the load or its unit, which would have to be {ratio:.2g} times the stated one",
+            "the viscosity of the oil in the gap, which would have to be "
+            f"{1 / ratio:.2g} times the stated one",
+            *causes,
+        ]
+    return causes
 
 
 _MEANINGS: dict[str, tuple[str, float, str]] = {

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
 from erlif.models.reynolds import Journal, solve_film
 from erlif.prediction.pin_motion import NUMBERS, PinMotion
@@ -245,7 +245,8 @@ def find_pressures(
     Errors of position and rate are carried to the pressure by its derivatives. Where the standard
     deviation of the peak is above half the peak, the pressure is not known: all is NaN there but
     the standard deviations. So it is where the gap closes outside the image, and where cavities
-    close or open so quickly that the path of the pin has a kink.
+    close or open so quickly that the path of the pin has a kink. Beside such triggers half the
+    change that the cavities of both neighbours make is added to the standard deviations.
 
     Parameters
     ----------
@@ -289,7 +290,9 @@ def find_pressures(
     """
     view = _View(journal.radius, place, axial)
 
-    def find(voids: dict[tuple[int, int], Array] | None) -> list[dict[str, Array]]:
+    def find(
+        voids: dict[tuple[int, int], Array] | None, beside: Mask | None = None
+    ) -> list[dict[str, Array]]:
         return [
             _find_one(
                 replace(journal, viscosity=float(viscosity[k])),
@@ -301,6 +304,7 @@ def find_pressures(
                 cells,
                 0.5 * float(motion.angle[k]),
                 {grid: void[k] for grid, void in (voids or {}).items()},
+                _voids_about(voids, k) if beside is not None and beside[k] else None,
             )
             for k in range(motion.turning.size)
         ]
@@ -315,10 +319,13 @@ def find_pressures(
         except OverlapError:
             rows = [view.nothing() for _ in rows]
         else:
+            # the kink of the path reaches the triggers beside it
             change = _change_of_cavities(voids[cells])
+            hidden = change > CHANGING
+            beside = np.roll(hidden, 1) | np.roll(hidden, -1)
             rows = [
                 row | {"cavity_change": moved} if moved <= CHANGING else _hide(row, moved)
-                for row, moved in zip(find(voids), change, strict=True)
+                for row, moved in zip(find(voids, beside), change, strict=True)
             ]
     dims = {
         "pressure": ("trigger", "axial", "place"),
@@ -341,6 +348,14 @@ def _change_of_cavities(void: Array) -> Array:
     change = np.abs(around[2:] - around[:-2]).sum(axis=(1, 2))
     total = (around[2:] + around[:-2]).sum(axis=(1, 2))
     return np.asarray(np.divide(change, total, out=np.zeros_like(total), where=total > 0))
+
+
+def _voids_about(voids: dict[tuple[int, int], Array] | None, k: int) -> tuple[Array, Array] | None:
+    """Cavities of the triggers before and after one, on the coarsest cells; a turn is closed."""
+    if not voids:
+        return None
+    void = voids[min(voids)]
+    return void[k - 1], void[(k + 1) % void.shape[0]]
 
 
 def _hide(row: dict[str, Array], change: float) -> dict[str, Array]:
@@ -440,17 +455,21 @@ def _find_one(
     cells: tuple[int, int],
     turned: float,
     voids: dict[tuple[int, int], Array],
+    about: tuple[Array, Array] | None,
 ) -> dict[str, Array]:
-    """Pressure of one trigger; `numbers` are position and rate, `voids` cavities by their cells."""
+    """Pressure of one trigger; `numbers` are position and rate, `voids` cavities by their cells.
 
-    def solve(at: Array, cells: tuple[int, int]) -> xr.Dataset:
+    `about` are the cavities of the triggers before and after, where the own ones are uncertain.
+    """
+
+    def solve(at: Array, cells: tuple[int, int], void: Array | None = None) -> xr.Dataset:
         return solve_pin_motion(
             journal,
             at[:NUMBERS],
             at[NUMBERS:],
             turning,
             turned=turned,
-            void_fraction=voids.get(cells),
+            void_fraction=voids.get(cells) if void is None else void,
             cells=cells,
         )
 
@@ -464,11 +483,17 @@ def _find_one(
     coarse = min(cells, SLOPE_CELLS)
     slopes = _differentiate(lambda at: view.look(solve(at, coarse)), numbers, steps)
 
+    # cavities beside a quick change are known to within half that of two triggers
+    other = dict.fromkeys(found, np.array(0.0))
+    if about is not None:
+        before, after = (view.look(solve(numbers, coarse, void)) for void in about)
+        other = {name: 0.5 * (after[name] - before[name]) for name in found}
+
     rows: dict[str, Array] = {}
     for name, value in found.items():
         slope = slopes[name]
         spread = np.einsum("i...,ij,j...->...", slope, random_cov + shared_cov, slope)
-        spread = np.maximum(spread, 0.0)
+        spread = np.maximum(spread, 0.0) + other[name] ** 2
         if name != "peak_place":
             spread = spread + (GRID_ERROR * value) ** 2
         rows[name], rows[f"{name}_std"] = value, np.sqrt(spread)

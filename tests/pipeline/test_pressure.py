@@ -1,5 +1,6 @@
 """The pressure of a film: of the virtual rig's own pin, and of films that have none."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ConfigError, ErlifError, ModelError
-from erlif.pipeline.pressure import pressure_from_film
+from erlif.pipeline.pressure import pressure_from_film, state_balance
 from erlif.plots import example_film
 from erlif.rig.film import crank_at, rocker_speed
 from erlif.rig.journal import follow_pin
@@ -109,7 +110,62 @@ def test_oil_of_another_viscosity_leaves_the_load_unbalanced():
         'viscosity = "0.12 Pa s"', 'viscosity = "0.24 Pa s"'
     )
     balance = pressure_from_film(film).attrs["balance"]
-    assert "Likely: the viscosity" in balance
+    assert "balanced" not in balance
+    needed = [float(one) for one in re.findall(r"would have to be (\S+) times", balance)]
+    assert needed == pytest.approx([2.0, 0.5], rel=0.08)  # load and viscosity; two of 4 %
+    assert "the load or its unit" in balance
+    assert "the viscosity of the oil in the gap" in balance
+    assert "clearance and length in [joint]" in balance
+
+
+def state(load, error, mount=""):
+    """The balance of triggers of given loads under 200 N, each in newtons."""
+    count = len(load)
+    settings = example_film().attrs["settings"].split("[prediction]")[0] + mount
+    found = xr.Dataset(
+        {
+            "pressure_measured": ("trigger", np.ones(count)),
+            "load_from_pressure": ("trigger", np.array(load, float)),
+            "load_from_pressure_std": ("trigger", np.array(error, float)),
+            "load": ("trigger", np.full(count, 200.0)),
+        },
+        attrs={"settings": settings},
+    )
+    return state_balance(found)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_load_is_balanced_only_within_its_error_above_and_below(sign):
+    even = np.tile([-1.0, 1.0], 20)
+    assert "the load is balanced" in state(200 + even, np.full(40, 4.0))
+    off = state(200 + sign * 10 + even, np.full(40, 4.0))  # 2.5 standard deviations at each
+    assert "balanced" not in off
+    assert f"carries {100 + sign * 5:.1f} ± 2.0 % of the load" in off
+
+
+def test_one_trigger_of_a_wrong_load_is_named_however_small_its_error():
+    """A negative load of a small error neither stands for the others nor counts as balanced."""
+    load, error = np.full(40, 200.0), np.full(40, 8.0)
+    load[6], error[6] = -212.0, 5.0
+    text = state(load, error)
+    assert "carries 100.0 ± 4.0 % of the load" in text
+    assert "at 1 of 40 triggers (6)" in text
+    assert "balanced" not in text
+    assert "viscosity" not in text  # it changes all triggers alike
+
+
+def test_a_load_of_the_other_sign_is_no_matter_of_viscosity():
+    text = state(np.full(9, -200.0), np.full(9, 5.0))
+    assert "carries -100.0 ± 2.5 % of the load" in text
+    assert "viscosity" not in text
+    assert "direction of the motion" in text
+
+
+def test_the_mount_is_named_as_stated_or_as_assumed():
+    load, error = np.full(9, 400.0), np.full(9, 5.0)
+    assert "free sideways is assumed, also where [prediction] states no mount" in state(load, error)
+    stated = state(load, error, mount='[prediction]\nsideways = "guided"\n')
+    assert "pin guided in [prediction]" in stated
 
 
 @pytest.mark.parametrize("noise", [50.0])
