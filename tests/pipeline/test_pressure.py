@@ -212,7 +212,7 @@ def test_one_trigger_has_no_rate():
 def test_films_of_other_joints_are_refused(tmp_path):
     film = make_film()
     plain = film.assign_attrs(settings=film.attrs["settings"].split("[oil]")[0] + "[thickness]\n")
-    with pytest.raises(ConfigError, match=r"\[mechanism\] of kind \"crank-rocker\""):
+    with pytest.raises(ConfigError, match=r"run\.toml has no \[oil\]"):
         pressure_from_film(plain)
     with pytest.raises(ConfigError, match="Expected the position of the pin in the film"):
         pressure_from_film(film.drop_vars("pin_displacement"))
