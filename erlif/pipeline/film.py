@@ -23,7 +23,12 @@ from erlif.ingest import FramePairs, Run, format_notes, skipped_notes
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.omissions import note_omissions
 from erlif.pipeline.position import choose_view, describe_positions, note_form
-from erlif.pipeline.prediction import Prediction, choose_theory, note_correlation
+from erlif.pipeline.prediction import (
+    Prediction,
+    choose_theory,
+    note_correlation,
+    note_difference,
+)
 from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
@@ -243,6 +248,7 @@ def describe_film(
         *notes,
         *note_omissions(settings, film),
         *prediction.notes,
+        *note_difference(film, settings.prediction),
         *note_correlation(film),
     ]
     load = float(np.median(film["load"])) if "load" in film else float("nan")

@@ -29,6 +29,16 @@ from erlif.trend import Region, viscosity_at
 _RIGID = "isoviscous-rigid"
 """Regime whose surfaces keep their shape, as the transient prediction takes them."""
 
+_ERRORS = 5.0
+"""Standard deviations of the minimum beyond which a difference from the prediction is no chance:
+the film varies in more ways than one error describes, so that three are not enough."""
+
+_SHARE = 0.03
+"""Of the film; a smaller difference is within what marks and waviness of surfaces do."""
+
+_FEWEST = 4
+"""Triggers; of three, a start film and a chance make any course."""
+
 
 class Prediction(NamedTuple):
     """The transient prediction of a run.
@@ -402,6 +412,48 @@ def note_correlation(film: xr.Dataset) -> list[Note]:
         f"gives {predicted:+.2f}, the steady regime map {steady:+.2f}"
     )
     return [Note(Level.NOTE, "theory", text)]
+
+
+def note_difference(film: xr.Dataset, options: PredictionOptions) -> list[Note]:
+    """A warning where the measured minimum leaves the predicted one beyond its error.
+
+    The mean difference is left out: the calibration shifts all triggers alike, and the start film
+    may be given.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With film_min, film_min_std and film_predicted_min (trigger). [um]
+    options : PredictionOptions
+        How the pin was taken to be held.
+
+    Returns
+    -------
+    list of Note
+        Empty without a prediction, and where the difference is within the error.
+    """
+    if not {"film_min", "film_min_std", "film_predicted_min"} <= set(film):
+        return []
+    measured, std, predicted = (
+        film[name].values for name in ("film_min", "film_min_std", "film_predicted_min")
+    )
+    known = np.isfinite(measured) & np.isfinite(std) & np.isfinite(predicted)
+    if known.sum() < _FEWEST:
+        return []
+    off = (measured - predicted)[known]
+    spread, error = float(off.std()), float(np.sqrt(np.mean(std[known] ** 2)))
+    if spread < max(_ERRORS * error, _SHARE * float(np.mean(measured[known]))):
+        return []
+
+    other = "free" if options.sideways == "guided" else "guided"
+    text = (
+        f"the course of the minimum film over the run is not that of a "
+        f"{describe_sideways(options)}: measured less predicted varies by {spread:.3g} um (rms "
+        f"about its mean), where film_min is known to {error:.2g} um. Run erlif predict RUN_DIR "
+        "--fit, which compares a free with a guided pin and fits the viscosity; try sideways = "
+        f'"{other}" in [prediction]; check the load and its unit'
+    )
+    return [Note(Level.WARNING, "theory", text)]
 
 
 def describe_sideways(options: PredictionOptions) -> str:

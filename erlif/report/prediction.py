@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
+from erlif.core.notes import rank_notes
+from erlif.files import settings_of
+from erlif.pipeline.prediction import describe_sideways, note_difference
 from erlif.prediction import speed_correlation
 
 _TITLE = 28  # columns of the titles, as in the summary of a film
@@ -64,14 +68,69 @@ def difference_lines(film: xr.Dataset) -> list[str]:
     -------
     list of str
     """
-    if "film_predicted_min" not in film or "film_min" not in film:
-        return []
-    off = film["film_min"].values - film["film_predicted_min"].values
-    off = off[np.isfinite(off)]
+    off = _differences(film)
     if not off.size:
         return []
     text = f"mean {off.mean():+.3g} um, rms {np.sqrt(np.mean(off**2)):.3g} um"
     return [_line("measured less predicted", text)]
+
+
+def carrying_sentences(film: xr.Dataset) -> list[str]:
+    """What is assumed to carry the film, how far the measured film agrees, and how to test it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        A film with its settings.
+
+    Returns
+    -------
+    list of str
+        Sentences; none without a prediction.
+    """
+    if "film_predicted_min" not in film:
+        return []
+    options = settings_of(film).prediction
+    lines = [
+        f"Assumed: {describe_sideways(options)} ([prediction]).",
+        _carried_by(options.sideways),
+    ]
+    off = _differences(film)
+    if off.size:
+        mean, rms = f"{off.mean():+.2g}".replace("-", "−"), np.sqrt(np.mean(off**2))
+        lines.append(f"Measured less predicted minimum film: mean {mean} µm, rms {rms:.2g} µm.")
+    lines.append(
+        "erlif predict FILM --fit compares a free with a guided pin by the measured positions and "
+        "fits the viscosity."
+    )
+    return lines
+
+
+def _carried_by(sideways: str | float) -> str:
+    """The physics of a film that starts and stops, by the freedom of the pin."""
+    if sideways == "free":
+        return (
+            "A free pin swings with half the bushing, so that no oil is carried into the gap: "
+            "squeeze carries the film, and the pin sinks from turn to turn."
+        )
+    if sideways == "guided":
+        return (
+            "A guided pin stays on the load line: cavities form in the widening part of the gap, "
+            "so that the wedge carries, and the film repeats from turn to turn."
+        )
+    return (
+        "The film lies between that of a free pin, which squeeze carries and which sinks, and that "
+        "of a guided one, in which cavities let the wedge carry."
+    )
+
+
+def _differences(film: xr.Dataset) -> Array:
+    """Measured less predicted minimum where both are known; empty without either. [um]"""
+    if "film_predicted_min" not in film or "film_min" not in film:
+        return np.empty(0)
+    off: Array = film["film_min"].values - film["film_predicted_min"].values
+    known: Array = off[np.isfinite(off)]
+    return known
 
 
 def summarise_prediction(prediction: xr.Dataset) -> str:
@@ -108,7 +167,11 @@ def summarise_prediction(prediction: xr.Dataset) -> str:
         lines.append(_line("measured minimum film", f"{low:.4g} to {high:.4g} um"))
     source = "fitted to the measured minima" if attrs["start_film_fitted"] else "as given"
     lines.append(_line("minimum at the first frame", f"{attrs['start_film']:.4g} um, {source}"))
-    return "\n".join([*lines, *difference_lines(prediction), *correlation_lines(prediction)])
+    lines += [*difference_lines(prediction), *correlation_lines(prediction)]
+    if "settings" in attrs:
+        notes = rank_notes(note_difference(prediction, settings_of(prediction).prediction))
+        lines += [_line("notes", f"{note.level}: {note}") for note in notes]
+    return "\n".join(lines)
 
 
 def _line(title: str, text: str) -> str:

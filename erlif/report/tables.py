@@ -16,7 +16,7 @@ from erlif.files import motion_of
 from erlif.plots.files import FigureSource
 from erlif.plots.maps import flag_swatch, flag_title
 from erlif.plots.style import FLAG_COLOURS
-from erlif.report.prediction import compare_correlations
+from erlif.report.prediction import carrying_sentences, compare_correlations
 
 _REASONS = {
     Flag.SATURATED: "a camera read full scale",
@@ -129,6 +129,8 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     notes = str(limits_of.get("notes", "")).split("\n")
     limits = " ".join(escape(note) for note in notes if note)
     below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
+    carried = " ".join(escape(sentence) for sentence in carrying_sentences(film))
+    below += f"<p class='quiet'>What carries the film: {carried}</p>" if carried else ""
     return make_table(rows, caption=caption) + below
 
 

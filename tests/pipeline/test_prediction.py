@@ -10,6 +10,7 @@ from scenes.film import CRANK, LOAD, RUN_TOML, minimum_film
 
 import erlif
 from erlif.core.errors import ConfigError
+from erlif.core.notes import Level
 from erlif.pipeline.prediction import (
     NO_PREDICTION,
     build_motion,
@@ -17,12 +18,17 @@ from erlif.pipeline.prediction import (
     film_along_sliding,
     find_load_line,
     note_correlation,
+    note_difference,
     places_along_sliding,
     predict_run,
     refuse_steady,
     swings,
     try_prediction,
 )
+from erlif.rig import RigSettings
+from erlif.rig.film import draw_marks, list_triggers
+from erlif.rig.journal import list_gaps
+from erlif.rig.logger import frame_times
 from erlif.settings import RunSettings
 from erlif.trend import Region
 
@@ -205,6 +211,79 @@ def test_a_note_sets_the_correlation_with_speed_beside_those_of_theory():
     assert "correlation of -1.00" in text
     assert "prediction gives +0.00, the steady regime map +1.00" in text
     assert note_correlation(whole.drop_vars("film_predicted_min")) == []
+
+
+KNOWN_TO = 0.04  # um
+
+
+@pytest.fixture(scope="module")
+def rig_films():
+    """Frames, and minimum film by the solver of the rig, 24 turns after loading."""
+    found = {}
+    for held in ("free", "guided"):
+        rig = RigSettings(film="reynolds", tilt=0.0, marks=0.0, sideways=held)
+        triggers = list_triggers(rig)
+        gaps = list_gaps(triggers, rig, draw_marks(rig, np.random.default_rng(0)))
+        number = len(gaps)
+        columns = {
+            "trigger": np.arange(number),
+            "cycle": np.zeros(number, int),
+            "crank_angle": triggers.crank_angle,
+            "time": frame_times(triggers, rig),
+            "load": triggers.load,
+            "used": np.ones(number, bool),
+        }
+        noise = np.random.default_rng(3).normal(0, KNOWN_TO, number)
+        measured = np.array([gap.film_min for gap in gaps]) + noise
+        found[held] = (
+            xr.Dataset({name: ("frame", values) for name, values in columns.items()}),
+            xr.Dataset(
+                {
+                    "film_min": ("trigger", measured),
+                    "film_min_std": ("trigger", np.full(number, KNOWN_TO)),
+                }
+            ),
+        )
+    return found
+
+
+@pytest.mark.parametrize(
+    ("true", "taken", "other"),
+    [
+        ("free", "free", None),
+        ("guided", "guided", None),
+        ("guided", "free", "guided"),
+        ("free", "guided", "free"),
+    ],
+)
+def test_a_pin_that_is_held_otherwise_is_a_warning(rig_films, true, taken, other):
+    rig_frames, measured = rig_films[true]
+    one = settings(sideways=taken)
+    found = try_prediction(one, measured, rig_frames, place(one))
+    notes = note_difference(measured.merge(found.triggers), one.prediction)
+    assert [note.level for note in notes] == ([Level.WARNING] if other else [])
+    if other:
+        assert "erlif predict RUN_DIR --fit" in str(notes[0])
+        assert f'sideways = "{other}" in [prediction]; check the load' in str(notes[0])
+
+
+def test_a_difference_is_a_warning_beyond_error_and_share_of_the_film():
+    """Up and down by a size is an rms of that size; a shift of all triggers is none."""
+    up = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    predicted = xr.Dataset({"film_predicted_min": ("trigger", np.full(6, 10.0))})
+
+    def warned(course, std):
+        columns = {"film_min": 10.0 + course, "film_min_std": np.full(6, std)}
+        films = predicted.assign({name: ("trigger", one) for name, one in columns.items()})
+        return bool(note_difference(films, settings().prediction))
+
+    assert warned(0.5 * up, 0.04)
+    assert warned(3.0 + 0.5 * up, 0.04)
+    assert not warned(0.5 * up, 0.2)  # within the error
+    assert not warned(0.1 * up, 0.001)  # 1 % of the film
+    assert not warned(np.full(6, 3.0), 0.01)
+    assert not warned(np.where(up > 0, [0.0, 0, 1, 0, 2, 0], np.nan), 0.01)  # too few triggers
+    assert note_difference(predicted, settings().prediction) == []
 
 
 def test_deflecting_surfaces_are_named_as_a_limit():

@@ -170,3 +170,9 @@ def test_temperature_is_listed_where_it_was_logged(changed):
     changed["operator"] = ("trigger", np.full(scene.TRIGGERS, "A. N."))
     head, row, *_ = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
     assert row[head.index("Oil [°C]")] == "40.00"
+
+
+def test_what_carries_the_film_stands_below_the_results(film):
+    text = results_table(film, 0.9)
+    assert "What carries the film: Assumed: pin free sideways" in text
+    assert "What carries" not in results_table(film.drop_vars("film_predicted_min"), 0.9)
