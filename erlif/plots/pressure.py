@@ -35,6 +35,7 @@ from erlif.plots.triggers import choose_abscissa, stroke_looks
 _THIRD = 0.3  # of two columns, for each of three panels
 _AROUND = 0.9  # inch above and below the map
 _LEAST_HEIGHT = 2.2  # inch
+_MARGIN = 0.05  # of the range of the loads
 
 
 @styled
@@ -75,6 +76,9 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
         extent=pixel_edges(found),
         interpolation="nearest",
     )
+    # nodes lie on the first and last pixel: their outer halves are beyond the image
+    x, y = found.x.values, found.y.values
+    ax.set(xlim=(x[0], x[-1]), ylim=(y[-1], y[0]))
     bare_image(ax)
     label_position(ax, found)
     ax.set_title(f"trigger {trigger}")
@@ -120,8 +124,8 @@ def pressure_profile(
     )
     (line,) = ax.plot(place, value, color=MEAN, linewidth=1.2, label="pressure")
     peak = ax.errorbar(
-        one.peak_place.values,
-        one.peak_pressure.values,
+        np.atleast_1d(one.peak_place.values),
+        np.atleast_1d(one.peak_pressure.values),
         xerr=COVERAGE * one.peak_place_std.values,
         yerr=COVERAGE * one.peak_pressure_std.values,
         color="black",
@@ -129,6 +133,7 @@ def pressure_profile(
         marker="o",
         markersize=2.5,
         label="peak",
+        clip_on=False,  # a peak at the edge of the image is drawn whole
     )
     ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
     frame_legend(ax, loc="best")
@@ -177,8 +182,20 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
         angle[order], found["load"].values[order], color=MUTED, label="logged", zorder=1
     )
     ax.set(xlabel=label, ylabel="load of the pressure [N]")
-    ax.set_ylim(bottom=0)
-    frame_legend(ax, loc="lower right")
+    # zero is shown, and so is every point with its bar; the legend lies above all of them
+    load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
+    drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
+    low, high = np.nanmin(drawn), np.nanmax(drawn)
+    ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
+    ax.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.09),  # above the letter of the panel
+        ncols=len(artists),
+        title="bars: one standard deviation",
+        columnspacing=0.8,
+        handletextpad=0.3,
+        borderaxespad=0.2,
+    )
     return artists
 
 
