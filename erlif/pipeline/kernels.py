@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 
@@ -37,9 +38,14 @@ def compile_aside() -> None:
     """Start a second process that compiles the kernels of the film, where a processor is free."""
     if _Second.process is not None or (os.cpu_count() or 1) < 2 or not sys.executable:
         return
+    # the same package in both: the cache finds kernels by their file, and -P leaves out a copy in
+    # the working directory, such as the one that an installed erlif came from
+    own = str(Path(__file__).parents[2])
+    paths = os.pathsep.join(filter(None, (own, os.environ.get("PYTHONPATH"))))
     try:
         _Second.process = subprocess.Popen(
-            [sys.executable, "-c", _COMMAND],
+            [sys.executable, "-P", "-c", _COMMAND],
+            env=os.environ | {"PYTHONPATH": paths},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
