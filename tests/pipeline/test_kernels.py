@@ -113,3 +113,23 @@ def test_cached_kernels_name_no_class_of_erlif():
             for signature in getattr(kernel, "signatures", ()):
                 assert not any(isinstance(one, BaseNamedTuple) for one in signature), name
     assert film._measure.signatures
+
+
+def test_the_second_process_runs_the_same_package_beside_a_copy_of_its_sources(
+    tmp_path, monkeypatch
+):
+    """An erlif in the working directory, as in a clone from which erlif was installed."""
+    copy = tmp_path / "erlif"
+    copy.mkdir()
+    (copy / "__init__.py").write_text("")
+    monkeypatch.chdir(tmp_path)
+    found = tmp_path / "found.txt"
+    program = f"import erlif, pathlib; pathlib.Path({str(found)!r}).write_text(erlif.__file__)"
+    monkeypatch.setattr(kernels, "_COMMAND", program)
+    monkeypatch.setattr(kernels._Second, "process", None)
+
+    kernels.compile_aside()
+    assert kernels._Second.process is not None
+    assert kernels._Second.process.wait(60) == 0
+    monkeypatch.setattr(kernels._Second, "process", None)
+    assert Path(found.read_text()) == Path(kernels.__file__).parents[1] / "__init__.py"
