@@ -117,10 +117,8 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     Parameters
     ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    film, ax
+        As for `pin_orbit`.
 
     Returns
     -------
@@ -130,7 +128,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     Raises
     ------
     ConfigError
-        If the film holds no position of the pin at two triggers or more.
+        As for `pin_orbit`.
 
     Examples
     --------
@@ -180,10 +178,8 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
 
     Parameters
     ----------
-    film : xarray.Dataset
-        As `erlif.process` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    film, ax
+        As for `pin_orbit`.
 
     Returns
     -------
@@ -193,7 +189,7 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     Raises
     ------
     ConfigError
-        If the film holds no position of the pin at two triggers or more.
+        As for `pin_orbit`.
 
     Examples
     --------

@@ -268,10 +268,8 @@ def prediction_map_figure(film: xr.Dataset, *, trigger: int) -> Figure:
 
     Parameters
     ----------
-    film : xarray.Dataset
-        As for `film_and_prediction`.
-    trigger : int
-        Number of the trigger, counted from 0.
+    film, trigger
+        As for `predicted_map`.
 
     Returns
     -------
@@ -280,10 +278,8 @@ def prediction_map_figure(film: xr.Dataset, *, trigger: int) -> Figure:
 
     Raises
     ------
-    ConfigError
-        If the film has no prediction.
-    ErlifError
-        If there is no such trigger.
+    ConfigError, ErlifError
+        As for `predicted_map`.
 
     Examples
     --------

@@ -64,12 +64,12 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
     Returns
     -------
     float or array
-        Height. [m]
+        Height above the point of contact. [m]
 
     Raises
     ------
     ModelError
-        A radius that is not positive, an infinite distance.
+        As for `roller_shape`.
 
     Examples
     --------
