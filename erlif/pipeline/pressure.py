@@ -352,17 +352,7 @@ def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
 
 
 def state_balance(found: xr.Dataset) -> str:
-    """The load that the pressure makes beside the logged one, in words.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `pressure_from_film`.
-
-    Returns
-    -------
-    str
-    """
+    """The load that the pressure makes beside the logged one, in words; as `state_limits`."""
     measured = found.pressure_measured.values > 0
     load, std = (found[name].values for name in ("load_from_pressure", "load_from_pressure_std"))
     logged = found["load"].values

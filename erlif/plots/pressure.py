@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +24,6 @@ from erlif.plots.style import (
     TWO_COLUMNS,
     add_colour_bar,
     colour_map,
-    frame_legend,
     given_or_new,
     letter,
     new_figure,
@@ -136,7 +136,7 @@ def pressure_profile(
         clip_on=False,  # a peak at the edge of the image is drawn whole
     )
     ax.set(xlim=(place[0], place[-1]), xlabel="sliding direction [mm]", ylabel="pressure [kPa]")
-    frame_legend(ax, loc="best")
+    _add_legend_above(ax, 3)
     return [band, line, peak]
 
 
@@ -146,10 +146,8 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
 
     Parameters
     ----------
-    found : xarray.Dataset
-        As `erlif.pressure_from_film` returns it.
-    ax : Axes, optional
-        Default: those of a new figure, one column wide.
+    found, ax
+        As for `pressure_map`.
 
     Returns
     -------
@@ -187,16 +185,21 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
     drawn = np.concatenate([load - std, load + std, found["load"].values, [0.0]])
     low, high = np.nanmin(drawn), np.nanmax(drawn)
     ax.set_ylim(low - _MARGIN * (high - low) * (low < 0), high + _MARGIN * (high - low))
+    _add_legend_above(ax, len(artists), title="bars: one standard deviation")
+    return artists
+
+
+def _add_legend_above(ax: Axes, columns: int, **options: Any) -> None:
+    """Add a legend above the letter of the panel, where it covers no point."""
     ax.legend(
         loc="lower center",
-        bbox_to_anchor=(0.5, 1.09),  # above the letter of the panel
-        ncols=len(artists),
-        title="bars: one standard deviation",
+        bbox_to_anchor=(0.5, 1.09),
+        ncols=columns,
         columnspacing=0.8,
         handletextpad=0.3,
         borderaxespad=0.2,
+        **options,
     )
-    return artists
 
 
 def best_trigger(found: xr.Dataset) -> int:
@@ -238,22 +241,20 @@ def pressure_figure(found: xr.Dataset, *, trigger: int | None = None) -> Figure:
 
     Parameters
     ----------
-    found : xarray.Dataset
-        As `erlif.pressure_from_film` returns it.
+    found
+        As for `pressure_map`.
     trigger : int, optional
-        Default: the one whose peak is known best.
+        Default: that of `best_trigger`.
 
     Returns
     -------
     Figure
-        Two columns wide.
+        Two columns wide, three panels.
 
     Raises
     ------
-    ConfigError
-        If the pressure is known at no trigger.
     ErlifError
-        If there is no such trigger.
+        As `best_trigger` and `pressure_map`.
 
     Examples
     --------
