@@ -557,6 +557,11 @@ VARIABLE_ATTRIBUTES = (
     Attribute("long_name", "Short description."),
     Attribute("comment", "Further remark."),
     Attribute("ancillary_variables", "Names of the standard deviations and flags of a variable."),
+    Attribute(
+        "coordinates",
+        "Names of the coordinates of the triggers or frames beside their number.",
+        "angle or time is known",
+    ),
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
     Attribute(
@@ -1037,6 +1042,9 @@ def render() -> str:
     lines += variables_table(FILM)
     lines += [
         "Further columns of the encoder log are variables of their own name on `trigger`.",
+        "`encoder_angle`, `crank_angle`, `position`, `stroke` and `time` are coordinates of `trigger`: "
+        "each variable on it names them in its attribute `coordinates`, after CF, and xarray gives "
+        '`film.film_min.plot(x="crank_angle")`. `trigger`, `cycle` and `time` are those of `frame`.',
         "",
     ]
     lines += ["Bits of `flags`; a valid pixel has none:", ""]

@@ -11,6 +11,7 @@ from erlif.files.contents import (
     region_of,
     settings_of,
 )
+from erlif.files.coordinates import set_coordinates
 from erlif.files.film import describe_hashes, open_film, reading_film, write_dataset, write_film
 from erlif.files.netcdf import fix_text, has_group, open_netcdf
 from erlif.files.netcdf_maps import NetcdfMaps
@@ -42,6 +43,7 @@ __all__ = [
     "remove_remains",
     "replacing",
     "round_map",
+    "set_coordinates",
     "settings_of",
     "write_dataset",
     "write_film",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 
 import xarray as xr
 
 from erlif.core.errors import OutputError, reason_of
+from erlif.files.coordinates import set_coordinates
 from erlif.files.headers import check_netcdf, check_zarr
-from erlif.files.netcdf import fix_text, open_netcdf
+from erlif.files.netcdf import fix_text, open_netcdf, write_netcdf
 from erlif.files.replacing import replacing, take_name, write_error
 from erlif.files.soundness import check_film, check_frames, check_registration
 from erlif.files.unfinished import PartialFilm
@@ -48,12 +50,13 @@ def write_dataset(
     ...         float(dataset.ratio_at_zero)
     0.65
     """
-    parts = {"/": dataset, **{f"/{name}": group for name, group in (groups or {}).items()}}
-    tree = xr.DataTree.from_dict({name: fix_text(part) for name, part in parts.items()})
-
     # The bytes are made in memory and written at once: HDF5 does not survive a full disk.
+    buffer = BytesIO()
+    write_netcdf(fix_text(set_coordinates(dataset)), buffer)
+    for name, group in (groups or {}).items():
+        write_netcdf(fix_text(set_coordinates(group)), buffer, mode="a", group=name)
     with replacing(output) as scratch:
-        scratch.write_bytes(tree.to_netcdf(engine="h5netcdf"))
+        scratch.write_bytes(buffer.getvalue())
 
 
 def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.Dataset]) -> None:
@@ -93,7 +96,8 @@ def write_film(partial: PartialFilm, film: xr.Dataset, groups: Mapping[str, xr.D
     5.0
     """
     try:
-        partial.maps.finish(film, groups)
+        placed = {name: set_coordinates(group) for name, group in groups.items()}
+        partial.maps.finish(set_coordinates(film), placed)
         partial.maps.close()
         take_name(partial.maps.path, partial.output)
     except OSError as error:
@@ -163,7 +167,7 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
     except BaseException:
         dataset.close()
         raise
-    return dataset
+    return set_coordinates(dataset)
 
 
 @contextmanager

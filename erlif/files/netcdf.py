@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import IO, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -58,7 +59,11 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
 
 
 def write_netcdf(
-    dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w", group: str | None = None
+    dataset: xr.Dataset,
+    path: Path | IO[bytes],
+    *,
+    mode: Literal["w", "a"] = "w",
+    group: str | None = None,
 ) -> None:
     """Write a dataset to a netCDF-4 file, or add it.
 
@@ -69,8 +74,8 @@ def write_netcdf(
     ----------
     dataset : Dataset
         As `fix_text` returns it.
-    path : Path
-        The file.
+    path : Path or IO
+        The file, or a buffer in memory.
     mode : str
         "w" to begin a file, "a" to add to one.
     group : str, optional
@@ -95,7 +100,17 @@ def write_netcdf(
 
     with h5netcdf.File(path, mode) as file:
         place = file if group is None else file.create_group(group)
-        dataset.dump_to_store(xr.backends.H5NetCDFStore(place))
+        dataset.dump_to_store(xr.backends.H5NetCDFStore(place), encoder=_fix_coordinates)
+
+
+def _fix_coordinates(
+    variables: Mapping[Any, xr.Variable], attrs: Mapping[Any, Any]
+) -> tuple[Mapping[Any, xr.Variable], Mapping[Any, Any]]:
+    """Attributes `coordinates`, which xarray adds while it writes, in the text of `fix_text`."""
+    for variable in variables.values():
+        if "coordinates" in variable.attrs:
+            variable.attrs["coordinates"] = _fix_attribute(variable.attrs["coordinates"])
+    return variables, {name: _fix_attribute(value) for name, value in attrs.items()}
 
 
 def has_group(path: Path, group: str) -> bool:

@@ -21,6 +21,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.files.compression import DEFLATE_LEVEL, MapVariable, checksum, encode_netcdf
+from erlif.files.coordinates import name_coordinates
 from erlif.files.netcdf import fix_text, write_netcdf
 from erlif.files.records import Record, read_record, write_record
 from erlif.files.replacing import remove
@@ -222,6 +223,17 @@ class NetcdfMaps:
         for name, group in groups.items():
             self._reserve(group.nbytes)
             write_netcdf(fix_text(group), self.path, mode="a", group=name)
+        self._name_coordinates(name_coordinates(film))
+
+    def _name_coordinates(self, names: str) -> None:
+        """Let each map name the coordinates of its triggers, which were not known when it began."""
+        import h5netcdf
+
+        if names:
+            attrs = fix_text(xr.Dataset(attrs={"coordinates": names})).attrs
+            with h5netcdf.File(self.path, "a") as file:
+                for variable in self.variables:
+                    file[variable.name].attrs.update(attrs)
 
     def close(self) -> None:
         """Release the files."""

@@ -20,6 +20,7 @@ from erlif.files.compression import (
     checksum,
     encode_zarr,
 )
+from erlif.files.coordinates import name_coordinates
 from erlif.files.records import Record, read_record, write_record
 from erlif.files.replacing import remove, write_error
 
@@ -202,11 +203,21 @@ class ZarrMaps:
             if entry.name not in own:
                 remove(entry)
 
+        self._name_coordinates(name_coordinates(film))
         _free_text(film).to_zarr(self.path, mode="a", consolidated=False, zarr_format=3)
         for name, group in groups.items():
             _free_text(group).to_zarr(
                 self.path, group=name, mode="a", consolidated=False, zarr_format=3
             )
+
+    def _name_coordinates(self, names: str) -> None:
+        """Let each map name the coordinates of its triggers, which were not known when it began."""
+        import zarr
+
+        if names:
+            root = zarr.open_group(self.path, mode="r+", zarr_format=3)
+            for variable in self.variables:
+                root[variable.name].update_attributes({"coordinates": names})
 
     def close(self) -> None:
         """Nothing is held open."""

@@ -267,7 +267,7 @@ def _describe(source: Source, prediction: Prediction) -> xr.Dataset:
     settings = source.settings
     start = prediction.triggers.film_predicted_min.attrs
     # coordinates of the film are those of the grid already; the position gave the load line
-    apart = [*source.film.coords, "pin_displacement"]
+    apart = [*source.film.xindexes, "pin_displacement"]
     kept = source.film.drop_vars(apart, errors="ignore")
     kept = kept.drop_attrs(deep=False)
     return kept.assign(prediction.triggers).assign_attrs(

@@ -13,7 +13,7 @@ from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.version import __version__
-from erlif.files import open_film, settings_of
+from erlif.files import open_film, set_coordinates, settings_of
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.joint import build_linkage, describe_joint
@@ -143,7 +143,7 @@ def _follow(
             "load": ("frame", np.ones(known.size)),  # moves nothing here
         }
     )
-    if "time" in film.data_vars:
+    if "time" in film:
         frames["time"] = ("frame", film["time"].values)
     direction = 1 if settings.prediction.direction == "along" else -1
     moved = follow_motion(
@@ -263,6 +263,7 @@ def _describe(
             "place": ("place", x if view.sliding_along_x else y, millimetre),
         },
     )
+    result = set_coordinates(result)
     result.attrs["settings"] = film.attrs["settings"]  # names the mount
     return result.assign_attrs(
         title=f"pressure from the film, {settings.name}",

@@ -18,7 +18,7 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of, record_calibration
 from erlif.core.arrays import Array
 from erlif.core.flags import FLAG_ATTRS, Flag
-from erlif.files import write_dataset
+from erlif.files import set_coordinates, write_dataset
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.film import predict_theory
@@ -133,7 +133,7 @@ def example_film() -> xr.Dataset:
     for suffix in ("", "_mean"):
         film[f"speed_exponent{suffix}"] = ((), _POWER, attrs)
         film[f"speed_exponent{suffix}_std"] = ((), 0.01)
-    return film.assign_attrs(
+    return set_coordinates(film).assign_attrs(
         title="oil-film thickness, example",
         history="made by formula",
         settings=to_toml(settings),

@@ -318,7 +318,7 @@ def trigger_table(film: xr.Dataset, valid: Array) -> str:
     # columns of text from the log are not part of the table
     shown = [
         str(name)
-        for name in film
+        for name in film.variables
         if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
     ]
     rows = []
