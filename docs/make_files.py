@@ -468,6 +468,7 @@ PREDICTION = (
             "encoder_angle",
             "crank_angle",
             "stroke",
+            "time",
             "rocker_speed",
             "load",
         )
@@ -1042,9 +1043,10 @@ def render() -> str:
     lines += variables_table(FILM)
     lines += [
         "Further columns of the encoder log are variables of their own name on `trigger`.",
-        "`encoder_angle`, `crank_angle`, `position`, `stroke` and `time` are coordinates of `trigger`: "
-        "each variable on it names them in its attribute `coordinates`, after CF, and xarray gives "
-        '`film.film_min.plot(x="crank_angle")`. `trigger`, `cycle` and `time` are those of `frame`.',
+        "`encoder_angle`, `crank_angle`, `position`, `stroke` and `time` are coordinates of "
+        "`trigger`: each variable on it names them in its attribute `coordinates`, after CF, and "
+        'xarray gives `film.film_min.plot(x="crank_angle")`. In the group frames, `trigger`, '
+        "`cycle` and `time` are coordinates of `frame`.",
         "",
     ]
     lines += ["Bits of `flags`; a valid pixel has none:", ""]

@@ -59,6 +59,7 @@ _OF_FILM = (
     "encoder_angle",
     "crank_angle",
     "stroke",
+    "time",
     "rocker_speed",
     "load",
 )
