@@ -26,6 +26,7 @@ _FUNCTIONS = {
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.audit",
+    "export": "erlif.conversion",
     "find_pin_position": "erlif.trend",
     "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
@@ -40,6 +41,7 @@ _FUNCTIONS = {
 _MODULES = (
     "audit",
     "calibration",
+    "conversion",
     "correction",
     "files",
     "ingest",
@@ -68,7 +70,9 @@ __all__ = [
     "calibrate",
     "calibration",
     "check",
+    "conversion",
     "correction",
+    "export",
     "files",
     "find_pin_position",
     "ingest",
@@ -99,6 +103,7 @@ if TYPE_CHECKING:
     from erlif import (
         audit,
         calibration,
+        conversion,
         correction,
         files,
         ingest,
@@ -117,6 +122,7 @@ if TYPE_CHECKING:
     )
     from erlif.audit import check
     from erlif.calibration import Calibration, open_calibration, save_calibration
+    from erlif.conversion import export
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
     from erlif.files import open_film

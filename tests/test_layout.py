@@ -29,6 +29,7 @@ ORDER = (
     "passes",
     "pipeline",
     "audit",
+    "conversion",
     "plots",
     "report",
     "commands",

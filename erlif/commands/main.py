@@ -22,6 +22,7 @@ from erlif.commands.ending import (
     signals_interrupt,
     silence,
 )
+from erlif.commands.export import export
 from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
@@ -121,6 +122,7 @@ for command in (
     budget,
     figures,
     report,
+    export,
     sources,
 ):
     main.add_command(command)

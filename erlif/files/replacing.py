@@ -21,8 +21,19 @@ STARTS = {
     ".pdf": (b"%PDF",),
     ".svg": (b"<?xml ve",),
     ".html": (b"<!DOCTYP", b"<!doctyp"),
+    ".mat": (b"MATLAB 5.0 MAT-file, written by erlif", b"MATLAB 7.3 MAT-file, written by erlif"),
+    ".npz": (b"PK\x03\x04",),
+    ".pvd": (b"<?xml ve",),
+    ".tif": (b"II*\x00",),
+    ".tiff": (b"II*\x00",),
 }
-"""First bytes of figures and pages by their suffix."""
+"""First bytes of figures, pages and exported films by their suffix."""
+
+UNMARKED = {".csv": (b"trigger,frames_used [1],", b"x [mm],y [mm],thickness [um],")}
+"""First bytes of files that are read without the mark: headings of tables."""
+
+_SERIES = (".pvd", ".vts")
+"""Suffixes of the files of an exported series of grids."""
 
 _NOT_ALLOWED = (errno.EACCES, errno.EPERM, errno.EROFS)
 """Errors of a place that may not be written."""
@@ -73,7 +84,8 @@ def refuse_existing(output: Path, *, overwrite: bool, holds: str = "") -> None:
 def _is_own(output: Path, holds: str) -> bool:
     """Whether erlif has written an existing file or directory of this suffix, or it is empty."""
     if output.is_dir():
-        return output.suffix == ".zarr" and _is_own_store(output, holds)
+        store = output.suffix == ".zarr"
+        return _is_own_store(output, holds) if store else _is_own_series(output)
     if not output.is_file():  # a pipe or a device
         return False
     if output.stat().st_size == 0:
@@ -85,6 +97,8 @@ def _is_own(output: Path, holds: str) -> bool:
         first = file.read(_MARKED)
         file.seek(max(output.stat().st_size - _MARKED, 0))
         last = file.read()
+    if first.startswith(UNMARKED.get(output.suffix, ())):
+        return True
     starts = STARTS.get(output.suffix, ())
     return first.startswith(starts) and (MARK in first or MARK in last)
 
@@ -105,6 +119,15 @@ def _is_own_store(output: Path, holds: str) -> bool:
     except (OSError, ValueError, AttributeError):
         return False
     return "erlif_version" in attributes and (not holds or (output / holds).is_dir())
+
+
+def _is_own_series(output: Path) -> bool:
+    """Whether a folder holds an exported series of grids and nothing else."""
+    files = list(output.iterdir())
+    lists = [file for file in files if file.suffix == ".pvd"]
+    if len(lists) != 1 or not all(file.suffix in _SERIES and file.is_file() for file in files):
+        return False
+    return _is_own(lists[0], "")
 
 
 @contextmanager

@@ -1,0 +1,59 @@
+"""``erlif export``: a film for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.progress import show_progress
+
+
+@click.command()
+@click.argument("film", type=PATH)
+@click.option(
+    "--to",
+    type=click.Choice(["csv", "mat", "tiff", "vtk", "npz"]),
+    required=True,
+    help="Table; MATLAB and Octave; ImageJ; ParaView; numpy.",
+)
+@click.option("--trigger", type=int, help="This trigger alone; as CSV, its map pixel by pixel.")
+@click.option("--angle", type=float, help="The same by its crank angle in degree.")
+@click.option("-o", "--output", type=PATH, help="Default: beside FILM, by its name.")
+@OVERWRITE
+def export(
+    film: Path,
+    to: str,
+    trigger: int | None,
+    angle: float | None,
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Write a film in the format of another program.
+
+    CSV is a table of all numbers of the triggers; with --trigger or --angle it is the map of that
+    trigger. VTK is a folder with the surface of the pin for each trigger.
+
+    \b
+    Example:
+      erlif export data_samples/straight_bushing/film.nc --to csv
+      erlif export data_samples/straight_bushing/film.nc --to csv --angle 90
+      erlif export data_samples/straight_bushing/film.nc --to vtk
+    """
+    with large_imports():
+        from erlif.conversion import FORMATS, choose_trigger
+        from erlif.conversion import export as export_film
+        from erlif.files import describe_trigger, open_film
+
+    with open_film(film) as opened:
+        chosen = choose_trigger(opened, trigger=trigger, angle=angle)
+        described = "" if chosen is None else describe_trigger(opened, chosen)
+    part = "" if chosen is None else f"_trigger{chosen}"
+    output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")
+    with show_progress() as progress:
+        export_film(film, output, to=to, trigger=chosen, overwrite=overwrite, progress=progress)
+    if described:
+        click.echo(described)
+    click.echo(f"written: {output}")

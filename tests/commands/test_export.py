@@ -1,0 +1,37 @@
+"""``erlif export``: what it writes, what it shows, what it refuses."""
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("csv", "film.csv"),
+        ("mat", "film.mat"),
+        ("tiff", "film.tif"),
+        ("vtk", "film_vtk"),
+        ("npz", "film.npz"),
+    ],
+)
+def test_an_export_lies_beside_its_film(kind, name, own, command):
+    assert command("export", own, "--to", kind).stdout.strip() == f"written: {own.parent / name}"
+    assert (own.parent / name).exists()
+
+
+def test_a_chosen_trigger_is_named(own, command):
+    shown = command("export", own, "--to", "csv", "--trigger", 3).stdout
+    assert shown.startswith("trigger 3, ")
+    assert (own.parent / "film_trigger3.csv").is_file()
+
+
+def test_bad_input_is_refused_in_one_message(own, small_rig, refused, command):
+    assert "does not exist" in refused("export", own.with_name("a.nc"), "--to", "csv")
+    calibration = small_rig.fixture / "calibration.nc"
+    assert "damaged or something else" in refused("export", calibration, "--to", "mat")
+    assert "a trigger from 0 to 5" in refused("export", own, "--to", "mat", "--trigger", 9)
+    assert "Give one of them" in refused(
+        "export", own, "--to", "csv", "--trigger", 1, "--angle", 90
+    )
+    assert "a name in .mat" in refused("export", own, "--to", "mat", "-o", own.with_name("a.csv"))
+    command("export", own, "--to", "csv")
+    assert "use --overwrite" in refused("export", own, "--to", "csv")
