@@ -213,7 +213,7 @@ def weigh_pin(case: tuple[Path, int]) -> dict:
     error = np.hstack([film.pin_displacement.values - known, film.pin_tilt.values])
     std = np.sqrt(np.diagonal(film.pin_position_cov.values, axis1=1, axis2=2))
     random = np.sqrt(np.diagonal(film.pin_position_cov_random.values, axis1=1, axis2=2))
-    excess = film.film_curvature.values - film.film_curvature.attrs["expected"]
+    excess = film.film_curvature.values - film.film_curvature_expected.values
     return {
         **dict(zip(PIN, (error / std).T, strict=True)),
         "curvature": excess / film.film_curvature_std.values,

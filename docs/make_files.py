@@ -219,6 +219,14 @@ FILM = (
         "film_mean_std", T, "float64", "um", "Its standard deviation, random and shared parts."
     ),
     Variable(
+        "share_beyond_range",
+        T,
+        "float64",
+        "1",
+        "Share of the region that is too thin or too thick to be measured; film_mean is that of "
+        "the rest.",
+    ),
+    Variable(
         "film_min",
         T,
         "float64",
@@ -287,8 +295,15 @@ FILM = (
         T,
         "float64",
         "um mm-2",
-        "Second derivative of the gap along sliding where it is left free; its attribute expected "
-        "is that of circles with the radii of [joint].",
+        "Second derivative of the gap along sliding where it is left free.",
+        JOINT,
+    ),
+    Variable(
+        "film_curvature_expected",
+        T,
+        "float64",
+        "um mm-2",
+        "That of circles with the radii of [joint].",
         JOINT,
     ),
     Variable(
@@ -342,6 +357,7 @@ FILM = (
         "the trigger.",
         THEORY,
     ),
+    Variable("film_regime", T, "text", "", "Regime that the map selects.", THEORY),
     *PREDICTED_FILM,
     Variable(
         "film_parameter",
@@ -565,20 +581,14 @@ VARIABLE_ATTRIBUTES = (
     ),
     Attribute("flag_masks", "Of flags: the bits."),
     Attribute("flag_meanings", "Of flags: the names of the bits."),
-    Attribute(
-        "share_beyond_range",
-        "Of film_mean: share of the region that is too thin or too thick, for each trigger.",
-    ),
     Attribute("clearance", "Of displacement and tilt: radial clearance of the joint [um]."),
     Attribute("load_line", "Of displacement, tilt and attitude: load line along sliding [mm]."),
     Attribute("axial_origin", "Of displacement and tilt: origin of positions along the axis [mm]."),
-    Attribute("expected", "Of film_curvature: that of circles, for each trigger [um/mm2]."),
     Attribute(
         "regime",
         "Of film_theory: the name of the prediction; of film_regime_map: the "
         "lubrication regime of most triggers.",
     ),
-    Attribute("regimes_by_trigger", "Of film_regime_map: the regime of each trigger."),
     Attribute("reason", "Of film_theory and film_regime_map: why this one was selected."),
     Attribute(
         "notes",

@@ -14,6 +14,7 @@ from erlif.core.errors import OutputError, reason_of
 from erlif.files.coordinates import set_coordinates
 from erlif.files.headers import check_netcdf, check_zarr
 from erlif.files.netcdf import fix_text, open_netcdf, write_netcdf
+from erlif.files.older import renew_film
 from erlif.files.replacing import replacing, take_name, write_error
 from erlif.files.soundness import check_film, check_frames, check_registration
 from erlif.files.unfinished import PartialFilm
@@ -164,10 +165,10 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
     try:
         if group in check:
             check[group](dataset)
+        return set_coordinates(renew_film(dataset) if group is None else dataset)
     except BaseException:
         dataset.close()
         raise
-    return set_coordinates(dataset)
 
 
 @contextmanager

@@ -95,17 +95,16 @@ def locate_frames(
     stroke = np.where(angle_rate >= 0, 1, -1).astype(np.int8)
 
     swings = encoder.mounted_on == "rocker" and not link.falling
-    rising = "+1 angle rising, -1 falling" if swings else "+1 rocker angle rising, -1 falling"
+    rising = "stroke, +1 angle rising" if swings else "stroke, +1 rocker angle rising"
     columns = {
         "trigger": (fold.trigger, "1", "encoder trigger of the cycle"),
         "cycle": (fold.cycle, "1", "turn of the crank"),
         "stroke": (stroke, "1", rising),
-        "crank_angle": (np.degrees(crank), "degree", "crank angle from the ground link"),
-        "rocker_speed": (speed, "rad s-1", "angular speed in the joint, signed"),
+        "crank_angle": (np.degrees(crank), "degree", "crank angle"),
+        "rocker_speed": (speed, "rad s-1", "angular speed of the joint"),
     }
     if pin_radius is not None:
-        meaning = "surface speed of the pin against the bushing"
-        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "m s-1", meaning)
+        columns["sliding_speed"] = (np.abs(speed) * pin_radius, "m s-1", "sliding speed")
     located = xr.Dataset(
         {
             name: ("frame", values, {"units": unit, "long_name": meaning})
@@ -185,7 +184,7 @@ def _describe_encoder(link: LinkAngle, encoder: Encoder) -> dict[str, str | floa
     """Attributes of the encoder angle: how the reading becomes the angle of the link."""
     attrs: dict[str, str | float | int] = {
         "units": "degree",
-        "long_name": "encoder angle as logged",
+        "long_name": "encoder angle",
         "mounted_on": encoder.mounted_on,
         "direction": "falling" if link.falling else "rising",
         # an encoder that starts again has its zero within half a turn

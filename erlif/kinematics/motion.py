@@ -119,7 +119,7 @@ def locate_rotation(
         speed = np.broadcast_to(
             np.abs(_choose_rate(log, rotation)) * rotation.radius, log.sizes["frame"]
         )
-        columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the track past the contact")
+        columns["sliding_speed"] = _Column(speed, "m s-1", "sliding speed")
     located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _DISC))
     return located.assign_attrs(_compare_rate(log, rotation.speed, "speed"))
 
@@ -202,7 +202,7 @@ def locate_slider(
         "+1 position rising, -1 falling",
     )
     speed = 2 * math.pi * slider.frequency * amplitude * np.abs(np.cos(drive))
-    columns["sliding_speed"] = _Column(speed, "m s-1", "speed of the slider")
+    columns["sliding_speed"] = _Column(speed, "m s-1", "sliding speed")
     if "sliding_speed" in log:
         columns["sliding_speed"] = _logged_speed(log)
     located = _describe_frames(log, columns, _fold(log, columns, triggers_per_cycle, bins, _SLIDER))
@@ -263,11 +263,11 @@ class _Column(NamedTuple):
 
 
 def _logged_angle(log: EncoderLog) -> _Column:
-    return _Column(log.angle.values, "degree", "encoder angle as logged")
+    return _Column(log.angle.values, "degree", "encoder angle")
 
 
 def _logged_speed(log: EncoderLog) -> _Column:
-    return _Column(np.abs(log.sliding_speed.values), "m s-1", "sliding speed as logged")
+    return _Column(np.abs(log.sliding_speed.values), "m s-1", "sliding speed, logged")
 
 
 def _fold(

@@ -55,7 +55,7 @@ MAPS = [
         "float32",
         {
             "units": "um",
-            "long_name": "oil-film thickness",
+            "long_name": "film thickness",
             "ancillary_variables": "thickness_std thickness_std_shared flags",
         },
         std="thickness_std",
@@ -63,13 +63,13 @@ MAPS = [
     MapVariable(
         "thickness_std",
         "float32",
-        {"units": "um", "long_name": "standard deviation of thickness, random part of each pixel"},
+        {"units": "um", "long_name": "standard deviation of the film thickness, random part"},
         bits=5,  # at most 1.6 %; gain and read noise behind it are known to 1 to 2 %
     ),
     MapVariable(
         "thickness_std_shared",
         "float32",
-        {"units": "um", "long_name": "standard deviation of thickness, common to all pixels"},
+        {"units": "um", "long_name": "standard deviation of the film thickness, shared part"},
         bits=4,  # at most 3 %; a covariance from some fifty bins is known to 10 %
     ),
     MapVariable("flags", "uint8", FLAG_ATTRS),
@@ -120,14 +120,20 @@ def describe_grid(settings: RunSettings, shape: tuple[int, int], triggers: int) 
         Coordinates trigger, y and x.
     """
     x, y = pixel_positions(settings, shape)
+    sliding = "x" if settings.optics.x_axis == "sliding" else "y"
+    names = {name: f"{name} (sliding)" if name == sliding else name for name in ("x", "y")}
     return xr.Dataset(
         coords={
-            "trigger": ("trigger", np.arange(triggers), {"long_name": "number of the trigger"}),
-            "y": ("y", y, {"units": "mm", "long_name": "position along y, downwards"}),
+            "trigger": ("trigger", np.arange(triggers), {"long_name": "trigger"}),
+            "y": (
+                "y",
+                y,
+                {"units": "mm", "long_name": names["y"], "comment": "increases downwards"},
+            ),
             "x": (
                 "x",
                 x,
-                {"units": "mm", "long_name": f"position along x, {settings.optics.x_axis}"},
+                {"units": "mm", "long_name": names["x"]},
             ),
         }
     )
@@ -187,7 +193,7 @@ def describe_triggers(run: Run, cycle: xr.Dataset) -> xr.Dataset:
     apart = all(len(frames) == 1 for frames in every)
     if "time" in run.log and (apart or not cycle.cycle.any()):
         time = np.array([float(run.log.time.values[frames].mean()) for frames in every])
-        film["time"] = ("trigger", time, {"units": "s", "long_name": "time of the trigger"})
+        film["time"] = ("trigger", time, {"units": "s", "long_name": "time"})
 
     # what would fail at the end fails here
     predict_theory(run.settings, film)
@@ -232,7 +238,7 @@ def describe_film(
     film["frames_used"] = (
         "trigger",
         np.array([len(result.frames) for result in results]),
-        {"units": "1", "long_name": "frames of this trigger"},
+        {"units": "1", "long_name": "frame pairs of the trigger"},
     )
     film = film.assign(count_pixels(results)).assign(describe_statistics(results))
     settings = run.settings
@@ -277,14 +283,18 @@ def count_pixels(results: Sequence[TriggerResult]) -> xr.Dataset:
     """Valid pixels of each map and those of each flag, so that nobody has to read the maps."""
     pixels = np.array([result.pixels for result in results], np.int64).reshape(-1, 1 + len(Flag))
     flag = np.array([flag.value for flag in Flag], np.uint8)
-    valid = {"units": "1", "long_name": "pixels without a flag"}
-    flagged = {"units": "1", "long_name": "pixels with this flag; a pixel may have several"}
+    valid = {"units": "1", "long_name": "valid pixels"}
+    flagged = {
+        "units": "1",
+        "long_name": "flagged pixels",
+        "comment": "a pixel may have several flags",
+    }
     return xr.Dataset(
         {
             "valid_pixels": ("trigger", pixels[:, 0], valid),
             "flagged_pixels": (("trigger", "flag"), pixels[:, 1:], flagged),
         },
-        {"flag": ("flag", flag, {"units": "1", "long_name": "flag, a bit of flags"})},
+        {"flag": ("flag", flag, {"units": "1", "long_name": "flag"})},
     )
 
 
@@ -294,23 +304,35 @@ def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
     beyond = np.array([one.beyond_range for one in statistics])
     mean = {
         "units": "um",
-        "long_name": "mean film thickness over the region of interest",
-        "ancillary_variables": "film_mean_std",
-        "share_beyond_range": beyond,
-        "comment": "over the valid pixels; share_beyond_range is, by trigger, the share of the "
-        "region that is too thin or too thick to be measured",
+        "long_name": "mean film thickness",
+        "ancillary_variables": "film_mean_std share_beyond_range",
+        "comment": "over the valid pixels of the region of interest",
+    }
+    share = {
+        "units": "1",
+        "long_name": "share of the region beyond the measurable range",
+        "comment": "too thin or too thick to be measured; film_mean is that of the rest",
     }
     minimum = {
         "units": "um",
-        "long_name": "minimum film thickness of a smooth gap",
+        "long_name": "minimum film thickness",
+        "comment": "of a smooth gap fitted to the valid pixels of the region of interest",
         "ancillary_variables": "film_min_std",
     }
-    std = {"units": "um", "long_name": "its standard deviation, random and shared"}
+    mean_std, minimum_std = (
+        {
+            "units": "um",
+            "long_name": f"standard deviation of the {name} film thickness",
+            "comment": "random and shared part",
+        }
+        for name in ("mean", "minimum")
+    )
     return {
         "film_mean": ("trigger", np.array([one.mean for one in statistics]), mean),
-        "film_mean_std": ("trigger", np.array([one.mean_std for one in statistics]), std),
+        "film_mean_std": ("trigger", np.array([one.mean_std for one in statistics]), mean_std),
+        "share_beyond_range": ("trigger", beyond, share),
         "film_min": ("trigger", np.array([one.minimum for one in statistics]), minimum),
-        "film_min_std": ("trigger", np.array([one.minimum_std for one in statistics]), std),
+        "film_min_std": ("trigger", np.array([one.minimum_std for one in statistics]), minimum_std),
     }
 
 
@@ -441,7 +463,7 @@ def describe_frames(
     group["time"] = (
         "frame",
         time,
-        {"units": "s", "long_name": "time of the trigger"}
+        {"units": "s", "long_name": "time"}
         | {name: fitted[name] for name in ("start", "start_std") if name in fitted},
     )
     if run.pairs.skipped:
@@ -484,7 +506,7 @@ def _columns_by_frame(run: Run, cycle: xr.Dataset) -> dict[str, xr.DataArray]:
     if "load" not in columns:
         load = run.settings.load
         if load is not None:
-            attrs = {"units": "N", "long_name": "load on the joint"}
+            attrs = {"units": "N", "long_name": "load"}
             columns["load"] = xr.full_like(cycle.trigger, load, float).assign_attrs(attrs)
         elif run.settings.joint is not None:
             raise ConfigError(

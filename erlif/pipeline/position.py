@@ -167,30 +167,34 @@ def _describe_form(found: Sequence[PinPosition], shared: Array, view: PinView) -
             expected + form[:, 0],
             attrs
             | {
-                "long_name": "second derivative of the gap along sliding, at the load line",
-                "expected": expected,
-                "comment": "expected is, by trigger, that of circles of the radii in [joint]",
-                "ancillary_variables": "film_curvature_std",
+                "long_name": "curvature of the gap along sliding",
+                "comment": "second derivative at the load line",
+                "ancillary_variables": "film_curvature_std film_curvature_expected",
             },
+        ),
+        "film_curvature_expected": (
+            "trigger",
+            expected,
+            attrs | {"long_name": "curvature along sliding of circles of the radii in [joint]"},
         ),
         "film_curvature_std": (
             "trigger",
             std[:, 0],
-            attrs | {"long_name": "its standard deviation, random and shared"},
+            attrs | {"long_name": "standard deviation of the curvature along sliding"},
         ),
         "film_curvature_axial": (
             "trigger",
             form[:, 1],
             attrs
             | {
-                "long_name": "second derivative of the gap along the axis",
+                "long_name": "curvature of the gap along the axis",
                 "ancillary_variables": "film_curvature_axial_std",
             },
         ),
         "film_curvature_axial_std": (
             "trigger",
             std[:, 1],
-            attrs | {"long_name": "its standard deviation, random and shared"},
+            attrs | {"long_name": "standard deviation of the curvature along the axis"},
         ),
     }
 

@@ -216,10 +216,10 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         artists.append(bars.lines[0])
 
     order = np.argsort(abscissa.values)
-    expected = np.asarray(film.film_curvature.attrs["expected"], float)
+    expected = film.film_curvature_expected.values
     artists += ax.plot(
         abscissa.values[order],
-        np.broadcast_to(expected, order.shape)[order],
+        expected[order],
         color=MINIMUM,
         linestyle=_DASHES,
         label="circles of the radii",

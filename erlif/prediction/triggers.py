@@ -227,8 +227,8 @@ def _describe_positions(
     load, side = positions.displacement_load.values, positions.displacement_side.values
     minimum, mean = summarise_gap(load, side, journal, view)
     columns = {
-        "film_predicted_min": (_MICRO * minimum, "um", "predicted minimum film in the region"),
-        "film_predicted_mean": (_MICRO * mean, "um", "predicted mean film over the region"),
+        "film_predicted_min": (_MICRO * minimum, "um", "predicted minimum film thickness"),
+        "film_predicted_mean": (_MICRO * mean, "um", "predicted mean film thickness"),
         "eccentricity": (
             np.hypot(load, side) / journal.clearance,
             "1",

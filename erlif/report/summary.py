@@ -123,18 +123,20 @@ def _film_line(film: xr.Dataset, variable: str, title: str) -> str:
         none = "none: no trigger has enough valid pixels in the region of interest"
         return _line(title, none)
     ends = [
-        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k}{_describe_part(film[variable], k)})"
+        f"{values[k]:.2f} ± {std[k]:.2f} um (trigger {k}{_describe_part(film, variable, k)})"
         for k in (int(np.nanargmin(values)), int(np.nanargmax(values)))
     ]
     return _line(title, " to ".join(dict.fromkeys(ends)))  # one end of a single trigger
 
 
-def _describe_part(statistic: xr.DataArray, trigger: int) -> str:
+def _describe_part(film: xr.Dataset, variable: str, trigger: int) -> str:
     """Part of the region that a mean was taken over, where the rest is beyond the range."""
-    shares = np.ravel(statistic.attrs.get("share_beyond_range", ()))
-    if trigger >= shares.size or not shares[trigger] > _NOTABLE:
+    if variable != "film_mean" or "share_beyond_range" not in film:
         return ""
-    return f", over the {1 - shares[trigger]:.0%} of the region within the calibrated range"
+    share = float(film.share_beyond_range.values[trigger])
+    if not share > _NOTABLE:
+        return ""
+    return f", over the {1 - share:.0%} of the region within the calibrated range"
 
 
 def _flag_lines(film: xr.Dataset) -> list[str]:

@@ -164,11 +164,15 @@ def predict_film(triggers: xr.Dataset, joint: Joint) -> xr.Dataset:
                     "units": "um",
                     "long_name": f"steady line-contact film, {chosen} regime",
                     "regime": chosen,
-                    "regimes_by_trigger": " ".join(str(name) for name in np.asarray(theory.regime)),
                     "reason": "the largest of the four line-contact asymptotes governs; "
                     f"gV = {gV:.3g}, gE = {gE:.3g} (medians)",
                     "notes": "\n".join(theory.notes),
                 },
+            ),
+            "film_regime": (
+                "trigger",
+                np.broadcast_to(np.asarray(theory.regime, dtype=str), speed.shape),
+                {"long_name": "regime of the line contact"},
             ),
         }
     )

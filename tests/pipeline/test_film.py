@@ -149,7 +149,7 @@ def test_statistics_stand_in_the_order_of_the_triggers():
     assert film.film_min.values.tolist() == [1.0, 2.0, 3.0]
     assert film.film_mean.values.tolist() == [2.0, 4.0, 6.0]
     assert film.film_min_std.values.tolist() == [0.06] * 3
-    assert film.film_mean.attrs["share_beyond_range"].tolist() == [0.007] * 3
+    assert film.share_beyond_range.values.tolist() == [0.007] * 3
 
 
 @pytest.fixture

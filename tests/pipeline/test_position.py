@@ -121,7 +121,7 @@ def test_variables_are_those_of_the_results(small_rig, calibration):
     npt.assert_array_equal(film.pin_tilt, [[0.01, 0.1]] * 2)
     # e/(R1 R2), mm2
     expected = np.array([228.0, 225.0]) / (33.36 * 33.59)
-    npt.assert_allclose(film.film_curvature.attrs["expected"], expected)
+    npt.assert_allclose(film.film_curvature_expected, expected)
     npt.assert_allclose(film.film_curvature, expected + 0.01)
     npt.assert_allclose(film.film_curvature_axial, 0.02)
     npt.assert_allclose(film.film_curvature_std, 0.001)

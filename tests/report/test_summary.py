@@ -163,6 +163,6 @@ def test_a_mean_over_a_part_of_the_region_is_described_as_such(film):
     shares = np.zeros(film.sizes["trigger"])
     shares[int(np.argmin(film.film_mean.values))] = 0.28
     film = film.copy()
-    film["film_mean"].attrs["share_beyond_range"] = shares
+    film["share_beyond_range"] = ("trigger", shares)
     text = line_of(summarise(film), "mean film thickness")
     assert text.count("over the 72% of the region within the calibrated range") == 1
