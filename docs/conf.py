@@ -133,6 +133,7 @@ STAGES = (
     "files",
     "plots",
     "report",
+    "notebook",
     "settings",
     "rig",
 )

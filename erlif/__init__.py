@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from erlif.core.kernel_cache import ensure_kernel_cache
+from erlif.core.later import after_import
 from erlif.core.version import __version__
 
 ensure_kernel_cache()
@@ -47,6 +48,7 @@ _MODULES = (
     "ingest",
     "kinematics",
     "models",
+    "notebook",
     "pipeline",
     "plots",
     "prediction",
@@ -79,6 +81,7 @@ __all__ = [
     "init",
     "kinematics",
     "models",
+    "notebook",
     "open_calibration",
     "open_film",
     "pipeline",
@@ -109,6 +112,7 @@ if TYPE_CHECKING:
         ingest,
         kinematics,
         models,
+        notebook,
         pipeline,
         plots,
         prediction,
@@ -149,3 +153,19 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+def _add_accessors() -> None:
+    """Give datasets and arrays of xarray the attribute `erlif`; its code loads when it is used."""
+    import xarray as xr
+
+    if not hasattr(xr.Dataset, "erlif"):
+        xr.register_dataset_accessor("erlif")(  # type: ignore[no-untyped-call]
+            lambda dataset: import_module("erlif.notebook").FilmAccessor(dataset)
+        )
+        xr.register_dataarray_accessor("erlif")(  # type: ignore[no-untyped-call]
+            lambda array: import_module("erlif.notebook").MapAccessor(array)
+        )
+
+
+after_import("xarray", _add_accessors)

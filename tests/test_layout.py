@@ -32,6 +32,7 @@ ORDER = (
     "conversion",
     "plots",
     "report",
+    "notebook",
     "commands",
 )
 """The stages in the order of docs/architecture.md: each may import those before it."""

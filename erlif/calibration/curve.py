@@ -19,6 +19,7 @@ from erlif.calibration.departure import Departure
 from erlif.calibration.pose import FoundPose
 from erlif.core.arrays import Array
 from erlif.core.errors import CalibrationError
+from erlif.core.html import card, curve_picture, findings_list, rows_table
 from erlif.core.notes import Level, Note, join_notes
 from erlif.models.fluorescence import log_band_ratio, log_band_ratio_gradient, log_band_ratio_slope
 from erlif.registration import CameraMap
@@ -30,7 +31,11 @@ FITTED_POINTS = ("curve_thickness", "curve_ratio", "curve_ratio_std", "curve_res
 """Variables of the fitted points, which every file has."""
 
 
-@dataclass(frozen=True)
+_CURVE_POINTS = 60
+"""Points of the curve in a notebook."""
+
+
+@dataclass(frozen=True, repr=False)
 class Calibration:
     """The reabsorption model fitted to a fixture, with the departure from it where one was found.
 
@@ -93,6 +98,21 @@ class Calibration:
     pose: FoundPose | None = field(default=None, repr=False)
     profile_file: str = field(default="", repr=False)
     background: BackgroundError | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        lines = [f"calibration {self.fixture!r}"]
+        lines += [f"  {name:<36}{value}" for name, value in describe_parameters(self)]
+        warnings = [note for note in self.notes if note.level is not Level.NOTE]
+        return "\n".join([*lines, *(f"  {note.level.value}: {note}" for note in warnings)])
+
+    def _repr_html_(self) -> str:
+        return card(
+            f"calibration {self.fixture}",
+            self.date,
+            rows_table(describe_parameters(self)),
+            _draw_curve(self),
+            findings_list([(note.level, str(note)) for note in self.notes]),
+        )
 
     @property
     def covered_range(self) -> tuple[float, float]:
@@ -428,4 +448,54 @@ with the filters of the run.
         f"Expected a calibration of the bands of the run, {bands[0]:g} and {bands[1]:g} nm; got "
         f"one of {calibration.bands[0]:g} and {calibration.bands[1]:g} nm.{swapped} Calibrate with "
         "the filters of the run."
+    )
+
+
+def describe_parameters(calibration: Calibration) -> list[tuple[str, str]]:
+    """Parameters, ranges and quality of a calibration by name and value, for people.
+
+    Parameters
+    ----------
+    calibration : Calibration
+
+    Returns
+    -------
+    list of (str, str)
+
+    Examples
+    --------
+    >>> from erlif.plots import example_calibration
+    >>> describe_parameters(example_calibration())[0]
+    ('K, ratio of a vanishing film', '0.66000 ± 0.00100')
+    """
+    K, p, q = calibration.parameters
+    std = calibration.standard_deviations
+    low, high = calibration.thickness_range
+    one, two = calibration.bands
+    rows = [
+        ("K, ratio of a vanishing film", f"{K:.5f} ± {std[0]:.5f}"),
+        ("p, attenuation camera 1", f"{p:.5f} ± {std[1]:.5f} 1/um"),
+        ("q, attenuation camera 2", f"{q:.5f} ± {std[2]:.5f} 1/um"),
+        ("calibrated range", f"{low:.2f} to {high:.2f} um"),
+        ("reduced chi-square", f"{calibration.reduced_chi_square:.2f}"),
+        ("bands", f"{one:g} nm and {two:g} nm"),
+    ]
+    if "curve_ratio" in calibration.curve:
+        rows.append(("fitted points", f"{calibration.curve.curve_ratio.size}"))
+    if calibration.departure is not None:
+        rows.append(("departure from the model", "spline"))
+    return rows
+
+
+def _draw_curve(calibration: Calibration) -> str:
+    """Ratio against thickness as a small picture; empty without fitted points."""
+    if not {"curve_thickness", "curve_ratio"} <= set(calibration.curve):
+        return ""
+    low, high = calibration.covered_range
+    thickness = np.linspace(low, high, _CURVE_POINTS)
+    points = (calibration.curve.curve_thickness.values, calibration.curve.curve_ratio.values)
+    return curve_picture(
+        (thickness, calibration.predict(thickness)),
+        (np.asarray(points[0], float), np.asarray(points[1], float)),
+        labels=("film thickness [um]", "ratio camera 2 / camera 1"),
     )

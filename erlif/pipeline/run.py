@@ -126,8 +126,17 @@ def process(
             return open_film(output)
         with tempfile.TemporaryDirectory(prefix="erlif-") as scratch:
             process_run(Path(run_dir), Path(scratch) / "film.nc", overwrite=True, **options)
-            with open_film(Path(scratch) / "film.nc") as film:
-                return film.load()
+            path = Path(scratch) / "film.nc"
+            with open_film(path) as film:
+                film.load()
+            groups = {}
+            for name in ("frames", "registration"):
+                with open_film(path, group=name) as group:
+                    groups[name] = group.load()
+
+            # the file goes; `film.erlif` finds its groups here
+            film.encoding = {"groups": groups}
+            return film
 
 
 def process_run(

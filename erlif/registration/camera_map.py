@@ -16,6 +16,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array, Image, Mask
 from erlif.core.errors import RegistrationError
+from erlif.core.html import Range, captioned, card, colour_picture, picture_tag, rows_table
 from erlif.registration.settings import RegistrationSettings
 
 
@@ -28,7 +29,7 @@ class MapKind(Enum):
     """One displacement for each window, interpolated between the windows."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CameraMap:
     """Displacement of camera 2: camera-2 pixel minus camera-1 pixel of the same object point.
 
@@ -72,6 +73,17 @@ class CameraMap:
     settings: RegistrationSettings = field(default_factory=RegistrationSettings)
     stored: bool = False
     drift_taken_up: tuple[float, float] | None = None
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        lines = [f"camera map of {columns} x {rows} pixels"]
+        return "\n".join([*lines, *(f"  {name:<30}{value}" for name, value in _describe(self))])
+
+    def _repr_html_(self) -> str:
+        rows, columns = self.shape
+        return card(
+            "camera map", f"{columns} x {rows} pixels", rows_table(_describe(self)), _draw(self)
+        )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -259,3 +271,39 @@ def move_map(camera_map: CameraMap, by: Array) -> CameraMap:
         displacement_y=(camera_map.displacement_y + by[1]).astype(np.float32),
         drift_taken_up=taken_up,
     )
+
+
+def _describe(camera_map: CameraMap) -> list[tuple[str, str]]:
+    """Displacement and its error by name and value."""
+    rows = [("model", camera_map.model)]
+    for name, image in (
+        ("displacement along x", camera_map.displacement_x),
+        ("displacement along y", camera_map.displacement_y),
+    ):
+        low, high = _limits(image, camera_map.overlap)
+        rows.append((name, f"{low:.2f} to {high:.2f} px"))
+    std = camera_map.displacement_std[camera_map.overlap]
+    known = std[np.isfinite(std)]
+    median = f"{float(np.median(known)):.3f} px (median)" if known.size else "not known"
+    rows.append(("standard deviation", median))
+    rows.append(("correlation after alignment", f"{camera_map.quality:.3f}"))
+    rows.append(("seen by both cameras", f"{float(camera_map.overlap.mean()):.1%}"))
+    rows.append(("poor registration", f"{float(camera_map.poor.mean()):.1%}"))
+    return rows
+
+
+def _limits(image: Image, where: Mask) -> Range:
+    """Smallest and largest value that is known; zeros without any."""
+    known = image[where & np.isfinite(image)]
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+
+
+def _draw(camera_map: CameraMap) -> str:
+    """Both components of the displacement as small pictures."""
+    pictures = []
+    for name, image in (("x", camera_map.displacement_x), ("y", camera_map.displacement_y)):
+        shown = np.where(camera_map.overlap, image, np.nan)
+        limits = _limits(image, camera_map.overlap)
+        caption = f"displacement along {name}, {limits[0]:.2f} to {limits[1]:.2f} px"
+        pictures.append((picture_tag(colour_picture(shown, limits), alt=caption), caption))
+    return captioned(pictures)

@@ -12,6 +12,7 @@ from erlif.calibration import Calibration, check_bands, share_bands
 from erlif.calibration.departure import Departure
 from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
+from erlif.plots import example_calibration
 
 
 @pytest.fixture
@@ -215,3 +216,19 @@ def test_bands_agree_to_one_nanometre_in_both_cameras():
     assert share_bands((580.0, 610.0), (580.9, 609.1))
     assert not share_bands((580.0, 610.0), (581.1, 610.0))
     assert not share_bands((580.0, 610.0), (580.0, 608.9))
+
+
+def test_a_calibration_shows_its_parameters_with_their_errors():
+    calibration = replace(
+        example_calibration(),
+        fixture="<script>",
+        notes=(Note(Level.WARNING, "profile", "<b>too short"),),
+    )
+    text, page = repr(calibration), calibration._repr_html_()
+    for shown in ("0.66000 ± 0.00100", "0.24500 ± 0.00100 1/um", "0.30 to 16.00 um", "580 nm"):
+        assert shown in text
+        assert shown in page
+    assert "warning: profile: <b>too short" in text
+    assert page.count("<circle") == 20
+    assert "<script" not in page
+    assert "<b>" not in page

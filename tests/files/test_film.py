@@ -223,7 +223,12 @@ def test_zarr_holds_the_same_as_netcdf(small_rig, film, tmp_path):
 
 
 def test_a_film_that_is_not_written_is_the_same(small_rig, opened):
-    xr.testing.assert_identical(erlif.process(small_rig.run), opened)
+    made = erlif.process(small_rig.run)
+    xr.testing.assert_identical(made, opened)
+
+    # its groups are kept beside it
+    assert made.isel(trigger=[0, 1]).erlif.frames.sizes["frame"] == 6
+    assert "displacement_std" in made.erlif.registration
 
 
 @pytest.mark.parametrize(

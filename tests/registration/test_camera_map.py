@@ -147,3 +147,21 @@ def test_stored_map_records_the_whole_translation(found):
     assert moved.drift_taken_up == (0.75, 1.25)
     assert moved.stored
     assert moved.model.endswith("the mean drift taken up is (0.750, 1.250) px")
+
+
+def test_a_map_shows_displacement_and_error():
+    image = np.linspace(1.0, 3.0, 12).reshape(3, 4)
+    seen, nowhere = np.ones((3, 4), bool), np.zeros((3, 4), bool)
+    camera_map = CameraMap(image, -image, 0 * image + 0.02, seen, nowhere, 0.98, MapKind.SURFACE)
+    for shown in (repr(camera_map), camera_map._repr_html_()):
+        assert "1.00 to 3.00 px" in shown
+        assert "-3.00 to -1.00 px" in shown
+        assert "0.020 px (median)" in shown
+    assert camera_map._repr_html_().count("<img") == 2
+
+
+def test_a_map_without_overlap_is_shown():
+    image, nowhere = np.full((3, 4), np.nan), np.zeros((3, 4), bool)
+    camera_map = CameraMap(image, image, image, nowhere, nowhere, 0.0, MapKind.LOCAL)
+    assert "not known" in repr(camera_map)
+    assert "nan" not in camera_map._repr_html_()

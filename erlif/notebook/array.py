@@ -1,0 +1,58 @@
+"""The attribute `erlif` of an array: a map drawn as the camera sees it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import xarray as xr
+
+from erlif.core.errors import ErlifError
+
+
+class MapAccessor:
+    """What `array.erlif` offers; `array` has the dims y and x.
+
+    Parameters
+    ----------
+    array : xarray.DataArray
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> drawn = example_film().thickness.isel(trigger=2).erlif.plot()
+    >>> bool(drawn.axes.yaxis_inverted())
+    True
+    """
+
+    def __init__(self, array: xr.DataArray) -> None:
+        self._array = array
+
+    def plot(self, **style: Any) -> Any:
+        """Draw a map with y downwards and square pixels.
+
+        `xarray.DataArray.plot` draws y upwards. xarray has no setting and no attribute that turns
+        an axis for all plots.
+
+        Parameters
+        ----------
+        **style
+            As for `xarray.DataArray.plot.pcolormesh`; ``ax=`` for axes of your own.
+
+        Returns
+        -------
+        artist
+            As xarray returns it.
+
+        Raises
+        ------
+        ErlifError
+            If the array is no map.
+        """
+        if set(self._array.dims) != {"y", "x"}:
+            raise ErlifError(
+                f"Expected a map on the dims y and x, got {tuple(self._array.dims)}. Choose one "
+                "first, such as film.thickness.isel(trigger=3)."
+            )
+        drawn = self._array.plot.pcolormesh(**{"x": "x", "y": "y", "yincrease": False, **style})
+        drawn.axes.set_aspect("equal")
+        return drawn

@@ -1,0 +1,38 @@
+"""Work that waits for the import of another package."""
+
+import subprocess
+import sys
+
+import pytest
+
+from erlif.core.later import after_import
+
+
+def test_work_for_a_package_that_is_there_is_done_at_once():
+    done = []
+    after_import("pytest", lambda: done.append(True))
+    assert done == [True]
+    assert pytest is sys.modules["pytest"]
+
+
+def test_work_waits_for_the_import_and_is_done_once(tmp_path, monkeypatch):
+    (tmp_path / "late_package.py").write_text("VALUE = 3\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    done, before = [], list(sys.meta_path)
+    after_import("late_package", lambda: done.append(sys.modules["late_package"].VALUE))
+    assert not done
+    import late_package
+
+    assert late_package.VALUE == 3
+    assert done == [3]
+    assert sys.meta_path == before
+
+
+def test_importing_erlif_loads_neither_xarray_nor_numpy():
+    code = (
+        "import sys, erlif\n"
+        "assert not {'numpy', 'xarray', 'matplotlib', 'dask'} & set(sys.modules)\n"
+        "import xarray\n"
+        "assert hasattr(xarray.Dataset, 'erlif') and hasattr(xarray.DataArray, 'erlif')\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
