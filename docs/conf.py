@@ -134,6 +134,7 @@ STAGES = (
     "plots",
     "report",
     "notebook",
+    "view",
     "settings",
     "rig",
 )

@@ -33,6 +33,7 @@ ORDER = (
     "plots",
     "report",
     "notebook",
+    "view",
     "commands",
 )
 """The stages in the order of docs/architecture.md: each may import those before it."""

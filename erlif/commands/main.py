@@ -33,6 +33,7 @@ from erlif.commands.report import report
 from erlif.commands.simulate import simulate
 from erlif.commands.sources import sources
 from erlif.commands.status import BAD_INPUT, BY_SIGNAL, DEFECT, INTERRUPTED
+from erlif.commands.view import view
 from erlif.core.errors import ErlifError
 from erlif.core.version import __version__
 
@@ -123,6 +124,7 @@ for command in (
     figures,
     report,
     export,
+    view,
     sources,
 ):
     main.add_command(command)

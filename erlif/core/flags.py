@@ -64,3 +64,16 @@ FLAG_ATTRS: dict[str, object] = {
     "flag_meanings": " ".join(str(flag.name).lower() for flag in Flag),
 }
 """CF attributes of every flag variable, made from the table above."""
+
+FLAG_COLOURS = {
+    Flag.NO_FILM: "#00D5F0",
+    Flag.SATURATED: "#FFE600",
+    Flag.OUTSIDE_OVERLAP: "#D9D9D9",
+    Flag.POOR_REGISTRATION: "#9A9A9A",
+    Flag.BAD_PIXEL: "#E4002B",
+    Flag.DIM: "#5A5A5A",
+    Flag.BELOW_RANGE: "#000000",
+    Flag.ABOVE_RANGE: "#FFFFFF",
+}
+"""Colours that the colour map of film thickness does not contain. A pixel with several flags has
+the colour of the first."""

@@ -2,6 +2,7 @@
 
 from erlif.files.compression import MapVariable, round_map
 from erlif.files.contents import (
+    axis_labels,
     check_trigger,
     describe_trigger,
     fastest_trigger,
@@ -26,6 +27,7 @@ __all__ = [
     "NetcdfMaps",
     "PartialFilm",
     "ZarrMaps",
+    "axis_labels",
     "check_trigger",
     "describe_hashes",
     "describe_trigger",

@@ -113,6 +113,39 @@ def region_of(film: xr.Dataset) -> RegionOfInterest:
     return RegionOfInterest(x=(float(x[0]), float(x[-1])), y=(float(y[0]), float(y[-1])))
 
 
+def axis_labels(film: xr.Dataset) -> tuple[str, str]:
+    """Labels of x and y of an image, with their directions unless nothing moves.
+
+    Parameters
+    ----------
+    film : Dataset
+        Result of `erlif.process`.
+
+    Returns
+    -------
+    tuple of str
+        Label of x and of y, with the unit.
+
+    Raises
+    ------
+    OutputError
+        If the film does not hold its settings.
+
+    Examples
+    --------
+    >>> from erlif.plots import example_film
+    >>> axis_labels(example_film())
+    ('x (sliding) [mm]', 'y (axial) [mm]')
+    """
+    settings = settings_of(film)
+    if settings.mechanism is None and "sliding_speed" not in film:
+        return "x [mm]", "y [mm]"
+    across = "axial" if settings.linkage is not None or settings.joint is not None else "across"
+    along_x = settings.optics.x_axis == "sliding"
+    x, y = ("sliding", across) if along_x else (across, "sliding")
+    return f"x ({x}) [mm]", f"y ({y}) [mm]"
+
+
 def check_trigger(film: xr.Dataset, trigger: int) -> None:
     """Refuse a trigger that a film does not have.
 

@@ -19,6 +19,7 @@ from matplotlib.patches import Patch
 
 from erlif.core.arrays import Array, FlagImage
 from erlif.core.flags import Flag
+from erlif.files import axis_labels as axis_labels
 from erlif.files import check_trigger, describe_trigger, region_of, settings_of
 from erlif.plots.style import (
     COVERAGE,
@@ -88,17 +89,6 @@ def label_position(ax: Axes, film: xr.Dataset) -> None:
     x, y = axis_labels(film)
     ax.set_xlabel(x)
     ax.set_ylabel(y)
-
-
-def axis_labels(film: xr.Dataset) -> tuple[str, str]:
-    """Labels of x and y of an image, with their directions unless nothing moves."""
-    settings = settings_of(film)
-    if settings.mechanism is None and "sliding_speed" not in film:
-        return "x [mm]", "y [mm]"
-    across = "axial" if settings.linkage is not None or settings.joint is not None else "across"
-    along_x = settings.optics.x_axis == "sliding"
-    x, y = ("sliding", across) if along_x else (across, "sliding")
-    return f"x ({x}) [mm]", f"y ({y}) [mm]"
 
 
 def bare_image(ax: Axes) -> None:

@@ -20,7 +20,7 @@ from matplotlib.colors import Colormap
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from erlif.core.flags import Flag
+from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
 from erlif.files import replacing
 
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
@@ -41,19 +41,6 @@ STROKES: dict[int, dict[str, Any]] = {
 
 COVERAGE = 1.96
 """Standard deviations on either side of a 95 % band."""
-
-FLAG_COLOURS = {
-    Flag.NO_FILM: "#00D5F0",
-    Flag.SATURATED: "#FFE600",
-    Flag.OUTSIDE_OVERLAP: "#D9D9D9",
-    Flag.POOR_REGISTRATION: "#9A9A9A",
-    Flag.BAD_PIXEL: "#E4002B",
-    Flag.DIM: "#5A5A5A",
-    Flag.BELOW_RANGE: "#000000",
-    Flag.ABOVE_RANGE: "#FFFFFF",
-}
-"""Colours that the colour map of film thickness does not contain. A pixel with several flags has
-the colour of the first."""
 
 _STYLE: Any = {
     "font.family": "DejaVu Sans",  # part of matplotlib, so the same on every machine

@@ -18,6 +18,7 @@ STEPS = frozenset(
         *("leave", "log", "make", "measure", "mount", "move", "name", "number", "pass", "pick"),
         *("photograph", "put", "raise", "record", "register", "remove", "rename", "repeat"),
         *("replace", "save", "set", "show", "start", "take", "try", "use", "wait", "widen"),
+        *("draw", "reload"),
         *("write", "clean", "press", "point", "lay", "reduce", "lower", "run", "point", "read"),
     )
 )

@@ -1,0 +1,89 @@
+"""Who may use the viewer: the page that was opened with the token, on this machine."""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from dataclasses import dataclass, field
+
+_NAMES = ("127.0.0.1", "localhost")
+"""Names of this machine under which the viewer is reached."""
+
+HEADERS = {
+    # nothing is loaded from another place, and no other page shows this one in a frame
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "Referrer-Policy": "same-origin",  # the token stands in the address
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "Server": "erlif",
+}
+"""Headers of everything that is sent."""
+
+
+@dataclass(frozen=True)
+class Door:
+    """The conditions under which a request is served.
+
+    Attributes
+    ----------
+    port : int
+        Port of the viewer.
+    token : str
+        First part of every path.
+
+    Examples
+    --------
+    >>> door = Door(8000, token="secret")
+    >>> door.address
+    'http://127.0.0.1:8000/secret/'
+    >>> door.refusal("/secret/films", {"Host": "127.0.0.1:8000"})
+    ''
+    >>> door.refusal("/guess/films", {"Host": "127.0.0.1:8000"})
+    'the token is wrong'
+    """
+
+    port: int
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+
+    @property
+    def address(self) -> str:
+        """Address of the page."""
+        return f"http://{_NAMES[0]}:{self.port}/{self.token}/"
+
+    def refusal(self, path: str, headers: dict[str, str]) -> str:
+        """Find the reason not to serve a request.
+
+        A page of another origin may send requests to this machine, and a name server may give it
+        the address of this machine under its own name; neither knows the token.
+
+        Parameters
+        ----------
+        path : str
+            Path of the request.
+        headers : dict of str to str
+            Its headers, by the names "Host", "Origin", "Sec-Fetch-Site" and "Upgrade".
+
+        Returns
+        -------
+        str
+            Empty where the request is served.
+        """
+        hosts = {f"{name}:{self.port}" for name in _NAMES}
+        if headers.get("Host", "") not in hosts:
+            return "the host is not this machine"
+        if headers.get("Origin", "") not in {"", *(f"http://{host}" for host in hosts)}:
+            return "the origin is another page"
+        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+            return "the request comes from another page"
+        if "Upgrade" in headers:
+            return "there is no websocket"
+
+        given = path.split("/", 2)[1] if path.startswith("/") else ""
+        if not hmac.compare_digest(given.encode(), self.token.encode()):
+            return "the token is wrong"
+        return ""

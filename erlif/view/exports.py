@@ -1,0 +1,135 @@
+"""What is seen, as files for other programs: CSV and TIFF."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array, FlagImage, Image
+
+
+def map_tiff(
+    values: Image, flags: FlagImage, *, x: Array, y: Array, title: str, unit: str
+) -> bytes:
+    """Write a map as a TIFF of single precision that ImageJ opens with its scale.
+
+    Parameters
+    ----------
+    values : array, (y, x)
+        A map.
+    flags : array, (y, x)
+        Its flags; flagged pixels become NaN.
+    x, y : array
+        Positions of columns and rows. [mm]
+    title : str
+        What it shows.
+    unit : str
+        Unit of the values.
+
+    Returns
+    -------
+    bytes
+        Content of the file.
+
+    Examples
+    --------
+    >>> import tifffile
+    >>> position = np.array([0.0, 0.5])
+    >>> flags = np.array([[0, 1], [0, 0]], np.uint8)
+    >>> content = map_tiff(
+    ...     np.ones((2, 2), np.float32), flags, x=position, y=position, title="film", unit="um"
+    ... )
+    >>> tifffile.imread(io.BytesIO(content)).tolist()
+    [[1.0, nan], [1.0, 1.0]]
+    """
+    import tifffile
+
+    file = io.BytesIO()
+    pitch = (_pitch(x), _pitch(y))
+    tifffile.imwrite(
+        file,
+        np.where(flags == 0, values, np.nan).astype(np.float32),
+        imagej=True,
+        resolution=(1 / pitch[0], 1 / pitch[1]),
+        # ImageJ keeps its description in ASCII
+        metadata={"unit": "mm", "Info": f"{title} [{unit}]".encode("ascii", "replace").decode()},
+    )
+    return file.getvalue()
+
+
+def _pitch(position: Array) -> float:
+    """Distance of two pixels. [mm]"""
+    if position.size < 2:
+        return 1.0
+    return float(position[-1] - position[0]) / (position.size - 1)
+
+
+def map_csv(values: Image, flags: FlagImage, *, x: Array, y: Array, name: str) -> bytes:
+    """Write a map as one row of text for each pixel.
+
+    Parameters
+    ----------
+    values, flags : array, (y, x)
+        A map and its flags.
+    x, y : array
+        Positions of columns and rows. [mm]
+    name : str
+        Heading of the values, with the unit.
+
+    Returns
+    -------
+    bytes
+        Columns x_mm, y_mm, the values, which are empty where flagged, and flags.
+
+    Examples
+    --------
+    >>> position = np.array([0.0, 0.5])
+    >>> flags = np.array([[0, 2]], np.uint8)
+    >>> text = map_csv(
+    ...     np.ones((1, 2), np.float32), flags, x=position, y=position[:1], name="thickness_um"
+    ... )
+    >>> print(text.decode(), end="")
+    x_mm,y_mm,thickness_um,flags
+    0,0,1,0
+    0.5,0,,2
+    """
+    across, down = np.meshgrid(x, y)
+    shown = np.where(flags == 0, values, np.nan)
+    columns = {"x_mm": across.ravel(), "y_mm": down.ravel(), name: shown.ravel()}
+    return table_csv({**columns, "flags": flags.ravel()})
+
+
+def table_csv(columns: Mapping[str, Sequence[object] | AnyArray]) -> bytes:
+    """Write columns as text between commas.
+
+    Parameters
+    ----------
+    columns : mapping of str to sequence
+        Values of one length by their headings; NaN and None are left empty.
+
+    Returns
+    -------
+    bytes
+        UTF-8, one heading row; numbers have seven significant digits.
+
+    Examples
+    --------
+    >>> table_csv({"load_N": [220.0, None], "stroke": [1, -1]}).decode().splitlines()
+    ['load_N,stroke', '220,1', ',-1']
+    """
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(columns)
+    texts = [[_text(value) for value in np.asarray(one, object)] for one in columns.values()]
+    writer.writerows(zip(*texts, strict=True))
+    return file.getvalue().encode()
+
+
+def _text(value: object) -> str:
+    """A number without digits that mean nothing; nothing for NaN."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    return f"{value:.7g}" if isinstance(value, float | np.floating) else str(value)

@@ -1,0 +1,151 @@
+"""Levels of detail: the visible part of a map in no more pixels than the screen shows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, FlagImage, Image
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of pixels of a map.
+
+    Attributes
+    ----------
+    left : int
+        First column.
+    top : int
+        First row.
+    right : int
+        Column behind the last.
+    bottom : int
+        Row behind the last.
+    """
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    @classmethod
+    def within(cls, shape: tuple[int, int], corners: tuple[float, float, float, float]) -> Window:
+        """Smallest window of whole pixels around `corners`, inside a map of this shape.
+
+        Parameters
+        ----------
+        shape : (int, int)
+            Rows and columns of the map.
+        corners : (float, float, float, float)
+            Left, top, right and bottom, in pixels from the upper left corner of the map.
+
+        Returns
+        -------
+        Window
+            At least one pixel wide and high.
+
+        Examples
+        --------
+        >>> Window.within((100, 200), (-5.0, 10.5, 50.2, 1e9))
+        Window(left=0, top=10, right=51, bottom=100)
+        """
+        rows, columns = shape
+        left, top, right, bottom = corners
+        first_column = min(max(math.floor(left), 0), columns - 1)
+        first_row = min(max(math.floor(top), 0), rows - 1)
+        return cls(
+            first_column,
+            first_row,
+            min(max(math.ceil(right), first_column + 1), columns),
+            min(max(math.ceil(bottom), first_row + 1), rows),
+        )
+
+    def cut(self, values: AnyArray) -> AnyArray:
+        """The part of a map that lies in the window."""
+        return values[self.top : self.bottom, self.left : self.right]
+
+
+def choose_step(window: Window, room: tuple[int, int], *, coarse: bool = False) -> int:
+    """Pixels on a side that are averaged, so that the screen loses no detail it could show.
+
+    Parameters
+    ----------
+    window : Window
+        Part of the map on the screen.
+    room : (int, int)
+        Width and height on the screen. [px]
+    coarse : bool
+        Half the detail, for maps that pass quickly.
+
+    Returns
+    -------
+    int
+        1 where the screen has room for every pixel.
+
+    Examples
+    --------
+    >>> choose_step(Window(0, 0, 1280, 1024), (640, 512))
+    2
+    >>> choose_step(Window(0, 0, 300, 200), (640, 512))
+    1
+    """
+    width, height = max(room[0], 1), max(room[1], 1)
+    ratio = max((window.right - window.left) / width, (window.bottom - window.top) / height)
+    step = max(math.floor(ratio), 1)
+    return 2 * step if coarse and (2 * ratio) > 1 else step
+
+
+def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, FlagImage]:
+    """Average a map over squares of pixels.
+
+    Parameters
+    ----------
+    values : array of float32, (y, x)
+        A map; NaN where it has no value.
+    flags : array of uint8, (y, x)
+        Bits of `erlif.core.flags.Flag`; pixels with a flag are left out.
+    step : int
+        Pixels on a side of a square. Squares at the right and lower edge may be cut.
+
+    Returns
+    -------
+    tuple of array
+        Mean of the valid pixels of each square, and flags. A square of which half or less is valid
+        is NaN and has all flags of its pixels; the other squares have none.
+
+    Examples
+    --------
+    >>> values = np.array([[1, 2, 5], [3, np.nan, 7]], np.float32)
+    >>> flags = np.array([[0, 0, 0], [0, 128, 2]], np.uint8)
+    >>> reduce_map(values, flags, step=2)
+    (array([[ 2., nan]], dtype=float32), array([[0, 2]], dtype=uint8))
+    """
+    if step == 1:
+        return values, flags
+    rows, columns = -(-values.shape[0] // step), -(-values.shape[1] // step)
+    total = np.zeros((rows, columns), np.float32)
+    valid = np.zeros((rows, columns), np.int32)
+    seen = np.zeros((rows, columns), np.int32)
+    found = np.zeros((rows, columns), np.uint8)
+
+    # one pixel of every square at a time: whole arrays, whatever the size of the squares
+    good = (flags == 0) & np.isfinite(values)
+    plain = np.where(good, values, np.float32(0))
+    for row in range(step):
+        for column in range(step):
+            part = (slice(row, None, step), slice(column, None, step))
+            there = plain[part].shape
+            place = (slice(there[0]), slice(there[1]))
+            total[place] += plain[part]
+            valid[place] += good[part]
+            seen[place] += 1
+            found[place] |= flags[part]
+
+    enough = 2 * valid > seen
+    mean = np.full((rows, columns), np.nan, np.float32)
+    np.divide(total, valid, out=mean, where=enough)
+    found[enough] = 0
+    return mean, found

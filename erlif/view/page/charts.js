@@ -1,0 +1,223 @@
+// The charts beside the maps, drawn by uPlot.
+import { css } from "./map.js";
+
+const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
+
+const axis = (label) => ({
+  label,
+  labelSize: 22,
+  labelFont: FONT,
+  font: FONT,
+  stroke: () => css("--ink").trim(),
+  grid: { stroke: () => css("--grid").trim(), width: 1 },
+  ticks: { stroke: () => css("--line").trim(), width: 1, size: 5 },
+});
+const ink = (name) => () => css(name).trim();
+
+class Chart {
+  constructor(place) {
+    this.place = place;
+    this.plot = null;
+  }
+
+  make(options, data) {
+    this.plot?.destroy();
+    this.plot = new uPlot({ ...this.size(), ...options }, data, this.place);
+  }
+
+  size() {
+    return { width: Math.max(200, this.place.clientWidth), height: this.tall };
+  }
+
+  resize() {
+    const size = this.size();
+    if (this.plot && this.plot.width !== size.width) this.plot.setSize(size);
+  }
+
+  redraw() {
+    this.plot?.redraw(false, true);
+  }
+
+  canvas() {
+    return this.plot.ctx.canvas;
+  }
+}
+
+export class ProfileChart extends Chart {
+  constructor(place, use) {
+    super(place);
+    this.use = use;
+    this.tall = 230;
+    this.label = "";
+  }
+
+  build(count) {
+    const series = [{ label: "mm", value: (u, v) => (v === null ? "" : v?.toFixed(3)) }];
+    const bands = [];
+    for (let n = 0; n < count; n++) {
+      const colour = n ? "--second" : "--first";
+      const value = (u, v) => (v === null || v === undefined ? "" : v.toPrecision(4));
+      const label = count > 1 ? ["first", "second"][n] : "value";
+      series.push({ label, stroke: ink(colour), width: 1.5, value, points: { show: false } });
+      for (const edge of ["above", "below"]) {
+        series.push({ label: edge, width: 0, stroke: "transparent", class: "u-off-legend",
+          points: { show: false } });
+      }
+      bands.push({ series: [3 * n + 2, 3 * n + 3],
+        fill: () => `color-mix(in srgb, ${css(colour).trim()} 28%, transparent)` });
+    }
+    const x = axis("distance along the line [mm]");
+    this.make({
+      scales: { x: { time: false } },
+      series, bands,
+      axes: [x, { ...axis(() => this.label), size: 52 }],
+      cursor: { y: false, drag: { x: true, y: false } },
+      legend: { live: true },
+      hooks: {
+        setCursor: [(u) => {
+          const { idx } = u.cursor;
+          const places = u.data[0];
+          const share = idx === null || idx === undefined ? null
+            : places[idx] / places[places.length - 1];
+          if (share !== this.share) this.use.pointed(this.share = share);
+        }],
+      },
+    }, [[0, 1], ...Array.from({ length: 3 * count }, () => [null, null])]);
+    for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
+      if (/above|below/.test(row.textContent)) row.hidden = true;
+    }
+    this.count = count;
+  }
+
+  show(found, label) {
+    if (!this.plot || this.count !== found.length) this.build(found.length);
+    this.label = label;
+    const data = [found[0].position];
+    for (const one of found) {
+      const edge = (sign) => one.value.map((v, n) =>
+        (v === null || one.std[n] === null ? null : v + sign * one.std[n]));
+      data.push(one.value, edge(1), edge(-1));
+    }
+    this.found = found;
+    this.plot.setData(data);
+  }
+}
+
+const LOOKS = {
+  film_mean: { colour: "--first", mark: true },
+  film_min: { colour: "--second", mark: true },
+  film_theory: { colour: "--theory", dash: [] },
+  film_hamrock_dowson: { colour: "--theory", dash: [2, 3] },
+  film_predicted_min: { colour: "--theory", dash: [8, 4] },
+  film_predicted_mean: { colour: "--theory", dash: [8, 3, 2, 3] },
+};
+
+export class CycleChart extends Chart {
+  constructor(place, use) {
+    super(place);
+    this.use = use;
+    this.tall = 260;
+    place.addEventListener("click", (event) => this.choose(event));
+  }
+
+  // One row for each trigger of the films that are shown, in the order of the horizontal axis;
+  // a column for each film thickness, stroke and film.
+  build() {
+    const { state, cycles } = this.use;
+    if (!cycles.has(state.a.film)) return;
+    const name = this.use.axis();
+    const numbers = [state.a.film];
+    if (state.two && state.b.film !== state.a.film && cycles.has(state.b.film)) {
+      numbers.push(state.b.film);
+    }
+    const rows = [];
+    const columns = [];
+    numbers.forEach((number, second) => {
+      const cycle = cycles.get(number);
+      const places = cycle.columns[name];
+      if (!places) return;
+      places.forEach((place, trigger) => {
+        if (place !== null) rows.push({ place, number, trigger, stroke: cycle.stroke[trigger] });
+      });
+      const strokes = [...new Set(cycle.stroke)].sort((one, two) => two - one);
+      for (const [film, title] of Object.entries(cycle.films)) {
+        if (second && !LOOKS[film].mark) continue; // the second film is shown by its data
+        for (const stroke of LOOKS[film].mark ? strokes : [null]) {
+          columns.push({ number, film, stroke, title, second });
+        }
+      }
+    });
+    rows.sort((one, two) => one.place - two.place);
+    this.rows = rows;
+    const data = [rows.map((row) => row.place)];
+    for (const one of columns) {
+      const values = cycles.get(one.number).columns[one.film];
+      data.push(rows.map((row) => (row.number === one.number
+        && (one.stroke === null || row.stroke === one.stroke) ? values[row.trigger] : null)));
+    }
+    this.make({
+      scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(0, low ?? 0),
+        1.05 * (high ?? 1)] } },
+      series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map(look)],
+      axes: [axis(cycles.get(state.a.film).axes[name] ?? name),
+        { ...axis("film thickness [µm]"), size: 48 }],
+      cursor: { drag: { x: true, y: false }, points: { show: false } },
+      legend: { live: false },
+      hooks: { draw: [() => this.mark()], setSize: [() => this.mark()] },
+    }, data);
+    this.here = ["a", "b"].map((which) => {
+      const line = document.createElement("div");
+      line.className = `here ${which}`;
+      this.plot.over.append(line);
+      return line;
+    });
+    this.mark();
+  }
+
+  mark() {
+    if (!this.plot || !this.here) return;
+    const { state, cycles } = this.use;
+    const name = this.use.axis();
+    ["a", "b"].forEach((which, n) => {
+      const place = cycles.get(state[which].film)?.columns[name]?.[state[which].trigger];
+      const shown = place !== null && place !== undefined && (n === 0 || state.two);
+      this.here[n].hidden = !shown;
+      if (shown) this.here[n].style.left = `${this.plot.valToPos(place, "x")}px`;
+    });
+  }
+
+  choose(event) {
+    const u = this.plot;
+    if (!u || !u.over.contains(event.target)) return;
+    const box = u.over.getBoundingClientRect();
+    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    let best = null;
+    let least = Infinity;
+    this.rows.forEach((row, n) => {
+      const across = u.valToPos(row.place, "x") - x;
+      if (Math.abs(across) > least) return;
+      for (let k = 1; k < u.data.length; k++) {
+        if (!u.series[k].show || u.data[k][n] === null) continue;
+        const distance = Math.hypot(across, u.valToPos(u.data[k][n], "y") - y);
+        if (distance < least) [least, best] = [distance, row];
+      }
+    });
+    if (best) this.use.chosen(best.number, best.trigger);
+  }
+}
+
+function look({ film, stroke, title, second }) {
+  const { colour, mark, dash } = LOOKS[film];
+  const name = stroke ? `${title}, ${stroke > 0 ? "outward" : "return"}` : title;
+  const label = second ? `${name}, second film` : name;
+  if (!mark) {
+    return { label, stroke: ink(colour), width: 1.5, dash, spanGaps: true,
+      points: { show: false } };
+  }
+  // filled circles outward, open ones on the return; the second film is paler
+  const tint = second ? () => `color-mix(in srgb, ${css(colour).trim()} 55%, ${css("--ink")})`
+    : ink(colour);
+  return { label, stroke: tint, paths: () => null,
+    points: { show: true, size: second ? 4 : 6, stroke: tint,
+      fill: stroke < 0 ? () => css("--ground").trim() : tint } };
+}

@@ -1,0 +1,404 @@
+// A map on a canvas: colours, axes, colour bar, and what is drawn over it.
+export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+
+const EDGE = { left: 50, right: 74, top: 8, bottom: 38 }; // for axes and colour bar
+const LOW_SCREEN = 300; // pixels that a map may always have in height
+
+export function ticks(low, high, most) {
+  const raw = (high - low) / most;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw * 0.999);
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
+    found.push(+(k * step).toPrecision(10));
+  }
+  return found;
+}
+
+function colours(text) {
+  const found = new Uint32Array(text.length / 6); // bytes red, green, blue, opaque
+  for (let n = 0; n < found.length; n++) {
+    const [r, g, b] = [0, 2, 4].map((k) => parseInt(text.slice(6 * n + k, 6 * n + k + 2), 16));
+    found[n] = ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+  }
+  return found;
+}
+
+export class MapPanel {
+  constructor(figure, use) {
+    this.figure = figure;
+    this.canvas = figure.querySelector("canvas");
+    this.text = figure.querySelector("figcaption");
+    this.use = use;
+    this.shown = null; // description, values and flags on the screen
+    this.pictures = document.createElement("canvas");
+    this.busy = false;
+    this.again = false;
+    this.palettes = {};
+    for (const [name, text] of Object.entries(use.about.palettes)) {
+      this.palettes[name] = colours(text);
+    }
+    this.flagColours = new Uint32Array(256);
+    for (let bits = 1; bits < 256; bits++) {
+      const first = use.about.flags.find((flag) => bits & flag.bit);
+      [this.flagColours[bits]] = first ? colours(first.colour.slice(1)) : [0];
+    }
+    this.listen();
+  }
+
+  // loading
+
+  async refresh() {
+    if (this.figure.hidden) return;
+    if (this.busy) {
+      this.again = true; // the newest wish is loaded when the one under way is there
+      return this.busy;
+    }
+    this.busy = this.loadAll();
+    try {
+      await this.busy;
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  async loadAll() {
+    do {
+      this.again = false;
+      this.layout();
+      const window = this.use.state.window.join();
+      const ratio = devicePixelRatio;
+      const room = `${Math.round(this.width * ratio)},${Math.round(this.height * ratio)}`;
+      let data;
+      try {
+        data = await this.use.load({ window, room });
+      } catch (error) {
+        this.shown = null;
+        this.draw();
+        throw error;
+      }
+      this.show(data);
+    } while (this.again);
+  }
+
+  show(data) {
+    const length = new DataView(data).getUint32(0, true);
+    const found = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+    const count = found.shape[0] * found.shape[1];
+    found.values = new Float32Array(data, 4 + length, count);
+    found.flags = new Uint8Array(data, 4 + length + 4 * count, count);
+    this.shown = found;
+    this.use.shown(found);
+    this.draw();
+    this.canvas.dataset.text = found.text;
+    this.canvas.dataset.layer = this.use.layer();
+    this.canvas.setAttribute("aria-label", this.caption());
+    this.text.textContent = this.caption();
+  }
+
+  caption() {
+    if (!this.shown) return "";
+    const layer = this.layer();
+    const step = this.shown.step;
+    const detail = step > 1 ? `; one point is the mean of ${step} × ${step} pixels` : "";
+    return `${layer.title}, ${this.shown.text}${detail}`;
+  }
+
+  layer() {
+    const name = this.use.layer();
+    if (name === "flags") return { title: "flags", unit: "", palette: null };
+    return this.use.about.layers.find((one) => one.name === name);
+  }
+
+  // geometry: columns and rows of the map, and pixels of the screen
+
+  layout() {
+    const { state } = this.use;
+    const film = this.use.film();
+    const box = this.figure.clientWidth;
+    const [l, t, r, b] = state.window;
+    const tall = ((b - t) * film.y[1]) / ((r - l) * film.x[1]);
+    this.width = Math.max(80, box - EDGE.left - EDGE.right);
+    const most = Math.max(LOW_SCREEN, 0.62 * innerHeight);
+    this.height = Math.min(this.width * tall, most);
+    this.width = this.height / tall;
+    const ratio = devicePixelRatio;
+    const whole = [this.width + EDGE.left + EDGE.right, this.height + EDGE.top + EDGE.bottom];
+    const pixels = whole.map((length) => Math.round(length * ratio));
+    if (this.canvas.width !== pixels[0] || this.canvas.height !== pixels[1]) {
+      [this.canvas.width, this.canvas.height] = pixels;
+    }
+    this.canvas.style.width = `${whole[0]}px`;
+    this.canvas.style.height = `${whole[1]}px`;
+  }
+
+  resize() {
+    const wide = this.figure.clientWidth;
+    if (!this.shown || wide === this.wide) return;
+    this.wide = wide;
+    this.draw();
+    this.refresh().catch(() => {});
+  }
+
+  toScreen(x, y) {
+    const film = this.use.film();
+    const [l, t, r, b] = this.use.state.window;
+    const column = (x - film.x[0]) / film.x[1] + 0.5;
+    const row = (y - film.y[0]) / film.y[1] + 0.5;
+    return [EDGE.left + ((column - l) / (r - l)) * this.width,
+      EDGE.top + ((row - t) / (b - t)) * this.height];
+  }
+
+  fromScreen(event) {
+    const film = this.use.film();
+    const box = this.canvas.getBoundingClientRect();
+    const [l, t, r, b] = this.use.state.window;
+    const across = (event.clientX - box.left - EDGE.left) / this.width;
+    const down = (event.clientY - box.top - EDGE.top) / this.height;
+    const column = l + across * (r - l);
+    const row = t + down * (b - t);
+    return {
+      inside: across >= 0 && across < 1 && down >= 0 && down < 1,
+      column, row,
+      x: film.x[0] + (Math.min(Math.max(column, 0), film.width) - 0.5) * film.x[1],
+      y: film.y[0] + (Math.min(Math.max(row, 0), film.height) - 0.5) * film.y[1],
+    };
+  }
+
+  // drawing
+
+  draw() {
+    if (this.figure.hidden) return;
+    this.layout();
+    const pen = this.canvas.getContext("2d");
+    pen.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (!this.shown) return;
+    this.paint();
+    pen.save();
+    pen.beginPath();
+    pen.rect(EDGE.left, EDGE.top, this.width, this.height);
+    pen.clip();
+    pen.imageSmoothingEnabled = false; // a pixel of the map is a rectangle of one colour
+    const [l, t, r, b] = this.use.state.window;
+    const { step, shape, window } = this.shown;
+    const scale = [this.width / (r - l), this.height / (b - t)];
+    pen.drawImage(this.pictures, EDGE.left + (window[0] - l) * scale[0],
+      EDGE.top + (window[1] - t) * scale[1], shape[1] * step * scale[0],
+      shape[0] * step * scale[1]);
+    this.drawOver(pen);
+    pen.restore();
+    this.drawAxes(pen);
+    this.drawBar(pen);
+  }
+
+  paint() {
+    const { shape, values, flags } = this.shown;
+    const layer = this.layer();
+    const palette = layer.palette && this.palettes[layer.palette];
+    const [low, high] = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
+    const scale = 256 / (high - low);
+    const blank = colours(css("--raised").trim().slice(1))[0];
+    const [picture] = [new ImageData(shape[1], shape[0])];
+    const pixels = new Uint32Array(picture.data.buffer);
+    for (let n = 0; n < pixels.length; n++) {
+      const bits = flags[n];
+      if (bits) pixels[n] = this.flagColours[bits];
+      else if (!palette || Number.isNaN(values[n])) pixels[n] = blank;
+      else {
+        const step = (values[n] - low) * scale;
+        pixels[n] = palette[step < 0 ? 0 : step > 255 ? 255 : step | 0];
+      }
+    }
+    [this.pictures.width, this.pictures.height] = [shape[1], shape[0]];
+    this.pictures.getContext("2d").putImageData(picture, 0, 0);
+  }
+
+  drawOver(pen) {
+    const { line, region, mark } = this.use.state;
+    // black dashes on white are visible on every colour
+    const stroke = (path) => {
+      for (const [dash, colour] of [[[], "#ffffff"], [[6, 5], "#000000"]]) {
+        pen.setLineDash(dash);
+        pen.strokeStyle = colour;
+        pen.lineWidth = 2;
+        pen.beginPath();
+        path();
+        pen.stroke();
+      }
+      pen.setLineDash([]);
+    };
+    if (region) {
+      const [x0, y0] = this.toScreen(region[0], region[2]);
+      const [x1, y1] = this.toScreen(region[1], region[3]);
+      stroke(() => pen.rect(x0, y0, x1 - x0, y1 - y0));
+    }
+    if (line) {
+      const [x0, y0] = this.toScreen(line[0], line[1]);
+      const [x1, y1] = this.toScreen(line[2], line[3]);
+      stroke(() => {
+        pen.moveTo(x0, y0);
+        pen.lineTo(x1, y1);
+      });
+    }
+    if (mark) {
+      const [x, y] = this.toScreen(...mark);
+      pen.beginPath();
+      pen.arc(x, y, 6, 0, 7);
+      pen.lineWidth = 4;
+      pen.strokeStyle = "#ffffff";
+      pen.stroke();
+      pen.lineWidth = 2;
+      pen.strokeStyle = "#000000";
+      pen.stroke();
+    }
+  }
+
+  write(pen, text, x, y, align) {
+    pen.fillStyle = css("--ink");
+    pen.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    pen.textAlign = align;
+    pen.textBaseline = "middle";
+    pen.fillText(text, x, y);
+  }
+
+  writeUpwards(pen, text, x, y) {
+    pen.save();
+    pen.translate(x, y);
+    pen.rotate(-Math.PI / 2);
+    this.write(pen, text, 0, 0, "center");
+    pen.restore();
+  }
+
+  drawAxes(pen) {
+    const film = this.use.film();
+    const [l, t, r, b] = this.use.state.window;
+    const at = (axis, place) => film[axis][0] + (place - 0.5) * film[axis][1];
+    pen.strokeStyle = css("--ink");
+    pen.lineWidth = 1;
+    pen.strokeRect(EDGE.left - 0.5, EDGE.top - 0.5, this.width + 1, this.height + 1);
+    for (const x of ticks(at("x", l), at("x", r), Math.max(2, this.width / 70))) {
+      this.write(pen, `${x}`, this.toScreen(x, 0)[0], EDGE.top + this.height + 11, "center");
+    }
+    for (const y of ticks(at("y", t), at("y", b), Math.max(2, this.height / 45))) {
+      this.write(pen, `${y}`, EDGE.left - 5, this.toScreen(0, y)[1], "right");
+    }
+    this.write(pen, film.labels[0], EDGE.left + this.width / 2, EDGE.top + this.height + 28,
+      "center");
+    this.writeUpwards(pen, film.labels[1], 9, EDGE.top + this.height / 2);
+  }
+
+  drawBar(pen) {
+    const layer = this.layer();
+    if (!layer.palette) return;
+    const [low, high] = this.use.state.limits[this.use.layer()] ?? this.shown.limits;
+    const text = this.use.about.palettes[layer.palette];
+    const left = EDGE.left + this.width + 10;
+    for (let n = 0; n < 256; n++) {
+      pen.fillStyle = `#${text.slice(6 * n, 6 * n + 6)}`;
+      pen.fillRect(left, EDGE.top + this.height * (1 - (n + 1) / 256), 12, this.height / 256 + 1);
+    }
+    for (const v of ticks(low, high, Math.max(2, this.height / 45))) {
+      const place = EDGE.top + this.height * (1 - (v - low) / (high - low));
+      this.write(pen, `${v}`, left + 16, place, "left");
+    }
+    const title = this.height > 220 ? `${layer.title} [${layer.unit}]` : `[${layer.unit}]`;
+    this.writeUpwards(pen, title, left + 56, EDGE.top + this.height / 2);
+  }
+
+  // pointer: one finger or the mouse draws or moves, the wheel and two fingers zoom
+
+  listen() {
+    const { canvas } = this;
+    const fingers = new Map();
+    let from = null;
+    let spread = 0;
+    canvas.addEventListener("pointerdown", (event) => {
+      const place = this.fromScreen(event);
+      if (!place.inside || event.button) return;
+      fingers.set(event.pointerId, event);
+      canvas.setPointerCapture(event.pointerId);
+      from = { ...place, window: [...this.use.state.window], clientX: event.clientX,
+        clientY: event.clientY };
+      spread = this.spread(fingers);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!fingers.has(event.pointerId)) {
+        const place = this.fromScreen(event);
+        this.use.pointed(place.inside ? place : null);
+        return;
+      }
+      fingers.set(event.pointerId, event);
+      if (fingers.size === 2) {
+        const now = this.spread(fingers);
+        const [one, two] = [...fingers.values()];
+        const middle = { clientX: (one.clientX + two.clientX) / 2,
+          clientY: (one.clientY + two.clientY) / 2 };
+        if (Math.abs(now - spread) > 4) this.zoom(spread / now, this.fromScreen(middle));
+        spread = now;
+      } else this.drag(from, event, "going");
+    });
+    const end = (event) => {
+      if (!fingers.delete(event.pointerId)) return;
+      if (!fingers.size && event.type === "pointerup") this.drag(from, event, "done");
+    };
+    canvas.addEventListener("pointerup", end);
+    canvas.addEventListener("pointercancel", end);
+    canvas.addEventListener("wheel", (event) => {
+      const place = this.fromScreen(event);
+      if (!place.inside) return;
+      event.preventDefault();
+      this.zoom(event.deltaY > 0 ? 1.25 : 0.8, place);
+    }, { passive: false });
+    canvas.addEventListener("dblclick", () => this.use.state.tool === "move"
+      && this.zoom(Infinity));
+  }
+
+  spread(fingers) {
+    const [one, two] = [...fingers.values()];
+    return two ? Math.hypot(one.clientX - two.clientX, one.clientY - two.clientY) : 0;
+  }
+
+  drag(from, event, phase) {
+    const { state } = this.use;
+    const moved = Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) > 3;
+    if (!moved && phase === "going") return;
+    const to = this.fromScreen(event);
+    if (state.tool === "move") {
+      if (!moved) return;
+      const [l, t, r, b] = from.window;
+      const across = ((event.clientX - from.clientX) / this.width) * (r - l);
+      const down = ((event.clientY - from.clientY) / this.height) * (b - t);
+      this.setWindow([l - across, t - down, r - across, b - down]);
+    } else if (moved) {
+      if (state.tool === "line") state.line = [from.x, from.y, to.x, to.y];
+      else {
+        state.region = [Math.min(from.x, to.x), Math.max(from.x, to.x), Math.min(from.y, to.y),
+          Math.max(from.y, to.y)];
+      }
+      this.use.drawn(phase === "going" ? "going" : state.tool);
+    }
+  }
+
+  zoom(factor, place = null) {
+    const { state } = this.use;
+    const film = this.use.film();
+    const [l, t, r, b] = state.window;
+    if (factor === Infinity) return this.setWindow([0, 0, film.width, film.height]);
+    const wide = Math.min(Math.max((r - l) * factor, 8), film.width);
+    const share = wide / (r - l);
+    const column = place ? place.column : (l + r) / 2;
+    const row = place ? place.row : (t + b) / 2;
+    return this.setWindow([column - (column - l) * share, row - (row - t) * share,
+      column + (r - column) * share, row + (b - row) * share]);
+  }
+
+  setWindow([l, t, r, b]) {
+    const film = this.use.film();
+    const across = Math.min(Math.max(l, 0), film.width - (r - l)) - l;
+    const down = Math.min(Math.max(t, 0), film.height - (b - t)) - t;
+    this.use.state.window = [l + across, t + down, r + across, b + down];
+    this.draw();
+    return this.use.moved();
+  }
+}

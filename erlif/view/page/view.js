@@ -1,0 +1,588 @@
+// The page of `erlif view`: controls, maps and charts. Values come from the server of the same
+// address; nothing is loaded from anywhere else.
+import { MapPanel } from "./map.js";
+import { CycleChart, ProfileChart } from "./charts.js";
+
+const byId = (id) => document.getElementById(id);
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+const state = {
+  a: { film: 0, trigger: 0 },
+  b: { film: 0, trigger: 0 },
+  two: false,
+  linked: false,
+  layer: "thickness",
+  unit: "difference",
+  limits: {}, // colour limits of a layer, once known
+  window: null, // visible part of the map, in pixels of the map: left, top, right, bottom
+  tool: "move",
+  line: null, // x0, y0, x1, y1 in mm
+  width: 1, // of the line, in pixels of the map
+  region: null, // x0, x1, y0, y1 in mm
+  mark: null, // place on the line under the pointer of the profile, in mm
+  playing: false,
+};
+let about = null; // films, layers, flags and palettes
+const film = (which = "a") => about.films[state[which].film];
+
+async function get(name, values) {
+  const response = await fetch(`${name}?${new URLSearchParams(values)}`);
+  if (!response.ok) throw new Error(await refusal(response));
+  return response;
+}
+
+async function refusal(response) {
+  const text = await response.text();
+  try {
+    return JSON.parse(text).message;
+  } catch {
+    return text;
+  }
+}
+
+function report(text, bad = false) {
+  byId("status").textContent = text;
+  byId("status").classList.toggle("bad", bad);
+}
+
+function guarded(action) {
+  return async (...values) => {
+    try {
+      return await action(...values);
+    } catch (error) {
+      const lost = error instanceof TypeError && /fetch/i.test(error.message);
+      report(lost ? "The viewer does not run any more. Start erlif view again." : error.message,
+        true);
+      if (!lost && !(error instanceof Error)) throw error;
+      stop();
+    }
+  };
+}
+
+// maps
+
+const panels = {};
+
+const mapQuery = {
+  a: () => ({ film: state.a.film, trigger: state.a.trigger, layer: stored() }),
+  b: () => ({ film: state.b.film, trigger: state.b.trigger, layer: stored() }),
+  d: () => ({
+    film: state.a.film, trigger: state.a.trigger, layer: state.unit,
+    film2: state.b.film, trigger2: state.b.trigger,
+  }),
+};
+
+const stored = () => (state.layer === "flags" ? "thickness" : state.layer);
+const layerOf = (panel) => (panel === "d" ? state.unit : state.layer);
+
+function makePanels() {
+  for (const name of ["a", "b", "d"]) {
+    panels[name] = new MapPanel(byId(`panel-${name}`), {
+      about, state, film: () => film("a"), layer: () => layerOf(name),
+      load: async (view) => {
+        const query = mapQuery[name]();
+        const slow = !["thickness", "thickness_std", "thickness_std_shared", "difference",
+          "significance"].includes(query.layer);
+        if (slow) report("The images are computed from the frames …");
+        const response = await get("map", { ...query, ...view, coarse: state.playing ? 1 : 0 });
+        if (slow) report("");
+        return response.arrayBuffer();
+      },
+      shown: (found) => mapShown(name, found),
+      drawn: (what) => drawn(what),
+      moved: () => Object.values(panels).forEach((panel) => panel.refresh()),
+      pointed: (place) => readPixel(place),
+    });
+  }
+}
+
+function mapShown(name, found) {
+  const layer = layerOf(name);
+  if (!state.limits[layer]) state.limits[layer] = found.limits.map((v) => +v.toPrecision(4));
+  if (name === "a") {
+    showLimits();
+    showKey(found.shares);
+    byId("trigger").setAttribute("aria-valuetext", found.text);
+  }
+}
+
+function showLimits() {
+  const [low, high] = state.limits[state.layer] ?? ["", ""];
+  byId("low").value = low;
+  byId("high").value = high;
+}
+
+const refreshMaps = guarded(() => Promise.all(
+  (state.two ? ["a", "b", "d"] : ["a"]).map((name) => panels[name].refresh())));
+
+const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
+
+function showKey(shares) {
+  byId("key").replaceChildren(...about.flags.map((flag, n) => {
+    const item = document.createElement("li");
+    const swatch = document.createElement("span");
+    swatch.className = "swatch";
+    swatch.style.background = flag.colour;
+    const share = shares ? ` ${(100 * shares[n]).toFixed(2)} %` : "";
+    item.append(swatch, `${flag.name}${share}`);
+    return item;
+  }));
+}
+
+// triggers
+
+function setTrigger(trigger, which = "a") {
+  const count = film(which).triggers;
+  state[which].trigger = clamp(Math.round(trigger) || 0, 0, count - 1);
+  if (which === "a" && state.linked) {
+    state.b.trigger = Math.min(state.a.trigger, film("b").triggers - 1);
+  }
+  byId("trigger").value = byId("trigger-number").value = state.a.trigger;
+  byId("trigger-b").value = state.b.trigger;
+  cycleChart?.mark();
+  return refreshAll();
+}
+
+const refreshAll = () => Promise.all([refreshMaps(), state.playing ? null : refreshValues()]);
+const stride = () => Math.max(1, Math.round(byId("stride").valueAsNumber) || 1);
+const step = (change) => setTrigger(state.a.trigger + change);
+
+async function play() {
+  state.playing = !state.playing;
+  showPlaying();
+  while (state.playing) {
+    const next = state.a.trigger + stride();
+    const started = performance.now();
+    await setTrigger(next < film().triggers ? next : 0);
+    await new Promise((r) => setTimeout(r, Math.max(0, 80 - (performance.now() - started))));
+  }
+  refreshAll(); // in full detail
+}
+
+function stop() {
+  state.playing = false;
+  showPlaying();
+}
+
+function showPlaying() {
+  byId("play").textContent = state.playing ? "Stop" : "Play";
+  byId("play").setAttribute("aria-pressed", state.playing);
+}
+
+// line, region and pixel
+
+let profileChart = null;
+let cycleChart = null;
+
+function drawn(what) {
+  fillForms();
+  redraw();
+  if (what !== "going") refreshValues();
+}
+
+function latest(action) {
+  // one request at a time; the last one asked for is always made
+  let busy = false;
+  let again = false;
+  return guarded(async (...values) => {
+    if (busy) {
+      again = values;
+      return;
+    }
+    busy = true;
+    try {
+      await action(...values);
+    } finally {
+      busy = false;
+    }
+    if (again) {
+      const next = again;
+      again = false;
+      setTimeout(() => action(...next).catch((error) => report(error.message, true)));
+    }
+  });
+}
+
+const which = () => (state.two ? ["a", "b"] : ["a"]);
+
+const refreshValues = latest(async () => {
+  const layer = stored();
+  const one = (name) => ({ film: state[name].film, trigger: state[name].trigger, layer });
+  if (state.line) {
+    const line = { line: state.line.join(), width: state.width };
+    const found = await Promise.all(which().map(async (name) =>
+      (await get("profile", { ...one(name), ...line })).json()));
+    profileChart.show(found, axisTitle(layer));
+  }
+  if (state.region) {
+    const rows = which().map((name) => [name === "a" ? "first" : "second", one(name)]);
+    if (state.two) rows.push(["difference", mapQuery.d()]);
+    const found = await Promise.all(rows.map(async ([title, query]) =>
+      [title, await (await get("region", { ...query, region: state.region.join() })).json()]));
+    showStatistics(found);
+  }
+});
+
+function axisTitle(name) {
+  const layer = about.layers.find((one) => one.name === name);
+  return `${layer.title} [${layer.unit}]`;
+}
+
+function showStatistics(rows) {
+  const digits = (value) => (value === null ? "–" : Number(value).toPrecision(5));
+  const head = ["", "pixels", "valid", "mean", "± random", "± shared", "min", "max", "std"];
+  const cells = rows.map(([title, one]) => [
+    rows.length > 1 ? title : `[${one.unit}]`, one.count, one.valid, ...[one.mean, one.mean_std,
+      one.mean_std_shared, one.min, one.max, one.std].map(digits)]);
+  const table = byId("statistics");
+  table.replaceChildren(...[head, ...cells].map((row, n) => {
+    const line = document.createElement("tr");
+    line.append(...row.map((text) => {
+      const cell = document.createElement(n ? "td" : "th");
+      if (!n) cell.scope = "col";
+      cell.textContent = text;
+      return cell;
+    }));
+    return line;
+  }));
+}
+
+const readPixel = latest(async (place) => {
+  if (!place) return;
+  const query = { film: state.a.film, trigger: state.a.trigger, layer: stored() };
+  const found = await (await get("pixel", { ...query, place: `${place.x},${place.y}` })).json();
+  byId("readout").textContent = found.text;
+});
+
+function fillForms() {
+  const fill = (form, names, values) => values && names.forEach((name, n) => {
+    byId(form).elements[name].value = +values[n].toFixed(4);
+  });
+  fill("line-form", ["x0", "y0", "x1", "y1"], state.line);
+  fill("region-form", ["x0", "x1", "y0", "y1"], state.region);
+}
+
+function readForm(form, names) {
+  const found = names.map((name) => byId(form).elements[name].valueAsNumber);
+  return found.every(Number.isFinite) ? found : null;
+}
+
+// the second map
+
+function showTwo(yes) {
+  state.two = yes;
+  document.body.classList.toggle("two", yes);
+  for (const id of ["other", "panel-b", "panel-d"]) byId(id).hidden = !yes;
+  fillExports();
+  cycleChart?.build();
+  profileChart.build(which().length);
+  refreshAll();
+}
+
+// export
+
+const EXPORTS = {
+  a: ["map", ["png", "csv", "tiff"]],
+  b: ["second map", ["png", "csv", "tiff"]],
+  d: ["difference", ["png", "csv", "tiff"]],
+  profile: ["profile", ["png", "csv"]],
+  region: ["statistics of the region", ["csv"]],
+  cycle: ["film of all triggers", ["png", "csv"]],
+};
+
+function fillExports() {
+  const before = byId("what").value;
+  const names = Object.keys(EXPORTS).filter((name) => state.two || !["b", "d"].includes(name));
+  byId("what").replaceChildren(...names.map((name) => new Option(EXPORTS[name][0], name)));
+  byId("what").value = names.includes(before) ? before : "a";
+  allowExports();
+}
+
+function allowExports() {
+  const kinds = EXPORTS[byId("what").value][1];
+  for (const kind of ["png", "csv", "tiff"]) byId(kind).disabled = !kinds.includes(kind);
+}
+
+function download(address, name = "") {
+  const link = document.createElement("a");
+  link.href = address;
+  link.download = name;
+  link.click();
+}
+
+const exportData = guarded(async (kind) => {
+  const what = byId("what").value;
+  const query = what in mapQuery ? { ...mapQuery[what](), window: state.window.join() }
+    : { ...mapQuery.a(), window: state.window.join() };
+  if (state.line) Object.assign(query, { line: state.line.join(), width: state.width });
+  if (state.region) query.region = state.region.join();
+  const kindOf = what in mapQuery ? "map" : what;
+  // fetched first, so that a refusal is shown and not saved
+  const response = await get("export", { ...query, what: kindOf, kind });
+  const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition"))[1];
+  const address = URL.createObjectURL(await response.blob());
+  download(address, name);
+  setTimeout(() => URL.revokeObjectURL(address), 60000);
+});
+
+const exportPicture = guarded(async () => {
+  const what = byId("what").value;
+  const source = what in panels ? panels[what].canvas
+    : (what === "profile" ? profileChart : cycleChart).canvas();
+  const caption = what in panels ? panels[what].caption() : byId("run").textContent;
+  const page = document.createElement("canvas");
+  const ratio = window.devicePixelRatio;
+  const head = 26 * ratio;
+  page.width = source.width;
+  page.height = source.height + head;
+  const pen = page.getContext("2d");
+  pen.fillStyle = getComputedStyle(document.body).backgroundColor;
+  pen.fillRect(0, 0, page.width, page.height);
+  pen.drawImage(source, 0, head);
+  pen.fillStyle = getComputedStyle(document.body).color;
+  pen.font = `${13 * ratio}px system-ui, "DejaVu Sans", sans-serif`;
+  pen.fillText(caption, 8 * ratio, 17 * ratio, page.width - 16 * ratio);
+  const blob = await new Promise((r) => page.toBlob(r, "image/png"));
+  const address = URL.createObjectURL(blob);
+  const trigger = what === "cycle" ? "" : `_${state.a.trigger}`;
+  download(address, `${{ a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what}${trigger}.png`);
+  setTimeout(() => URL.revokeObjectURL(address), 60000);
+});
+
+// region to run.toml
+
+async function post(values) {
+  const response = await fetch("settings", {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(values),
+  });
+  if (!response.ok) throw new Error(await refusal(response));
+  return response.json();
+}
+
+let proposal = null;
+
+const proposeRegion = guarded(async () => {
+  const values = { film: state.a.film, region: state.region };
+  const found = await post(values);
+  proposal = { ...values, before: found.before };
+  byId("confirm-file").textContent = found.file;
+  byId("confirm-change").textContent = found.change;
+  byId("confirm").showModal();
+});
+
+const writeRegion = guarded(async () => {
+  byId("confirm").close();
+  const found = await post({ ...proposal, confirmed: true });
+  report(`The region is in ${found.file}. erlif process uses it.`);
+});
+
+// start
+
+function fillControls() {
+  const titles = about.films.map((one, n) => `${n + 1}: ${one.name} (${one.file})`);
+  for (const id of ["film-a", "film-b"]) {
+    byId(id).replaceChildren(...titles.map((title, n) => new Option(title, n)));
+  }
+  byId("film-a-label").hidden = about.films.length < 2;
+  fillLayers();
+  fillFilm();
+}
+
+function fillLayers() {
+  const offered = about.layers.filter((one) =>
+    !["difference", "significance"].includes(one.name) && (one.stored || film().images));
+  byId("layer").replaceChildren(...offered.map((one) => new Option(one.title, one.name)),
+    new Option("flags", "flags"));
+  byId("layer").value = state.layer;
+}
+
+function fillFilm() {
+  const one = film();
+  document.title = byId("run").textContent = one.name || one.file;
+  byId("trigger").max = byId("trigger-number").max = one.triggers - 1;
+  byId("trigger-b").max = film("b").triggers - 1;
+  byId("stride").value = Math.max(1, Math.round(one.triggers / 250)); // a cycle in half a minute
+  state.window = [0, 0, one.width, one.height];
+  state.region = [...one.region];
+  const middle = one.y[0] + (one.y[1] * (one.height - 1)) / 2;
+  state.line = [one.x[0], middle, one.x[0] + one.x[1] * (one.width - 1), middle];
+  fillForms();
+}
+
+async function chooseFilm(which, number) {
+  state[which].film = number;
+  state[which].trigger = Math.min(state[which].trigger, film(which).triggers - 1);
+  if (which === "a") {
+    state.limits = {};
+    fillFilm();
+    if (state.layer !== "flags" && !film().images
+      && !about.layers.find((one) => one.name === state.layer).stored) state.layer = "thickness";
+    fillLayers();
+  }
+  await loadCycles();
+  setTrigger(state.a.trigger);
+}
+
+const cycles = new Map();
+
+async function loadCycles() {
+  for (const name of ["a", "b"]) {
+    const number = state[name].film;
+    if (!cycles.has(number)) {
+      cycles.set(number, await (await get("cycle", { film: number })).json());
+    }
+  }
+  const axes = cycles.get(state.a.film).axes;
+  const before = byId("axis").value;
+  byId("axis").replaceChildren(...Object.entries(axes).map(([name, title]) =>
+    new Option(title, name)));
+  if (before in axes) byId("axis").value = before;
+  cycleChart.build();
+}
+
+function on(id, event, action) {
+  byId(id).addEventListener(event, guarded(action));
+}
+
+function connect() {
+  on("trigger", "input", () => setTrigger(byId("trigger").valueAsNumber));
+  on("trigger-number", "change", () => setTrigger(byId("trigger-number").valueAsNumber));
+  on("trigger-b", "change", () => {
+    state.linked = byId("linked").checked = false;
+    return setTrigger(byId("trigger-b").valueAsNumber, "b");
+  });
+  on("linked", "change", () => {
+    state.linked = byId("linked").checked;
+    return setTrigger(state.a.trigger);
+  });
+  on("previous", "click", () => step(-1));
+  on("next", "click", () => step(1));
+  on("play", "click", play);
+  on("film-a", "change", () => chooseFilm("a", Number(byId("film-a").value)));
+  on("film-b", "change", () => chooseFilm("b", Number(byId("film-b").value)));
+  on("layer", "change", () => {
+    state.layer = byId("layer").value;
+    showLimits();
+    return refreshAll();
+  });
+  on("unit", "change", () => {
+    state.unit = byId("unit").value;
+    return refreshAll();
+  });
+  for (const id of ["low", "high"]) {
+    on(id, "change", () => {
+      const found = [byId("low").valueAsNumber, byId("high").valueAsNumber];
+      if (!(found[0] < found[1])) throw new Error("The colours need two numbers, low before high.");
+      report("");
+      state.limits[state.layer] = found;
+      redraw();
+    });
+  }
+  on("fit", "click", () => {
+    delete state.limits[state.layer];
+    delete state.limits[state.unit];
+    return refreshMaps();
+  });
+  for (const radio of document.getElementsByName("tool")) {
+    radio.addEventListener("change", () => {
+      state.tool = radio.value;
+      Object.values(panels).forEach((panel) =>
+        panel.canvas.classList.toggle("draws", state.tool !== "move"));
+    });
+  }
+  on("closer", "click", () => panels.a.zoom(0.5));
+  on("wider", "click", () => panels.a.zoom(2));
+  on("whole", "click", () => panels.a.zoom(Infinity));
+  on("two", "change", () => showTwo(byId("two").checked));
+  on("axis", "change", () => cycleChart.build());
+  on("line-form", "submit", (event) => {
+    event.preventDefault();
+    state.line = readForm("line-form", ["x0", "y0", "x1", "y1"]) ?? state.line;
+    state.width = Math.max(1, byId("line-form").elements.width.valueAsNumber || 1);
+    drawn("line");
+  });
+  on("region-form", "submit", (event) => {
+    event.preventDefault();
+    const found = readForm("region-form", ["x0", "x1", "y0", "y1"]);
+    if (found) state.region = found;
+    drawn("region");
+  });
+  on("what", "change", allowExports);
+  on("png", "click", exportPicture);
+  on("csv", "click", () => exportData("csv"));
+  on("tiff", "click", () => exportData("tiff"));
+  on("write", "click", proposeRegion);
+  on("confirm-yes", "click", writeRegion);
+  on("confirm-no", "click", () => byId("confirm").close());
+  document.addEventListener("keydown", pressed);
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    redraw();
+    profileChart.redraw();
+    cycleChart.redraw();
+  });
+  new ResizeObserver(() => {
+    Object.values(panels).forEach((panel) => panel.resize());
+    profileChart.resize();
+    cycleChart.resize();
+  }).observe(document.body);
+}
+
+function pressed(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || byId("confirm").open) return;
+  const target = event.target;
+  const types = target.matches("input:not([type=checkbox]):not([type=radio]), select, textarea");
+  if (types && target.id !== "trigger") return;
+  const many = event.shiftKey ? 10 : 1;
+  const last = film().triggers - 1;
+  const actions = {
+    ArrowLeft: () => step(-many), ArrowRight: () => step(many),
+    Home: () => setTrigger(0), End: () => setTrigger(last),
+    "+": () => panels.a.zoom(0.5), "-": () => panels.a.zoom(2), 0: () => panels.a.zoom(Infinity),
+  };
+  // arrows choose among radio buttons, and space presses what has the focus
+  if (target.matches("input[type=radio]") && event.key.startsWith("Arrow")) return;
+  const presses = target.matches("button, summary, input[type=checkbox], input[type=radio]");
+  if (event.key === " " && !presses) actions[" "] = play;
+  if (event.key in actions) {
+    event.preventDefault();
+    guarded(actions[event.key])();
+  }
+}
+
+const start = guarded(async () => {
+  about = await (await get("films", {})).json();
+  state.a.trigger = film().first;
+  if (about.films.length > 1) {
+    state.b = { film: 1, trigger: Math.min(film().first, about.films[1].triggers - 1) };
+    state.linked = byId("linked").checked = true;
+  } else {
+    state.b.trigger = (film().first + Math.floor(film().triggers / 2)) % film().triggers;
+  }
+  makePanels();
+  profileChart = new ProfileChart(byId("profile"), {
+    pointed: (share) => {
+      const [x0, y0, x1, y1] = state.line;
+      state.mark = share === null ? null : [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
+      redraw();
+    },
+  });
+  cycleChart = new CycleChart(byId("cycle"), {
+    state, cycles, axis: () => byId("axis").value,
+    chosen: guarded((number, trigger) => {
+      const second = number !== state.a.film && state.two && number === state.b.film;
+      return setTrigger(trigger, second && !state.linked ? "b" : "a");
+    }),
+  });
+  fillControls();
+  fillExports();
+  connect();
+  byId("trigger").value = byId("trigger-number").value = state.a.trigger;
+  byId("trigger-b").value = state.b.trigger;
+  await refreshMaps(); // the map first, all else after it
+  profileChart.build(1);
+  await Promise.all([loadCycles(), refreshValues()]);
+  document.body.dataset.ready = "yes";
+});
+start();
