@@ -82,16 +82,14 @@ class FreeOrbits:
         clearance = self.journal.clearance
         film = np.clip(np.exp(unknowns["start_film"]) / clearance, 2 * THINNEST, 1.0)
         eccentric, attitude = (1 - film) * clearance, unknowns["start_attitude"]
-        spring = {}
-        if "stiffness" in unknowns:
-            rest = unknowns["rest"] * clearance
-            spring = {"stiffness": 10 ** unknowns["stiffness"], "rest": rest}
+        spring = "stiffness" in unknowns
         return follow_full_film(
             self.journal,
             self.motion,
             start=np.stack([eccentric * np.cos(attitude), eccentric * np.sin(attitude)], axis=1),
             fluidity=unknowns["fluidity"],
-            **spring,
+            stiffness=10 ** unknowns["stiffness"] if spring else 0.0,
+            rest=unknowns["rest"] * clearance if spring else 0.0,
         )
 
     def lowest_pressure(self, orbit: Array) -> float:
