@@ -11,31 +11,6 @@ from numba import njit
 
 from erlif.models.reynolds.flow import ROUGHNESS_AMPLITUDE, ROUGHNESS_DECAY, SMALLEST_FLUIDITY
 
-SWITCH_TOLERANCE = 1e-7
-RESIDUAL_TOLERANCE = 1e-7
-LARGEST_APPROACH = 0.7
-MOST_ITERATIONS = 60
-"""As in `erlif.models.reynolds.balance`: the cache of compiled code follows this file alone."""
-
-THINNEST_FILM = 1e-9
-"""As in `erlif.models.reynolds.transient`. [m]"""
-
-COLUMNS = (
-    "displacement_load",
-    "displacement_side",
-    "film_min",
-    "peak_pressure",
-    "reaction_load",
-    "reaction_side",
-    "friction_torque",
-    "side_flow",
-    "supply_flow",
-    "oil_volume",
-    "power",
-    "iterations",
-)
-"""What `march` writes for each step; displacements and reactions along the axes of the mount."""
-
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _mobility(film, viscosity, roughness):  # type: ignore[no-untyped-def]
@@ -92,6 +67,15 @@ def _supply(supplied, grooves, turned):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _turn(directions, angle, cosine, sine):  # type: ignore[no-untyped-def]
+    """Cosine and sine of directions after a rotation, in place."""
+    c, s = np.cos(angle), np.sin(angle)
+    for i in range(cosine.size):
+        cosine[i] = directions[0, i] * c - directions[1, i] * s
+        sine[i] = directions[1, i] * c + directions[0, i] * s
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def march(  # type: ignore[no-untyped-def]
     first,
     last,
@@ -107,6 +91,7 @@ def march(  # type: ignore[no-untyped-def]
     ways_across,
     end_weights,
     fluid,
+    limits,
     grooves,
     position,
     earlier,
@@ -140,6 +125,10 @@ def march(  # type: ignore[no-untyped-def]
         As `Grid.end_weights`.
     fluid : array, (4,)
         Viscosity, pressure-viscosity, roughness, reduced cavitation pressure.
+    limits : array, (5,)
+        SWITCH_TOLERANCE, RESIDUAL_TOLERANCE, LARGEST_APPROACH and MOST_ITERATIONS of `balance`,
+        THINNEST_FILM of `transient`: arguments, because the cache of compiled code follows this
+        file alone.
     grooves : array, (groove, 2)
         Angles and widths. [rad]
     position, earlier : array, (2,), (3,)
@@ -147,7 +136,8 @@ def march(  # type: ignore[no-untyped-def]
     pressure, full, content, void : array, (along, across)
         The film, with reduced pressures.
     rows : array, (step, column)
-        Results.
+        Results in the order of `transient.SERIES`; displacements and reactions along the axes of
+        the mount.
 
     Returns
     -------
@@ -157,13 +147,22 @@ def march(  # type: ignore[no-untyped-def]
     n, nz = pressure.shape
     dx, dz, images, radius = sizes
     viscosity, alpha, roughness, floor = fluid
+    switch_tolerance, residual_tolerance, largest_approach, most_iterations, thinnest_film = limits
     guided = mount[0] > 0
     free = 1 if guided else 2
     way_along = dz / dx
     area = dx * dz
     single = nz == 1 and ways_across[0] == 0.0 and ways_across[1] == 0.0
     step_angle = 2 * np.pi / n
-    most = MOST_ITERATIONS + n + nz
+    most = int(most_iterations) + n + nz
+
+    # directions of cells and faces; those after a rotation are sums of products of these
+    cells, faces = np.empty((2, n)), np.empty((2, n))
+    for i in range(n):
+        angle = i * step_angle
+        cells[0, i], cells[1, i] = np.cos(angle), np.sin(angle)
+        angle -= step_angle / 2
+        faces[0, i], faces[1, i] = np.cos(angle), np.sin(angle)
 
     cosine, sine = np.empty(n), np.empty(n)  # of the new film
     pull_cosine, pull_sine = np.empty(n), np.empty(n)  # of the middle of the step
@@ -187,17 +186,14 @@ def march(  # type: ignore[no-untyped-def]
         dt = time[k] - time[k - 1]
         rate = 1 / dt
         storage = area * rate
+        _turn(cells, turned[k - 1] - toward, cosine, sine)
+        _turn(faces, turned[k - 1] - toward, face_cosine, face_sine)
         for i in range(n):
-            angle = i * step_angle + turned[k - 1] - toward
-            taken_before[i] = position[0] * np.cos(angle) + position[1] * np.sin(angle)
-            angle -= step_angle / 2
-            taken_face_before[i] = position[0] * np.cos(angle) + position[1] * np.sin(angle)
-            angle = i * step_angle + 0.5 * (turned[k] + turned[k - 1]) - toward
-            pull_cosine[i], pull_sine[i] = np.cos(angle), np.sin(angle)
-            angle = i * step_angle + turned[k] - toward
-            cosine[i], sine[i] = np.cos(angle), np.sin(angle)
-            face_cosine[i] = np.cos(angle - step_angle / 2)
-            face_sine[i] = np.sin(angle - step_angle / 2)
+            taken_before[i] = position[0] * cosine[i] + position[1] * sine[i]
+            taken_face_before[i] = position[0] * face_cosine[i] + position[1] * face_sine[i]
+        _turn(cells, 0.5 * (turned[k] + turned[k - 1]) - toward, pull_cosine, pull_sine)
+        _turn(cells, turned[k] - toward, cosine, sine)
+        _turn(faces, turned[k] - toward, face_cosine, face_sine)
         _supply(supplied, grooves, turned[k])
 
         # the last film, moved on as it moved before where enough of it remains
@@ -282,9 +278,9 @@ def march(  # type: ignore[no-untyped-def]
                 for i in range(n):
                     for j in range(nz):
                         if filled[i, j]:
-                            if p[i, j] < floor - SWITCH_TOLERANCE * highest:
+                            if p[i, j] < floor - switch_tolerance * highest:
                                 filled[i, j], p[i, j], changed = False, floor, True
-                        elif film[i, j] - oil[i, j] < -SWITCH_TOLERANCE * film[i, j]:
+                        elif film[i, j] - oil[i, j] < -switch_tolerance * film[i, j]:
                             filled[i, j], changed = True, True
                 if not changed:
                     break
@@ -310,7 +306,7 @@ def march(  # type: ignore[no-untyped-def]
             if not guided:
                 scale = max(scale, 1e-3 * abs(force[1]))
             unbalanced = max(abs(missing[0]), abs(missing[1])) / scale
-            if not changed and max(worst, unbalanced) <= RESIDUAL_TOLERANCE:
+            if not changed and max(worst, unbalanced) <= residual_tolerance:
                 solved = True
                 break
 
@@ -411,7 +407,7 @@ def march(  # type: ignore[no-untyped-def]
                 nearer = shift[0] * cosine[i] + shift[1] * sine[i]
                 for j in range(nz):
                     nearest = max(nearest, nearer / film[i, j])
-            share = 1.0 if nearest <= LARGEST_APPROACH else LARGEST_APPROACH / nearest
+            share = 1.0 if nearest <= largest_approach else largest_approach / nearest
             ex += share * shift[0]
             ey += share * shift[1]
             for c in range(n):
@@ -422,7 +418,7 @@ def march(  # type: ignore[no-untyped-def]
                         delta += shift[s] * sides[c * nz + j, s + 1]
                     p[i, j] += share * delta
         least = gap_cells.min() - np.hypot(ex, ey)
-        if not solved or alpha * p.max() >= 1 - SMALLEST_FLUIDITY or least < THINNEST_FILM:
+        if not solved or alpha * p.max() >= 1 - SMALLEST_FLUIDITY or least < thinnest_film:
             return k
 
         # the step is made: content by the flow, and its numbers

@@ -10,6 +10,10 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.reynolds.balance import (
+    LARGEST_APPROACH,
+    MOST_ITERATIONS,
+    RESIDUAL_TOLERANCE,
+    SWITCH_TOLERANCE,
     Medium,
     NoConvergenceError,
     State,
@@ -435,7 +439,7 @@ class Ride:
             earlier[2], earlier[: state.position.size] = self.earlier
         reduced, full = state.reduced.copy(), state.full.copy()
         content, void = state.content.copy(), state.void.copy()
-        rows = np.empty((motion.time.size, len(compiled.COLUMNS)))
+        rows = np.empty((motion.time.size, len(SERIES)))
         fluid, sides = medium.fluid, np.array(grid.open_sides[2:])[:, np.newaxis]
         done = compiled.march(
             first,
@@ -452,6 +456,15 @@ class Ride:
             _owned(grid.ways_across),
             _owned(np.array(grid.end_weights) * np.concatenate([sides | True, sides], axis=1)),
             _owned([fluid.viscosity, fluid.pressure_viscosity, fluid.roughness, medium.floor]),
+            _owned(
+                [
+                    SWITCH_TOLERANCE,
+                    RESIDUAL_TOLERANCE,
+                    LARGEST_APPROACH,
+                    MOST_ITERATIONS,
+                    THINNEST_FILM,
+                ]
+            ),
             _owned(np.reshape([[each.angle, each.width] for each in bearing.grooves], (-1, 2))),
             position,
             earlier,
@@ -472,7 +485,7 @@ class Ride:
         self.state = State(
             position[:free], reduced, void, full, content, displaced(step, position[:free])
         )
-        for place, name in enumerate(compiled.COLUMNS):
+        for place, name in enumerate(SERIES):
             self.table[name][made] = rows[made, place]
         for kind in ("displacement", "reaction"):
             load, side = self.table[f"{kind}_load"][made], self.table[f"{kind}_side"][made]

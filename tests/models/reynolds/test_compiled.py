@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.models.mechanism import CrankRocker
-from erlif.models.reynolds import Groove, Journal, Mount, balance, crank_motion, solve_journal
+from erlif.models.reynolds import Groove, Journal, Mount, crank_motion, solve_journal
 
 MOTION = crank_motion(
     CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51),
@@ -57,10 +57,3 @@ def test_cases_have_cavities():
     journal = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, **joint)
     found = solve_journal(journal, MOTION, maps=[7, 20], **case)
     assert float(found.void_fraction.max()) > 0
-
-
-def test_both_forms_have_the_same_tolerances():
-    from erlif.models.reynolds import compiled
-
-    for name in ("SWITCH_TOLERANCE", "RESIDUAL_TOLERANCE", "LARGEST_APPROACH", "MOST_ITERATIONS"):
-        assert getattr(compiled, name) == getattr(balance, name)
