@@ -57,7 +57,8 @@ class Journal:
     foundation : float or None
         Pressure over deflection of an elastic liner (Winkler). [Pa/m]
     roughness : float or None
-        Combined rms roughness of both surfaces. [m]
+        Combined rms roughness of both surfaces. [m] It changes the flow under pressure; that of
+        shear, which cancels where both surfaces are equally rough, is left out.
 
     Examples
     --------

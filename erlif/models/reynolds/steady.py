@@ -81,7 +81,7 @@ def steady_journal(
     if speed == 0:
         raise ModelError("speed must not be zero: a bushing at rest carries no steady load.")
     bearing = Bearing.of(journal, cells, [Groove(np.pi)] if grooves is None else grooves)
-    case = _Rotation(bearing, speed)
+    case = Rotation(bearing, speed)
     if grooves is None:
         state, position = case.along_the_gap(load)
     else:
@@ -89,7 +89,7 @@ def steady_journal(
     return _describe(bearing, state, position, speed)
 
 
-class _Rotation:
+class Rotation:
     """A joint under steady rotation, in the frame at rest."""
 
     def __init__(self, bearing: Bearing, speed: float) -> None:
