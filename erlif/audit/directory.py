@@ -32,6 +32,7 @@ from erlif.audit.pairing import PairRow, note_numbers, tabulate_pairs
 from erlif.calibration import read_profile
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.notes import Level, Note
+from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
 from erlif.ingest import Fixture, Run, format_notes, open_fixture, open_run
@@ -104,7 +105,9 @@ class Audit:
         }
 
 
-def check(directory: str | Path, *, allow_outside: bool = False) -> list[Note]:
+def check(
+    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+) -> list[Note]:
     """Check everything in a run or fixture directory that can be checked without computing a film.
 
     Parameters
@@ -113,6 +116,8 @@ def check(directory: str | Path, *, allow_outside: bool = False) -> list[Note]:
         With ``run.toml`` or ``fixture.toml``.
     allow_outside : bool
         Follow links and names of files that leave the directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
@@ -125,10 +130,12 @@ def check(directory: str | Path, *, allow_outside: bool = False) -> list[Note]:
     ...     print(note.level, note.subject)
     error settings and files
     """
-    return audit(directory, allow_outside=allow_outside).notes
+    return audit(directory, allow_outside=allow_outside, progress=progress).notes
 
 
-def audit(directory: str | Path, *, allow_outside: bool = False) -> Audit:
+def audit(
+    directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
+) -> Audit:
     """Examine a run or fixture directory before anything is computed.
 
     At most 24 frame pairs of a long recording are read, evenly spread, and 16 consecutive ones.
@@ -139,6 +146,8 @@ def audit(directory: str | Path, *, allow_outside: bool = False) -> Audit:
         With ``run.toml`` or ``fixture.toml``.
     allow_outside : bool
         Follow links and names of files that leave the directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
@@ -149,6 +158,7 @@ def audit(directory: str | Path, *, allow_outside: bool = False) -> Audit:
     >>> audit("an empty folder").count(Level.ERROR)
     1
     """
+    progress = choose_progress(progress)
     found = Audit(Path(directory))
     subject = "settings and files"
     try:
@@ -156,13 +166,15 @@ def audit(directory: str | Path, *, allow_outside: bool = False) -> Audit:
         found.name = recording.settings.name
         found.notes.append(_describe(recording))
         found.pairs = tabulate_pairs(recording.pairs, _run_of(recording))
-        for name, step in _Parts(recording, found, allow_outside=allow_outside).list():
+        parts = _Parts(recording, found, allow_outside=allow_outside).list()
+        for done, (name, step) in enumerate(parts, 1):
             subject = name
             with stage(f"check of {name}", _logger):
                 for note in step():
                     found.notes.append(note)
                     if note.level is Level.ERROR:
                         return found
+            progress("check", done, len(parts))
     except ErlifError as error:
         found.notes.append(Note(Level.ERROR, subject, str(error)))
     return found

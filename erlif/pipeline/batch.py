@@ -12,7 +12,7 @@ from pathlib import Path
 
 from erlif.calibration import Calibration
 from erlif.core.errors import ConfigError, ErlifError, OutputError
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.ingest import RunEntry, read_run_table
 from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.run import process_run
@@ -77,7 +77,7 @@ def batch(
     workers: int | None = None,
     scheduler: str | None = None,
     report: Callable[[RunOutcome], None] | None = None,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> list[RunOutcome]:
     """Process many runs; a run that fails does not end the others.
 
@@ -95,7 +95,7 @@ def batch(
         As for `erlif.process`.
     report : callable, optional
         Receives the outcome of each run when it is known.
-    progress : callable, optional
+    progress : "bar", bool or callable, optional
         As for `erlif.process`; the name of the work starts with the name of the run directory.
 
     Returns
@@ -117,6 +117,7 @@ def batch(
     >>> outcomes[0].message[:45]
     'Expected a directory with run.toml in it; mon'
     """
+    progress = choose_progress(progress)
     entries = list_runs(runs)
     outcomes = []
     with open_engine(workers=workers, scheduler=scheduler) as engine:

@@ -17,7 +17,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import ShowProgress, choose_progress
 from erlif.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.clock import fit_start
@@ -113,7 +113,7 @@ def budget(
     calibration: Calibration | str | Path | None = None,
     films: tuple[float, ...] | None = None,
     allow_outside: bool = False,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> xr.Dataset:
     """Compute what each source of error leaves in the map of one trigger.
 
@@ -130,7 +130,7 @@ def budget(
         percentile of the map. [um]
     allow_outside : bool
         As for `erlif.process`.
-    progress : callable, optional
+    progress : "bar", bool or callable, optional
         As for `erlif.process`.
 
     Returns
@@ -152,6 +152,7 @@ def budget(
     >>> table = budget("data_samples/straight_bushing", trigger=12)  # doctest: +SKIP
     >>> table["std"].sel(term="total", quantity="mean film")  # doctest: +SKIP
     """
+    progress = choose_progress(progress)
     run = open_run(Path(run_dir), find_start=fit_start, allow_outside=allow_outside)
     settings = run.settings
     cycle = locate_run(run)

@@ -10,6 +10,7 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.errors import ConfigError
+from erlif.core.progress import ShowProgress, choose_progress
 from erlif.files import open_film
 from erlif.models.reynolds import Journal
 from erlif.pipeline.joint import describe_joint
@@ -37,13 +38,15 @@ _STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "fil
 """Variables of a film with steady formulas, and their names in the comparison."""
 
 
-def fit_film(path: Path) -> Comparison:
+def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     """Fit the models of what may carry the film of an oscillating joint, and compare them.
 
     Parameters
     ----------
-    path : Path
+    path : path
         A film, or a run directory that holds film.nc or film.zarr.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
@@ -59,6 +62,8 @@ def fit_film(path: Path) -> Comparison:
     >>> fit_film(Path("data_samples/straight_bushing")).verdict  # doctest: +SKIP
     'Squeeze carries the film of a pin that is free sideways, and the pin sinks (very strong ...'
     """
+    report = choose_progress(progress)
+    path = Path(path)
     place = path if is_film(path) else _film_in(path)
     source = read_film(place)
     if "load" not in source.frames:
@@ -86,6 +91,7 @@ def fit_film(path: Path) -> Comparison:
         crank=motion.crank,
         steady=steady,
         load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
+        progress=report,
     )
 
     # the temperature of the film belongs to its viscosity where the law of the oil is known

@@ -18,7 +18,7 @@ from erlif.calibration import (
 )
 from erlif.core.errors import CalibrationError, OutputError
 from erlif.core.products import RatioImages
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
 from erlif.ingest import (
     FramePairs,
@@ -50,7 +50,7 @@ def calibrate(
     *,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> Calibration:
     """Fit a calibration to a fixture directory.
 
@@ -62,8 +62,9 @@ def calibrate(
         Leave out unreadable frame pairs.
     allow_outside : bool
         Follow links and names of files that leave the directory.
-    progress : callable, optional
-        Receives the name of the work, the number of parts that are done, and of all parts.
+    progress : "bar", bool or callable, optional
+        "bar" or True shows a bar for each step; a function receives the name of the step, the
+        number of items that are finished, and their total.
 
     Returns
     -------
@@ -82,6 +83,7 @@ def calibrate(
     >>> low < 1 < 10 < high
     True
     """
+    progress = choose_progress(progress)
     fixture = open_fixture(
         Path(fixture_dir), skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
     )
@@ -167,7 +169,7 @@ def find_calibration(
         exist and a fixture lies in its directory, that fixture is calibrated and the result kept.
     allow_outside : bool
         As for `calibrate`.
-    progress : callable, optional
+    progress : "bar", bool or callable, optional
 
     Returns
     -------

@@ -15,7 +15,7 @@ import xarray as xr
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError, EncoderError, OutputError
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
 from erlif.files import (
     MapVariable,
@@ -102,7 +102,7 @@ def predict(
     output: str | Path | None = None,
     overwrite: bool = False,
     allow_outside: bool = False,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> xr.Dataset:
     """Predict the film of an oscillating joint over the cycle, as its camera would see it.
 
@@ -117,7 +117,7 @@ def predict(
         Replace an existing output.
     allow_outside : bool
         Follow links and names of files that leave the run directory.
-    progress : callable, optional
+    progress : "bar", bool or callable, optional
         As for `erlif.process`.
 
     Returns
@@ -137,6 +137,7 @@ def predict(
     >>> prediction.film_predicted.dims  # doctest: +SKIP
     ('trigger', 'y', 'x')
     """
+    progress = choose_progress(progress)
     if output is not None:
         _write_prediction(Path(path), Path(output), overwrite, allow_outside, progress)
         return open_netcdf(Path(output))

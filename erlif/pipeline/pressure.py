@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
 from erlif.files import open_film, set_coordinates, settings_of
 from erlif.models.contact import conformal_radius
@@ -40,7 +41,9 @@ _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
 _NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
 
 
-def pressure_from_film(film: xr.Dataset | str | Path) -> xr.Dataset:
+def pressure_from_film(
+    film: xr.Dataset | str | Path, *, progress: ShowProgress = None
+) -> xr.Dataset:
     """Find the pressure in the film of an oscillating joint from the measured film and its rate.
 
     The position of the pin is measured at each trigger, its rate by a smooth path through the
@@ -51,6 +54,8 @@ def pressure_from_film(film: xr.Dataset | str | Path) -> xr.Dataset:
     ----------
     film : xarray.Dataset or path
         As `erlif.process` returns it, of a crank-rocker with [joint] and [oil].
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
@@ -74,12 +79,13 @@ def pressure_from_film(film: xr.Dataset | str | Path) -> xr.Dataset:
     >>> found = pressure_from_film("film.nc")  # doctest: +SKIP
     >>> found.attrs["statement"]  # doctest: +SKIP
     """
+    report = choose_progress(progress)
     opened = open_film(film) if isinstance(film, str | Path) else nullcontext(film)
     with opened as source:
-        return _find(source)
+        return _find(source, report)
 
 
-def _find(film: xr.Dataset) -> xr.Dataset:
+def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     """The pressure of an open film."""
     settings = settings_of(film)
     view = _view(film, settings)
@@ -97,6 +103,7 @@ def _find(film: xr.Dataset) -> xr.Dataset:
         viscosity=viscosity,
         place=(along - view.load_line) / _MILLI,
         axial=(across - view.axial_origin) / _MILLI,
+        progress=progress,
     )
     return _describe(film, settings, view, found, motion, order, (x, y))
 

@@ -17,7 +17,7 @@ import xarray as xr
 from erlif.calibration import Calibration, check_bands, record_calibration
 from erlif.core.errors import OutputError
 from erlif.core.memory import release_memory
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
 from erlif.files import (
@@ -69,7 +69,7 @@ def process(
     allow_outside: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> xr.Dataset:
     """Turn a run directory into film-thickness maps.
 
@@ -94,8 +94,9 @@ def process(
     scheduler : str, optional
         Workers of dask in place of threads: ``local:N`` starts N of them on this machine, the
         address or the file of a scheduler uses those that it has. The result is the same.
-    progress : callable, optional
-        Receives the name of the work, the number of parts that are done, and of all parts.
+    progress : "bar", bool or callable, optional
+        "bar" or True shows a bar for each step; a function receives the name of the step, the
+        number of items that are finished, and their total.
 
     Returns
     -------
@@ -113,6 +114,7 @@ def process(
     >>> film.thickness.dims  # doctest: +SKIP
     ('trigger', 'y', 'x')
     """
+    progress = choose_progress(progress)
     with open_engine(workers=workers, scheduler=scheduler) as engine:
         options: dict[str, Any] = {
             "calibration": calibration,

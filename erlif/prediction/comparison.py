@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
 from erlif.prediction.least_squares import LeastSquares, Minimum, Predict, Unknowns
@@ -120,6 +121,7 @@ def compare_models(
     steady: Mapping[str, Array] | None = None,
     sideways: Sequence[str] = ("free", "guided"),
     load_line_std: float = LOAD_LINE_STD,
+    progress: Progress = silent,
 ) -> Comparison:
     """Compare what may carry the film: steady wedge, squeeze, and the transient film.
 
@@ -149,6 +151,8 @@ def compare_models(
         Transient films to compare: of "free", "guided" and "spring".
     load_line_std : float
         As for `fit_motion`. [m]
+    progress : callable
+        Receives the name of the step, the number of models that are fitted, and of all models.
 
     Returns
     -------
@@ -183,7 +187,9 @@ def compare_models(
     fitted: list[_Fitted] = []
     fits: dict[str, MotionFit] = {}
     failures: list[str] = []
-    for held in sideways:
+    total = len(sideways) + 1 + len(steady or {})
+    for done, held in enumerate(sideways):
+        progress("fit", done, total)
         try:
             found = fit_motion(
                 measured,
@@ -202,12 +208,15 @@ def compare_models(
         fits[HELD[held]] = found
         fitted.append(_of_motion(problem, HELD[held], found))
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
-    for name, unknowns, predict in [(SQUEEZE, *_squeeze(problem)), *simple]:
+    candidates = [(SQUEEZE, *_squeeze(problem)), *simple]
+    for done, (name, unknowns, predict) in enumerate(candidates, len(sideways)):
+        progress("fit", done, total)
         least = LeastSquares(problem.observations(), unknowns, predict)
         try:
             fitted.append(_of_minimum(problem, name, least.solve()))
         except ModelError as error:
             failures.append(str(error))
+    progress("fit", total, total)
     if not fitted:
         raise ModelError(
             f"No model of the film could be fitted. {failures[0]} Check load, viscosity and radii "

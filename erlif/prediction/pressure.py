@@ -15,6 +15,7 @@ import xarray as xr
 
 from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ModelError
+from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, solve_film
 from erlif.prediction.pin_motion import NUMBERS, PinMotion
 
@@ -239,6 +240,7 @@ def find_pressures(
     place: Array,
     axial: Array,
     cells: tuple[int, int] = CELLS,
+    progress: Progress = silent,
 ) -> xr.Dataset:
     """Find the pressure in the image at every trigger, with its standard deviation.
 
@@ -261,6 +263,8 @@ def find_pressures(
         And from the middle of the length along the axis. [m]
     cells : (int, int)
         As for `solve_pin_motion`.
+    progress : callable
+        Receives the name of the step, the triggers that are finished, and their number.
 
     Returns
     -------
@@ -293,8 +297,9 @@ def find_pressures(
     def find(
         voids: dict[tuple[int, int], Array] | None, beside: Mask | None = None
     ) -> list[dict[str, Array]]:
-        return [
-            _find_one(
+        rows = []
+        for k in range(motion.turning.size):
+            found = _find_one(
                 replace(journal, viscosity=float(viscosity[k])),
                 np.concatenate([motion.position[k], motion.rate[k]]),
                 float(motion.turning[k]),
@@ -306,8 +311,10 @@ def find_pressures(
                 {grid: void[k] for grid, void in (voids or {}).items()},
                 _voids_about(voids, k) if beside is not None and beside[k] else None,
             )
-            for k in range(motion.turning.size)
-        ]
+            rows.append(found)
+            what = "pressure" if voids is None else "pressure with cavities"
+            progress(what, k + 1, motion.turning.size)
+        return rows
 
     rows = find(None)
     # a cavity at a trigger without a pressure may be one of the noise

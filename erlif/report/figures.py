@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from erlif.core.progress import Progress, silent
 from erlif.files import describe_trigger
 from erlif.plots.files import DRAWN, FigureSource, reason_missing
 from erlif.report.captions import caption_of
@@ -12,10 +13,11 @@ from erlif.report.layout import arrange_figures, embed_figure
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
-def figures_section(source: FigureSource) -> str:
+def figures_section(source: FigureSource, progress: Progress = silent) -> str:
     """Draw all figures of a film as HTML, and list those that are left out with the reason."""
     parts, missing = [], []
-    for name, draw in DRAWN.items():
+    for done, (name, draw) in enumerate(DRAWN.items()):
+        progress("figures", done, len(DRAWN))
         caption = caption_of(name, source.film)
         reason = reason_missing(name, source)
         if reason is not None:
@@ -27,5 +29,6 @@ def figures_section(source: FigureSource) -> str:
             text = f"{describe_trigger(source.film, source.trigger).capitalize()}. {text}"
         parts.append(embed_figure(name, draw(source), caption, text))
 
+    progress("figures", len(DRAWN), len(DRAWN))
     left_out = f"<h3>Left out</h3><ul>{''.join(missing)}</ul>" if missing else ""
     return arrange_figures(parts) + left_out

@@ -9,6 +9,7 @@ import xarray as xr
 
 from erlif.calibration import calibration_of
 from erlif.core.arrays import Array
+from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
 from erlif.files import (
     flag_shares,
@@ -41,6 +42,7 @@ def write_report(
     fixture_dir: str | Path | None = None,
     overwrite: bool = False,
     allow_outside: bool = False,
+    progress: ShowProgress = None,
 ) -> Path:
     """Write one self-contained HTML page about a film.
 
@@ -61,6 +63,8 @@ def write_report(
         Replace an existing page.
     allow_outside : bool
         Follow links and names of files that leave the run directory.
+    progress : "bar", bool or callable, optional
+        As for `erlif.process`.
 
     Returns
     -------
@@ -82,17 +86,18 @@ def write_report(
     >>> page[:15], page.count("<h2")
     ('<!DOCTYPE html>', 5)
     """
+    report = choose_progress(progress)
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
     with reading_film(film_path), open_film(film_path) as film:
         source = find_source(Path(film_path), film, None, run_dir, fixture_dir)
-        text = _make_page(replace(source, allow_outside=allow_outside))
+        text = _make_page(replace(source, allow_outside=allow_outside), report)
     with replacing(out_path) as scratch:
         scratch.write_text(text, encoding="utf-8")
     return out_path
 
 
-def _make_page(source: FigureSource) -> str:
+def _make_page(source: FigureSource, progress: Progress) -> str:
     """Compose the sections, the embedded maps, the style and the script."""
     film = source.film
     coding = choose_coding(film, thickest=calibration_of(film).thickness_range[1])
@@ -100,7 +105,7 @@ def _make_page(source: FigureSource) -> str:
     sections = [
         ("summary", "Summary", _summary_section(source, shares)),
         ("viewer", "Film maps", viewer_section(film, coding)),
-        ("figures", "Figures", figures_section(source)),
+        ("figures", "Figures", figures_section(source, progress)),
         ("triggers", "Triggers", trigger_table(film, shares[:, 0])),
         ("provenance", "Settings and inputs", provenance_section(film)),
     ]
@@ -108,7 +113,7 @@ def _make_page(source: FigureSource) -> str:
     version = str(film.attrs.get("erlif_version", __version__))
     data = viewer_data(film, coding)
     scripts = f"""<script type="application/json" id="film-data">{data}</script>
-{_embedded_maps(film, coding)}
+{_embedded_maps(film, coding, progress)}
 <script>
 {read_resource("viewer.js")}</script>
 """
@@ -121,13 +126,14 @@ def _make_page(source: FigureSource) -> str:
     )
 
 
-def _embedded_maps(film: xr.Dataset, coding: MapCoding) -> str:
+def _embedded_maps(film: xr.Dataset, coding: MapCoding, progress: Progress) -> str:
     """Write every map as text in a script element of its own."""
-    return "\n".join(
-        f'<script type="text/plain" id="map-{trigger}">'
-        f"{embed_map(film, trigger=trigger, coding=coding)}</script>"
-        for trigger in range(film.sizes["trigger"])
-    )
+    scripts = []
+    for trigger in range(film.sizes["trigger"]):
+        text = embed_map(film, trigger=trigger, coding=coding)
+        scripts.append(f'<script type="text/plain" id="map-{trigger}">{text}</script>')
+        progress("maps", trigger + 1, film.sizes["trigger"])
+    return "\n".join(scripts)
 
 
 def _summary_section(source: FigureSource, shares: Array) -> str:

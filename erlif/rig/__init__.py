@@ -6,10 +6,10 @@ It shares no code with the stages that measure the film.
 import re
 import shutil
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from erlif.core.errors import OutputError
+from erlif.core.progress import ShowProgress, choose_progress
 from erlif.rig.settings import RigSettings
 
 __all__ = ["RigSettings", "simulate"]
@@ -35,7 +35,7 @@ def simulate(
     seed: int = 0,
     rig: RigSettings | None = None,
     overwrite: bool = False,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: ShowProgress = None,
 ) -> Path:
     """Photograph a known film with two virtual cameras, and a wedge to calibrate them with.
 
@@ -51,8 +51,9 @@ def simulate(
         The rig and its run; the defaults describe the joint of the thesis.
     overwrite : bool
         Replace ``fixture``, ``run`` and ``truth.nc`` as a whole once the new ones are complete.
-    progress : callable, optional
-        Called after each frame with the kind of frame, its number from 1, and their total.
+    progress : "bar", bool or callable, optional
+        "bar" or True shows bars; a function is called after each frame with the kind of frame, its
+        number from 1, and their total.
 
     Returns
     -------
@@ -79,6 +80,7 @@ def simulate(
     """
     from erlif.rig.run import write_rig  # heavy imports only when the work starts
 
+    report = choose_progress(progress)
     out = Path(out)
     existing = [name for name in WRITTEN if (out / name).exists()]
     if existing and not overwrite:
@@ -96,7 +98,7 @@ def simulate(
                 Path(scratch),
                 seed=seed,
                 rig=rig or RigSettings(),
-                progress=progress or (lambda *_: None),
+                progress=report,
             )
             for name in existing:
                 shutil.rmtree(out / name) if (out / name).is_dir() else (out / name).unlink()

@@ -1,10 +1,70 @@
-"""Progress of long computations."""
+"""Who hears how far long work is."""
 
-from erlif.core.progress import Progress, silent
+import inspect
+
+import pytest
+
+import erlif
+from erlif.audit.directory import audit
+from erlif.core.errors import ErlifError
+from erlif.core.progress import choose_progress, silent
+from erlif.pipeline.fit import fit_film
 
 
-def test_silent_progress_writes_nothing(capsys):
-    report: Progress = silent
-    for done in range(4):
-        report("frames", done, 3)
+def test_nothing_is_shown_unless_asked_for(capsys):
+    for asked in (None, False):
+        choose_progress(asked)("film", 1, 2)
+    assert silent("film", 2, 2) is None
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_function_is_called_as_it_is():
+    calls = []
+    choose_progress(lambda *call: calls.append(call))("film", 1, 2)
+    assert calls == [("film", 1, 2)]
+
+
+@pytest.mark.parametrize("asked", ["bar", True])
+def test_a_bar_for_each_step(asked, capsys):
+    progress = choose_progress(asked)
+    for done in (1, 2, 3):
+        progress("registration", done, 3)
+    progress("film", 1, 4)
+    progress("writing", 2, 2)
+    shown = capsys.readouterr().err
+    for text in ("registration", "3/3", "film", "1/4", "writing", "2/2"):
+        assert text in shown
+
+
+@pytest.mark.parametrize("asked", ["dots", 3, ["bar"]])
+def test_anything_else_is_refused_with_what_there_is(asked):
+    with pytest.raises(ErlifError, match='progress="bar"'):
+        choose_progress(asked)
+
+
+LONG = [
+    erlif.batch,
+    erlif.budget,
+    erlif.calibrate,
+    erlif.check,
+    erlif.predict,
+    erlif.pressure_from_film,
+    erlif.process,
+    erlif.simulate,
+    audit,
+    fit_film,
+    erlif.report.write_report,
+]
+
+
+@pytest.mark.parametrize("function", LONG, ids=lambda one: one.__name__)
+def test_every_long_function_takes_a_bar(function):
+    """A wrong value is refused before anything is read."""
+    options = inspect.signature(function).parameters
+    assert options["progress"].default is None
+    needed = ["nowhere"] * sum(
+        one.default is one.empty and one.kind is one.POSITIONAL_OR_KEYWORD
+        for one in options.values()
+    )
+    with pytest.raises(ErlifError, match='progress="bar"'):
+        function(*needed, progress="dots")
