@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from erlif.calibration import Calibration, Profile
@@ -19,12 +18,19 @@ from erlif.plots.style import (
     ONE_COLUMN,
     OUTWARD,
     RETURN,
+    STACK,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     frame_legend,
     given_or_new,
+    is_page,
+    is_visible,
+    legend_above,
     letter,
     new_figure,
+    pt,
+    rows_or_columns,
     save_figure,
     styled,
 )
@@ -33,12 +39,11 @@ _SHADE: dict[str, Any] = {
     "facecolor": "#EDEDED",
     "edgecolor": MUTED,
     "linestyle": ":",
-    "linewidth": 0.5,
     "zorder": 0,
 }
 """Look of the calibrated range."""
 
-_TALL, _PANELS = 1.12, (2.1, 1)  # height by width, and ratio of curve to residuals
+_PANELS = (2.1, 1)  # heights of curve and residuals
 _GRID = 400  # points of a curve
 
 
@@ -54,7 +59,7 @@ def _draw_points(
         markersize=size,
         color=OUTWARD,
         ecolor=MUTED,
-        elinewidth=0.5,
+        elinewidth=pt(0.5),
         capsize=0,
         label=label,
         zorder=2,
@@ -108,7 +113,9 @@ def fixture_profile(
 
     artists: list[Artist] = []
     if calibration is not None:
-        shade = ax.axhspan(*calibration.thickness_range, **_SHADE, label="calibrated range")
+        shade = ax.axhspan(
+            *calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range"
+        )
         artists.append(shade)
     label = "CMM" if profile.uncertainty is None else "CMM, bars 1 s.d."
     points = _draw_points(
@@ -163,7 +170,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     # the band is symmetric in the logarithm of the ratio, in which the fit was made
     t = _grid(calibration)
     ratio, share = calibration.predict(t), _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, **_SHADE, label="calibrated range")
+    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE, label="calibrated range")
     band = ax.fill_between(
         t,
         ratio * np.exp(-share),
@@ -171,10 +178,9 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
         color=RETURN,
         alpha=0.35,
         linewidth=0,
-        label="fit, 95 % band",
     )
     model = "reabsorption model" + ("" if calibration.departure is None else " and spline")
-    (fit,) = ax.plot(t, ratio, color=RETURN, zorder=3, label=model)
+    (fit,) = ax.plot(t, ratio, color=RETURN, zorder=1.5, label=model)
     artists: list[Artist] = [fit, band]
 
     curve = calibration.curve
@@ -192,6 +198,8 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     one, two = calibration.bands
     ax.set(xlabel="thickness [µm]", ylabel=f"ratio {two:g} nm / {one:g} nm [1]")
     ax.margins(x=0.01)
+    if is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
+        band.set_label("fit, 95 % band")
     frame_legend(ax, loc="lower right")
     ax.annotate(
         _parameters(calibration),
@@ -199,7 +207,7 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
         xycoords="axes fraction",
         ha="left",
         va="top",
-        fontsize=6.5,
+        fontsize=pt(6.5),
     )
     return artists
 
@@ -246,17 +254,24 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
     ax = given_or_new(ax)
     t = _grid(calibration)
     percent = 100 * _band(calibration, t)
-    ax.axvspan(*calibration.thickness_range, **_SHADE)
-    band = ax.fill_between(t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0)
-    artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=0.8, zorder=3), band]
+    ax.axvspan(*calibration.thickness_range, linewidth=pt(0.5), **_SHADE)
+    band = ax.fill_between(
+        t, -percent, percent, color=RETURN, alpha=0.35, linewidth=0, label="fit, 95 % band"
+    )
+    artists: list[Artist] = [ax.axhline(0, color=RETURN, linewidth=pt(0.8), zorder=1.5), band]
 
     # the departure is the logarithm of fit over model
     if calibration.departure is not None:
         alone = 100 * np.expm1(-calibration.departure.predict(t))
         artists += ax.plot(
-            t, alone, color=MUTED, linestyle="--", linewidth=0.8, label="model alone"
+            t,
+            alone,
+            color=MUTED,
+            linestyle="--",
+            linewidth=pt(0.8),
+            label="model alone",
+            zorder=1.5,
         )
-        ax.legend(loc="best")
 
     curve = calibration.curve
     if "curve_ratio" in curve:
@@ -271,17 +286,20 @@ def ratio_residuals(calibration: Calibration, *, ax: Axes | None = None) -> list
         artists.append(points)
     ax.set(xlabel="thickness [µm]", ylabel="residual [% of ratio]")
     ax.margins(x=0.01)
+    legend_above(ax)
     return artists
 
 
 @styled
-def calibration_figure(calibration: Calibration) -> Figure:
+def calibration_figure(calibration: Calibration, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw ratio against thickness, and the residuals below.
 
     Parameters
     ----------
     calibration : Calibration
         As for `ratio_against_thickness`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -291,17 +309,18 @@ def calibration_figure(calibration: Calibration) -> Figure:
     Examples
     --------
     >>> from erlif.plots import example_calibration
-    >>> calibration_figure(example_calibration()).axes[0].get_title()
-    'example wedge'
+    >>> calibration_figure(example_calibration()).get_suptitle()
+    'calibration with example wedge'
     """
-    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=_PANELS)
+    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
+    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     ratio_against_thickness(calibration, ax=above)
     ratio_residuals(calibration, ax=below)
-    above.set_xlabel("")
+    if not is_page():
+        above.set_xlabel("")
     letter(above, "a")
     letter(below, "b")
-    above.set_title(calibration.fixture)
+    figure.suptitle(f"calibration with {calibration.fixture}", parse_math=False)
     return figure
 
 

@@ -28,10 +28,11 @@ from erlif.plots.calibration import calibration_figure, fixture_profile
 from erlif.plots.frames import band_images_figure, ratio_image
 from erlif.plots.kinematics import cycle_figure, speed_against_angle
 from erlif.plots.maps import MAP_WIDTH, image_height, map_sheet_figure, thickness_figure
+from erlif.plots.naming import name_film
 from erlif.plots.orbit import has_position, pin_figure
 from erlif.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.plots.registration import registration_figure
-from erlif.plots.style import ONE_COLUMN, new_figure, save_figure, styled
+from erlif.plots.style import ONE_COLUMN, AnyFigure, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure, speed_over_load
 from erlif.plots.triggers import has_varying_speed
 from erlif.settings import read_fixture_settings, read_run_settings
@@ -39,7 +40,7 @@ from erlif.settings import read_fixture_settings, read_run_settings
 logger = logging.getLogger(__name__)
 
 _KINDS = ("png", "pdf", "svg")
-_LABELS = 0.55  # inch above and below the image of the ratio, for title and labels
+_LABELS = 0.64  # inch above and below the image of the ratio, for title and labels
 _LEAST_SPAN = 0.1  # relative range of speed over load below which it shows no trend
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
 
@@ -194,6 +195,7 @@ class FigureSource:
 def _draw_speed(source: FigureSource) -> Figure:
     figure = new_figure()
     speed_against_angle(source.film, ax=figure.add_subplot())
+    name_film(figure, source.film)
     return figure
 
 
@@ -204,20 +206,22 @@ def _draw_fixture(source: FigureSource) -> Figure:
     profile = read_profile(source.fixture_dir / settings.fixture.profile)
     figure = new_figure()
     fixture_profile(profile, calibration=source.calibration, ax=figure.add_subplot())
+    figure.suptitle(f"fixture {settings.fixture.name}", parse_math=False)
     return figure
 
 
 @styled
 def _draw_ratio(source: FigureSource) -> Figure:
     height = image_height(source.film, MAP_WIDTH * ONE_COLUMN) + _LABELS
-    figure = new_figure(ONE_COLUMN, height)
+    figure = new_figure(ONE_COLUMN, height, text=_LABELS)
+    name_film(figure, source.film)
     ax = figure.add_subplot()
     ratio_image(source.images, source.film, ax=ax)
     ax.set_title(describe_trigger(source.film, source.trigger))
     return figure
 
 
-DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
+DRAWN: dict[str, Callable[[FigureSource], AnyFigure]] = {
     "speed_against_angle": _draw_speed,
     "fixture_profile": _draw_fixture,
     "processed_images": lambda source: band_images_figure(
@@ -233,7 +237,7 @@ DRAWN: dict[str, Callable[[FigureSource], Figure]] = {
     "prediction_map": lambda source: prediction_map_figure(source.film, trigger=source.trigger),
     "pin_orbit": lambda source: pin_figure(source.film),
     "registration": lambda source: registration_figure(
-        source.group("registration"), source.group("frames")
+        source.group("registration"), source.group("frames"), film=source.film
     ),
 }
 """The figures of a film, in the order of the method."""

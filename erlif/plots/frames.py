@@ -8,27 +8,29 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import AnyArray, Array, Mask
 from erlif.files import describe_trigger, settings_of
 from erlif.plots.maps import MAP_WIDTH, bare_image, image_height, label_position, pixel_edges
+from erlif.plots.naming import name_film, reason_empty
 from erlif.plots.style import (
     FLAGGED,
     ONE_COLUMN,
     TWO_COLUMNS,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     given_or_new,
     letter,
     new_figure,
+    state_empty,
     styled,
 )
 
 _WIDE = 0.37  # of two columns, for one of two images beside their colour bars
 _AROUND = 0.62  # inch above and below them, for title and labels
-_LABELS = 0.5  # inch above and below a single image
+_LABELS = 0.62  # inch above and below a single image
 _WITHIN = (0.5, 99.5)  # percentiles of the valid pixels at the ends of a colour scale
 
 
@@ -61,7 +63,12 @@ def _draw(
 
 @styled
 def band_images(
-    images: xr.Dataset, film: xr.Dataset, *, camera: int, ax: Axes | None = None
+    images: xr.Dataset,
+    film: xr.Dataset,
+    *,
+    camera: int,
+    ax: Axes | None = None,
+    limits: tuple[float, float] | None = None,
 ) -> AxesImage:
     """Draw the corrected image of one camera.
 
@@ -75,6 +82,9 @@ def band_images(
         1 or 2.
     ax : Axes, optional
         Default: those of a new figure, one column wide.
+    limits : (float, float), optional
+        Ends of the colour scale [DN]; default: the range of all but 1 % of the pixels that are
+        valid.
 
     Returns
     -------
@@ -89,12 +99,13 @@ def band_images(
     >>> image.axes.get_title()
     'camera 1, 580 nm'
     """
-    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
 
     # bubbles and the dark edge of camera 2 would take most of the scale, so valid pixels set it
     light = images.light.sel(camera=camera).values
-    limits = _limits(light, images.flags.values == 0)
-    image = _draw(light, limits, film, "corrected light [DN]", ax)
+    found = _limits(light, images.flags.values == 0)
+    image = _draw(light, limits or found, film, "corrected light [DN]", ax)
 
     settings = settings_of(film)
     band = (settings.camera1, settings.camera2)[camera - 1].band
@@ -103,8 +114,10 @@ def band_images(
 
 
 @styled
-def band_images_figure(images: xr.Dataset, film: xr.Dataset, *, trigger: int) -> Figure:
-    """Draw the images of both cameras side by side, on the pixel grid of camera 1.
+def band_images_figure(
+    images: xr.Dataset, film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
+    """Draw the images of both cameras side by side, on the pixel grid of camera 1 and one scale.
 
     Parameters
     ----------
@@ -112,6 +125,8 @@ def band_images_figure(images: xr.Dataset, film: xr.Dataset, *, trigger: int) ->
         As for `band_images`.
     trigger : int
         Number of the trigger that the images belong to, for the title.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -125,18 +140,21 @@ def band_images_figure(images: xr.Dataset, film: xr.Dataset, *, trigger: int) ->
     >>> figure = band_images_figure(example_images(film, trigger=1), film, trigger=1)
     >>> title = figure.get_suptitle().split(", ")
     >>> title[0], title[-1]
-    ('trigger 1', 'frame pair 1')
+    ('example', 'frame pair 1')
     """
-    figure = new_figure(TWO_COLUMNS, image_height(film, _WIDE * TWO_COLUMNS) + _AROUND)
+    if figure is None:
+        height = image_height(film, _WIDE * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
     left, right = figure.subplots(1, 2, sharey=True)
-    band_images(images, film, camera=1, ax=left)
-    band_images(images, film, camera=2, ax=right)
+    limits = _limits(images.light.values, np.broadcast_to(images.flags == 0, images.light.shape))
+    band_images(images, film, camera=1, ax=left, limits=limits)
+    band_images(images, film, camera=2, ax=right, limits=limits)
 
     # both images have one axis along y
     right.set_ylabel("")
     letter(left, "a")
     letter(right, "b")
-    figure.suptitle(f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
+    name_film(figure, film, f"{describe_trigger(film, trigger)}, {_describe_frames(images)}")
     return figure
 
 
@@ -167,12 +185,16 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     >>> from erlif.plots import example_film, example_images
     >>> film = example_film()
     >>> image = ratio_image(example_images(film, trigger=1), film)
-    >>> image.axes.child_axes[0].get_ylabel()
-    'ratio 610 nm / 580 nm [1]; grey: flagged'
+    >>> image.axes.child_axes[0].get_ylabel().split()[0]
+    'ratio'
     """
-    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
     valid = images.flags.values == 0
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
     label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]; grey: flagged"
-    return _draw(ratio, _limits(ratio, valid), film, label, ax)
+    image = _draw(ratio, _limits(ratio, valid), film, label, ax)
+    if reason := reason_empty(images.flags.values):
+        state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))
+    return image

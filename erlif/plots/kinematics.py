@@ -11,31 +11,41 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
-from erlif.files import settings_of
+from erlif.files import flag_shares, settings_of
 from erlif.models.mechanism import SliderCrank
 from erlif.pipeline.joint import build_linkage
+from erlif.plots.naming import describe_shares, name_film
 from erlif.plots.style import (
     COVERAGE,
     MEAN,
     MINIMUM,
     MUTED,
     ONE_COLUMN,
+    STACK,
+    AnyFigure,
     frame_legend,
     given_or_new,
+    is_page,
+    is_visible,
+    legend_above,
     letter,
     new_figure,
+    pt,
+    rows_or_columns,
+    state_empty,
     styled,
 )
-from erlif.plots.triggers import choose_abscissa, has_varying_speed, stroke_looks
+from erlif.plots.triggers import choose_abscissa, has_varying_speed, in_order, stroke_looks
 from erlif.settings import RunSettings, SinusoidalSettings
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
-_TALL, _PANELS = 1.15, (1.35, 1)  # height by width, and ratio of film to speed
+_PANELS = (1.35, 1)  # heights of film and speed
+_STATISTICS = ("film_mean", "film_min")
+_MARKER = 2.4  # point
 _DASHES = (0, (3, 1.5))
 _HEADROOM = 1.25  # limit of the film thickness over the thickest film, for a legend of two rows
 
@@ -161,7 +171,7 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     >>> float(np.ptp(curve.get_xdata()).round(2))
     24.43
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     settings = settings_of(film)
     if settings.linkage is None:
         return _draw_sliding_speed(ax, film, against_position=True)
@@ -173,13 +183,13 @@ def speed_against_angle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
         np.where(jump, np.nan, cycle.reading),
         cycle.speed,
         color=MUTED,
-        linewidth=0.9,
+        linewidth=pt(0.9),
         label="kinematics of the linkage",
         zorder=2,
     )
     points = _draw_strokes(ax, film, film.encoder_angle.values, film.rocker_speed.values)
     if cycle.speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
 
     ax.set_xlabel("encoder angle [°]")
     _label_speed(ax, settings)
@@ -204,7 +214,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
             end * np.sin(_CYCLE),
             top * np.cos(_CYCLE),
             color=MUTED,
-            linewidth=0.9,
+            linewidth=pt(0.9),
             label="kinematics of the slider",
             zorder=2,
         )
@@ -216,7 +226,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
 
     artists += _draw_strokes(ax, film, x, speed)
     if speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     else:
         ax.set_ylim(0, 1.1 * speed.max())  # whole markers
     ax.set_xlabel(label)
@@ -254,14 +264,14 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     >>> curve.axes.get_xlabel(), curve.axes.get_ylabel()
     ('crank angle [°]', 'joint speed [rad/s]')
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     if settings_of(film).linkage is None:
         return _draw_sliding_speed(ax, film, against_position=False)
     cycle = linkage_cycle(film)
-    (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=0.9, zorder=2)
+    (curve,) = ax.plot(cycle.crank_angle, cycle.speed, color=MUTED, linewidth=pt(0.9), zorder=2)
     points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
     if cycle.speed.min() < 0:
-        ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+        ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     _limit_to_turn(ax)
     ax.set_xlabel("crank angle [°]")
     _label_speed(ax, settings_of(film))
@@ -292,7 +302,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> line.get_label(), line.axes.get_ylabel()
     ('mean of the region', 'film thickness [µm]')
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     along = choose_abscissa(film)
     artists: list[Artist] = []
     for name, colour, dashes, label in (
@@ -300,13 +310,13 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         ("film_min", MINIMUM, "-", "minimum"),
     ):
         value, half = film[name].values, COVERAGE * film[f"{name}_std"].values
-        for n, members in enumerate(_strokes_in_order(film, along.values)):
+        for n, members in enumerate(in_order(film, along.values)):
             x, y, reach = along.values[members], value[members], half[members]
             artists.append(
                 ax.fill_between(x, y - reach, y + reach, color=colour, alpha=0.3, linewidth=0)
             )
             own = label if n == 0 else None  # one key for all stretches
-            artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=0.9, label=own)
+            artists += ax.plot(x, y, color=colour, linestyle=dashes, linewidth=pt(0.9), label=own)
         _mark_strokes(ax, film, along.values, value, colour)
 
     if along.whole_turn:
@@ -320,7 +330,16 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     # because the thinnest films are at the dead points, close to the lower edge
     _, top = ax.get_ylim()
     ax.set_ylim(0, _HEADROOM * top)
-    frame_legend(ax, loc="upper center", ncols=2, title="with 95 % bands", title_fontsize=6.5)
+    if not any(np.isfinite(film[name].values).any() for name in ("film_mean", "film_min")):
+        shares = describe_shares(flag_shares(film).mean(axis=0))
+        state_empty(ax, f"no film thickness at any trigger\n{shares}")
+        return artists
+
+    # a band hidden by the markers is not announced as one
+    widths = np.concatenate([2 * COVERAGE * film[f"{name}_std"].values for name in _STATISTICS])
+    visible = is_visible(ax, widths, pt(_MARKER))
+    title = "bands: 95 %" if visible else "errors of 95 % are smaller than the markers"
+    frame_legend(ax, loc="upper center", ncols=2, title=title)
     return artists
 
 
@@ -332,20 +351,10 @@ def _mark_strokes(ax: Axes, film: xr.Dataset, x: Array, value: Array, colour: st
             value[members],
             linestyle="none",
             marker=str(look["marker"]),
-            markersize=2.4,
+            markersize=pt(_MARKER),
             color=colour,
             markerfacecolor="white" if look["markerfacecolor"] == "white" else colour,
         )
-
-
-def _strokes_in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
-    """Triggers in the order of the crank or of time, cut where the stroke changes."""
-    # a line from one stroke to the other would cross the dead point, where nothing was measured
-    order = np.argsort(x, kind="stable")
-    if "stroke" not in film:
-        return [order]
-    cuts = np.nonzero(np.diff(film.stroke.values[order]) != 0)[0] + 1
-    return np.split(order, cuts)
 
 
 def _limit_to_turn(ax: Axes) -> None:
@@ -354,7 +363,7 @@ def _limit_to_turn(ax: Axes) -> None:
 
 
 @styled
-def cycle_figure(film: xr.Dataset) -> Figure:
+def cycle_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw film thickness and speed against crank angle, with dotted lines at the dead points.
 
     Without a linkage they are drawn against angle or time, and the speed is left out where it is
@@ -364,6 +373,8 @@ def cycle_figure(film: xr.Dataset) -> Figure:
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -378,29 +389,33 @@ def cycle_figure(film: xr.Dataset) -> Figure:
     ['film thickness [µm]', 'joint speed [rad/s]']
     """
     if not has_varying_speed(film):
-        figure = new_figure()
+        figure = new_figure() if figure is None else figure
         film_over_cycle(film, ax=figure.add_subplot())
+        name_film(figure, film)
         return figure
 
-    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=_PANELS)
+    figure = new_figure(ONE_COLUMN, STACK * ONE_COLUMN) if figure is None else figure
+    above, below = rows_or_columns(figure, 2, sharex=True, ratios=_PANELS)
     film_over_cycle(film, ax=above)
     speed_over_cycle(film, ax=below)
-    above.set_xlabel("")
+    if not is_page():
+        above.set_xlabel("")
+    name_film(figure, film)
 
-    for turn in _dead_points(film):
+    for n, turn in enumerate(dead_points(film)):
         for ax in (above, below):
-            ax.axvline(turn, color=MUTED, linewidth=0.5, linestyle=":", zorder=1)
+            line = ax.axvline(turn, color=MUTED, linewidth=pt(0.6), linestyle=":", zorder=1)
+        line.set_label("_" if n else "dead points")
 
     # the markers of the strokes are those of both panels
     if "stroke" in film:
-        below.legend(loc="lower right", ncols=1)
+        legend_above(below)
     letter(above, "a")
     letter(below, "b")
     return figure
 
 
-def _dead_points(film: xr.Dataset) -> list[float]:
+def dead_points(film: xr.Dataset) -> list[float]:
     """Angles of the drive at which the speed changes its sign. [degree]"""
     settings = settings_of(film)
     if settings.linkage is not None:

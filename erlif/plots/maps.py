@@ -12,15 +12,15 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgba
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from erlif.core.arrays import Array, FlagImage
+from erlif.core.arrays import Array, FlagImage, Mask
 from erlif.core.flags import Flag
 from erlif.files import axis_labels as axis_labels
 from erlif.files import check_trigger, describe_trigger, region_of, settings_of
+from erlif.plots.naming import name_film, reason_empty
 from erlif.plots.style import (
     COVERAGE,
     FLAG_COLOURS,
@@ -29,11 +29,14 @@ from erlif.plots.style import (
     OUTWARD,
     RETURN,
     TWO_COLUMNS,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     given_or_new,
     letter,
     new_figure,
+    pt,
+    state_empty,
     styled,
 )
 from erlif.trend import average_across_sliding, rigid_gap
@@ -51,7 +54,8 @@ _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones ar
 _SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
 _WIDE = 0.43  # of two columns, for a map beside its profile
 _AROUND = 1.05  # inch above and below it, for title, labels and legend
-_LABELS = 0.65  # inch above and below a single map
+_LABELS = 0.75  # inch above and below a single map
+_FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
 _BAR = 0.75  # inch beside a sheet for its colour bar
 _ROOM = (0.42, 0.08)  # below and above a profile for text, in heights of the profile
@@ -139,7 +143,8 @@ def thickness_map(
     ((2.0, 8.0), 'x (sliding) [mm]')
     """
     check_trigger(film, trigger)
-    ax = given_or_new(ax, height=image_height(film, MAP_WIDTH * ONE_COLUMN) + _LABELS)
+    height = image_height(film, MAP_WIDTH * ONE_COLUMN)
+    ax = given_or_new(ax, film, height=height + _LABELS, text=_LABELS)
     low, high = limits or common_limits(film, [trigger])
 
     # pixels are not interpolated: what is drawn is what was measured
@@ -151,8 +156,11 @@ def thickness_map(
         extent=pixel_edges(film),
         interpolation="none",
     )
-    handles = _draw_flags(ax, film.flags.isel(trigger=trigger).values, film)
+    flags = film.flags.isel(trigger=trigger).values
+    handles = _draw_flags(ax, flags, film)
     add_colour_bar(image, ax, "film thickness [µm]")
+    if reason := reason_empty(flags):
+        state_empty(ax, reason.replace(": ", "\n"))
 
     if region:
         handles.append(_outline_region(ax, film))
@@ -210,7 +218,7 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
         Patch(
             facecolor=colour,
             edgecolor="#404040",
-            linewidth=0.4,
+            linewidth=pt(0.4),
             label=f"{flag_title(flag)}, {100 * share:.2f} %",
         )
         for n, (flag, colour) in enumerate(FLAG_COLOURS.items(), 1)
@@ -265,21 +273,30 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     >>> line.axes.get_xlabel(), line.axes.get_ylabel()
     ('x (sliding) [mm]', 'film thickness [µm]')
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     profile = average_across_sliding(film, trigger=trigger)
     x, h = profile.position.values, profile.thickness.values
     artists = _draw_profile(ax, film, profile, np.zeros_like(x))
 
     gap = rigid_gap(profile, film)
     if gap is not None:
-        artists += ax.plot(x, gap.thickness(x), color=RETURN, linewidth=1.0, label="rigid gap")
+        # wide and pale below the profile, which follows it closely
+        artists += ax.plot(
+            x,
+            gap.thickness(x),
+            color=RETURN,
+            linewidth=pt(2.5),
+            alpha=0.5,
+            zorder=1.2,
+            label="rigid gap",
+        )
         text = (
             f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
             f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²\n"
             f"minimum of the rigid gap {gap.minimum:.2f} µm"
         )
         ax.annotate(
-            text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=6.5
+            text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=pt(6.5)
         )
 
     # the limits leave room for the text; the rigid gap may leave them beside the measured profile
@@ -287,6 +304,8 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
         below = _ROOM[1] if gap is None else _ROOM[0]
         ax.set_ylim(low - below * (high - low), high + _ROOM[1] * (high - low))
+    else:
+        state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
     ax.legend(loc="upper center")
     return artists
@@ -321,14 +340,14 @@ def profile_residual(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) 
     >>> bool(0.5 < np.nanstd(line.get_ydata()) / (0.05 / 17**0.5) < 1.5)
     True
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     profile = average_across_sliding(film, trigger=trigger)
     gap = rigid_gap(profile, film)
     x = profile.position.values
     base = np.zeros_like(x) if gap is None else gap.thickness(x)
     artists = _draw_profile(ax, film, profile, base)
 
-    artists.append(ax.axhline(0, color=RETURN, linewidth=0.8))
+    artists.append(ax.axhline(0, color=RETURN, linewidth=pt(1.6), alpha=0.5, zorder=1.2))
     ax.set_ylabel("measured −\nrigid gap [µm]")
     return artists
 
@@ -339,7 +358,7 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
     x, h = profile.position.values, profile.thickness.values - base
     random = COVERAGE * profile.thickness_std.values
     shared = COVERAGE * profile.thickness_std_shared.values
-    (line,) = ax.plot(x, h, color=OUTWARD, linewidth=0.7, label="measured")
+    (line,) = ax.plot(x, h, color=OUTWARD, linewidth=pt(0.7), label="measured")
     band = ax.fill_between(
         x, h - random, h + random, color=OUTWARD, alpha=0.3, linewidth=0, label="random, 95 %"
     )
@@ -358,7 +377,9 @@ def _draw_profile(ax: Axes, film: xr.Dataset, profile: xr.Dataset, base: Array) 
 
 
 @styled
-def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
+def thickness_figure(
+    film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
     """Draw the map at one trigger, its profile along sliding, and the difference to a rigid gap.
 
     Without the radii of [joint] there is no gap, and no difference to it.
@@ -369,6 +390,8 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
         As `erlif.process` returns it.
     trigger : int
         Number of the trigger, counted from 0.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -387,7 +410,9 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     >>> [ax.get_ylabel() for ax in figure.axes]
     ['y (axial) [mm]', 'film thickness [µm]', 'measured −\\nrigid gap [µm]']
     """
-    figure = new_figure(TWO_COLUMNS, image_height(film, _WIDE * TWO_COLUMNS) + _AROUND)
+    if figure is None:
+        height = image_height(film, _WIDE * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
     if settings_of(film).joint is None:
         panels = figure.subplot_mosaic("mp", width_ratios=(1.25, 1))
     else:
@@ -411,22 +436,25 @@ def thickness_figure(film: xr.Dataset, *, trigger: int) -> Figure:
         )
 
     panels["m"].set_title("")
-    figure.suptitle(describe_trigger(film, trigger))
+    name_film(figure, film, describe_trigger(film, trigger))
     for name, text in zip(panels, "abc", strict=False):
         letter(panels[name], text)
     return figure
 
 
 @styled
-def map_sheet_figure(film: xr.Dataset) -> Figure:
+def map_sheet_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw the maps of a cycle on one sheet with one colour scale, outward stroke first.
 
-    With more than sixty triggers, sixty evenly chosen ones are shown.
+    Each stroke begins at its first trigger after the dead point. With more than sixty triggers,
+    sixty evenly chosen ones are shown.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -441,12 +469,14 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
     >>> len(map_sheet_figure(example_film()).axes)
     7
     """
-    groups = _sheet_groups(film)
+    groups = sheet_groups(film)
     columns = best_columns([members.size for _, members in groups])
     rows = [math.ceil(members.size / columns) for _, members in groups]
     left, right, bottom, top = pixel_edges(film)
     height = (TWO_COLUMNS - _BAR) / columns * (bottom - top) / (right - left) + _TITLE
-    figure = new_figure(TWO_COLUMNS, sum(rows) * height + 0.2)
+    if figure is None:
+        text = sum(rows) * _TITLE + _FOOT
+        figure = new_figure(TWO_COLUMNS, sum(rows) * height + _FOOT, text=text)
     panels = figure.subplots(sum(rows), columns, squeeze=False)
 
     # a dozen maps are enough for the limits, and are read much faster than all
@@ -467,7 +497,7 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
             ax.xaxis.set_visible(False)
             ax.yaxis.set_visible(ax in grid[:, 0])
         for ax in grid[:, 0]:
-            ax.set_ylabel(name, labelpad=2)
+            ax.set_ylabel(name, labelpad=pt(2))
         for ax in grid.ravel()[members.size :]:
             ax.set_axis_off()
 
@@ -485,20 +515,41 @@ def map_sheet_figure(film: xr.Dataset) -> Figure:
     figure.supxlabel(
         f"{quantity} above each map; each map "
         f"{right - left:.1f} mm × {bottom - top:.1f} mm, x to the right, y down",
-        fontsize=6.5,
+        fontsize=pt(6.5),
     )
+    shown = "" if chosen.size == film.sizes["trigger"] else f"{chosen.size} of "
+    name_film(figure, film, f"{shown}{film.sizes['trigger']} triggers")
     return figure
 
 
-def _sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
-    """Triggers of a sheet, by stroke."""
+def sheet_groups(film: xr.Dataset) -> list[tuple[str, npt.NDArray[np.intp]]]:
+    """Triggers of a sheet, by stroke, each from the start of the stroke."""
     count = film.sizes["trigger"]
     chosen = np.unique(np.linspace(0, count - 1, min(count, _SHEET_MOST)).round().astype(np.intp))
     if "stroke" not in film:
         return [("", chosen)]
     strokes = film.stroke.values[chosen]
-    groups = [(name, chosen[strokes == sign]) for name, sign in (("outward", 1), ("return", -1))]
+    start = _from_start if _is_one_cycle(film) else np.flatnonzero
+    groups = [
+        (name, chosen[start(strokes == sign)]) for name, sign in (("outward", 1), ("return", -1))
+    ]
     return [(name, members) for name, members in groups if members.size]
+
+
+def _is_one_cycle(film: xr.Dataset) -> bool:
+    """Whether the triggers are those of one turn of the drive, after which the first follows."""
+    if "crank_angle" not in film:
+        return False
+    return bool((np.diff(film.crank_angle.values) % 360).sum() < 360)
+
+
+def _from_start(members: Mask) -> npt.NDArray[np.intp]:
+    """Positions of a stroke in a cycle, from its start; the cycle may begin within the stroke."""
+    starts = np.flatnonzero(members & ~np.roll(members, 1))
+    found = np.flatnonzero(members)
+    if starts.size != 1:
+        return found
+    return np.roll(found, -int(np.searchsorted(found, starts[0])))
 
 
 def best_columns(sizes: list[int]) -> int:
@@ -514,14 +565,17 @@ def _draw_small_map(ax: Axes, film: xr.Dataset, trigger: int, limits: Limits) ->
     """Draw one map of a sheet, thinned to the resolution of print."""
     one = film.isel(trigger=trigger)
     every = max(1, film.sizes["x"] // _SHEET_PIXELS)
+    values = one.thickness.values[::every, ::every]
     image = ax.imshow(
-        one.thickness.values[::every, ::every],
+        values,
         cmap=colour_map("batlow", bad=FLAGGED),
         vmin=limits[0],
         vmax=limits[1],
         extent=pixel_edges(film),
     )
-    ax.set_title(_small_title(film, trigger)[1], fontsize=6, pad=1.5)
+    if not np.isfinite(values).any():
+        ax.text(0.5, 0.5, "no valid\npixel", transform=ax.transAxes, ha="center", va="center")
+    ax.set_title(_small_title(film, trigger)[1], fontsize=pt(6), pad=pt(1.5))
     bare_image(ax)
     return image
 

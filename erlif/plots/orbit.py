@@ -9,24 +9,28 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError
+from erlif.plots.naming import name_film
 from erlif.plots.style import (
     COVERAGE,
     MEAN,
     MINIMUM,
     MUTED,
     ONE_COLUMN,
-    frame_legend,
+    AnyFigure,
     given_or_new,
+    legend_above,
     letter,
     new_figure,
+    pt,
+    rows_or_columns,
     styled,
 )
-from erlif.plots.triggers import choose_abscissa, stroke_looks
+from erlif.plots.triggers import broken, choose_abscissa, in_order, stroke_looks
 
 _RADII = math.sqrt(-2 * math.log(0.05))
 """Radii of an ellipse that covers 95 % of a normal distribution in two dimensions. [std]"""
@@ -39,7 +43,6 @@ _WHOLE: dict[str, Any] = {
     "fill": False,
     "edgecolor": MINIMUM,
     "linestyle": _DASHES,
-    "linewidth": 0.7,
     "zorder": 4,
 }
 
@@ -83,7 +86,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     (6, 6)
     """
     _require_position(film)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     load, side = film.pin_displacement.values.T
     known = np.isfinite(load) & np.isfinite(side)
     clearance = float(film.pin_displacement.attrs["clearance"])
@@ -103,7 +106,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ax.set(xlim=(low, high), ylim=_around(np.append(load[known], wall))[::-1])
     ax.set_xlabel("sideways [µm]")
     ax.set_ylabel("towards the load [µm]")
-    frame_legend(ax, loc="best")
+    legend_above(ax)
     return artists
 
 
@@ -140,7 +143,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     array([0., 0., 0.])
     """
     _require_position(film)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     load, side = film.pin_displacement.values.T
     known = np.isfinite(load) & np.isfinite(side)
     distance = np.hypot(load, side)
@@ -168,7 +171,10 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     ax.set(xlim=_around(angle[known]), ylim=_around(closest[known]))
     ax.set_xlabel("angle from the load line [°]")
     ax.set_ylabel("closest film [µm]")
-    frame_legend(ax, loc="best")
+    dashes = Line2D([], [], color=MINIMUM, linestyle=_DASHES, linewidth=pt(0.7))
+    dashes.set_label("95 % with shared errors")
+    keys = [artist for artist in artists if isinstance(artist, Line2D)]
+    legend_above(ax, handles=[*keys, dashes], ncols=2)
     return artists
 
 
@@ -196,10 +202,10 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     >>> from erlif.plots import example_film
     >>> *points, circles = gap_curvature(example_film())
     >>> circles.get_label()
-    'circles of the radii'
+    'circles of the radii; bars: 95 %'
     """
     _require_position(film)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     abscissa = choose_abscissa(film)
     curvature, std = film.film_curvature.values, film.film_curvature_std.values
     artists: list[Artist] = []
@@ -211,35 +217,39 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
             fmt=str(look["marker"]),
             color=look["color"],
             markerfacecolor=look["markerfacecolor"],
-            elinewidth=0.7,
+            elinewidth=pt(0.7),
+            label=look["label"],
         )
         artists.append(bars.lines[0])
 
-    order = np.argsort(abscissa.values)
+    stretches = in_order(film, abscissa.values)
     expected = film.film_curvature_expected.values
     artists += ax.plot(
-        abscissa.values[order],
-        expected[order],
+        broken(stretches, abscissa.values),
+        broken(stretches, expected),
         color=MINIMUM,
         linestyle=_DASHES,
-        label="circles of the radii",
+        label="circles of the radii; bars: 95 %",
+        zorder=1.5,
     )
     if abscissa.whole_turn:
         ax.set(xlim=(0, 360), xticks=range(0, 361, 60))
     ax.set_xlabel(abscissa.label)
     ax.set_ylabel("curvature [µm/mm²]")
-    frame_legend(ax, loc="best")
+    legend_above(ax, ncols=2)
     return artists
 
 
 @styled
-def pin_figure(film: xr.Dataset) -> Figure:
+def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Combine the orbit of the pin, the closest film and the curvature of the gap.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -257,13 +267,22 @@ def pin_figure(film: xr.Dataset) -> Figure:
     >>> len(pin_figure(example_film()).axes)
     3
     """
-    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN)
-    panels = figure.subplots(3, 1)
+    figure = new_figure(ONE_COLUMN, _TALL * ONE_COLUMN) if figure is None else figure
+    panels = rows_or_columns(figure, 3)
+    name_film(figure, film)
     for ax, draw, name in zip(
         panels, (pin_orbit, closest_film, gap_curvature), ("a", "b", "c"), strict=True
     ):
         draw(film, ax=ax)
         letter(ax, name)
+
+    # the strokes look alike in all panels
+    for ax in panels[1:]:
+        legend = ax.get_legend()
+        assert legend is not None
+        keys = zip(legend.legend_handles, legend.get_texts(), strict=True)
+        *_, (handle, text) = [(one, text.get_text()) for one, text in keys]
+        legend_above(ax, handles=[handle], labels=[text])
     return figure
 
 
@@ -286,4 +305,4 @@ def _ellipse(x: float, y: float, covariance: Array, **look: Any) -> Ellipse:
     variance, axes = np.linalg.eigh(covariance)
     minor, major = 2 * _RADII * np.sqrt(np.maximum(variance, 0.0))
     angle = math.degrees(math.atan2(axes[1, 1], axes[0, 1]))
-    return Ellipse((x, y), major, minor, angle=angle, **look)
+    return Ellipse((x, y), major, minor, angle=angle, linewidth=pt(0.7), **look)

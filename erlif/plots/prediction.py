@@ -6,12 +6,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from erlif.core.arrays import Array, Image
 from erlif.core.errors import ConfigError
-from erlif.files import check_trigger, settings_of
+from erlif.files import check_trigger, describe_trigger, settings_of
 from erlif.pipeline.predict import spread_over_image
 from erlif.pipeline.prediction import film_along_sliding, places_along_sliding
 from erlif.plots.maps import (
@@ -21,21 +20,25 @@ from erlif.plots.maps import (
     label_position,
     pixel_edges,
 )
+from erlif.plots.naming import name_film, reason_empty
 from erlif.plots.style import (
     FLAGGED,
     MINIMUM,
     OUTWARD,
     TWO_COLUMNS,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     frame_legend,
     given_or_new,
     letter,
     new_figure,
+    pt,
     signed,
+    state_empty,
     styled,
 )
-from erlif.plots.triggers import choose_abscissa, stroke_looks
+from erlif.plots.triggers import broken, choose_abscissa, find_gaps, in_order, stroke_looks
 from erlif.prediction import speed_correlation
 from erlif.trend import find_region
 
@@ -82,16 +85,15 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     'predicted, pin free sideways'
     """
     _require_prediction(film)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     angle, label, _ = choose_abscissa(film)
     artists = _draw_measured(ax, film, angle)
 
-    # triggers follow each other in time; no line leads back from the end of a turn to its start
-    after = np.diff(angle, prepend=angle[:1]) < 0
-    x = np.insert(angle.astype(float), np.flatnonzero(after), np.nan)
-    y = np.insert(film.film_predicted_min.values, np.flatnonzero(after), np.nan)
+    # no line crosses a dead point, nor leads back from the end of a turn to its start
+    stretches = in_order(film, angle)
+    x, y = broken(stretches, angle), broken(stretches, film.film_predicted_min.values)
     held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
-    artists += ax.plot(x, y, color=OUTWARD, linewidth=1.0, label=f"predicted, {held}", zorder=2)
+    artists += ax.plot(x, y, color=OUTWARD, linewidth=pt(1.0), label=f"predicted, {held}", zorder=2)
 
     ax.set(xlim=(0, 360), xticks=range(0, 361, 60))
     _finish(ax, label)
@@ -130,18 +132,19 @@ def film_over_run(film: xr.Dataset, frames: xr.Dataset, *, ax: Axes | None = Non
     'turns of the crank [1]'
     """
     _require_prediction(film)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     turns, trigger = frames.elapsed_cycles.values, frames.trigger.values
     number = film.sizes["trigger"]
     count = np.maximum(np.bincount(trigger, minlength=number)[:number], 1)
     mean = np.bincount(trigger, turns, minlength=number)[:number] / count
     artists = _draw_measured(ax, film, mean)
     order = np.argsort(turns, kind="stable")
+    stretches = np.split(order, np.flatnonzero(find_gaps(turns[order])) + 1)
     artists += ax.plot(
-        turns[order],
-        frames.film_predicted_min.values[order],
+        broken(stretches, turns),
+        broken(stretches, frames.film_predicted_min.values),
         color=OUTWARD,
-        linewidth=1.0,
+        linewidth=pt(1.0),
         label="predicted",
         zorder=2,
     )
@@ -162,7 +165,7 @@ def _draw_measured(ax: Axes, film: xr.Dataset, x: Array) -> list[Artist]:
             fmt=str(look["marker"]),
             color=MINIMUM,
             markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
-            elinewidth=0.7,
+            elinewidth=pt(0.7),
             label=f"measured{stroke}",
             zorder=3,
         )
@@ -177,17 +180,21 @@ def _finish(ax: Axes, label: str) -> None:
     ax.set_ylim(max(low - _ROOM[0] * span, 0.0), high + _ROOM[1] * span)
     ax.set_xlabel(label)
     ax.set_ylabel("minimum film thickness [µm]")
-    frame_legend(ax, loc="upper right")
+    frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
 
 
 @styled
-def prediction_figure(film: xr.Dataset, frames: xr.Dataset) -> Figure:
+def prediction_figure(
+    film: xr.Dataset, frames: xr.Dataset, *, figure: AnyFigure | None = None
+) -> AnyFigure:
     """Draw measured and predicted film against crank angle, and against the turns of the crank.
 
     Parameters
     ----------
     film, frames
         As for `film_over_run`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -206,7 +213,8 @@ def prediction_figure(film: xr.Dataset, frames: xr.Dataset) -> Figure:
     >>> [ax.get_xlabel() for ax in figure.axes]
     ['crank angle [°]', 'turns of the crank [1]']
     """
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
+    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
+    name_film(figure, film)
     left, right = figure.subplots(1, 2)
     film_and_prediction(film, ax=left)
     film_over_run(film, frames, ax=right)
@@ -218,7 +226,7 @@ def prediction_figure(film: xr.Dataset, frames: xr.Dataset) -> Figure:
         ]
         measured, predicted = (signed(one) if np.isfinite(one) else "none" for one in values)
         text = f"correlation with |speed|: measured {measured}, predicted {predicted}"
-        left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=6.5)
+        left.annotate(text, (0.02, 0.02), xycoords="axes fraction", fontsize=pt(6.5))
     letter(left, "a")
     letter(right, "b")
     return figure
@@ -263,13 +271,17 @@ def predicted_map(film: xr.Dataset, *, trigger: int) -> Image:
 
 
 @styled
-def prediction_map_figure(film: xr.Dataset, *, trigger: int) -> Figure:
+def prediction_map_figure(
+    film: xr.Dataset, *, trigger: int, figure: AnyFigure | None = None
+) -> AnyFigure:
     """Draw the measured map, the predicted one on the same scale, and their difference.
 
     Parameters
     ----------
     film, trigger
         As for `predicted_map`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -297,7 +309,10 @@ def prediction_map_figure(film: xr.Dataset, *, trigger: int) -> Figure:
     known = np.abs(difference[np.isfinite(difference)])
     reach = max(float(np.percentile(known, _WITHIN)) if known.size else 0.0, _LEAST_REACH)
 
-    figure = new_figure(TWO_COLUMNS, image_height(film, _THIRD * TWO_COLUMNS) + _AROUND)
+    if figure is None:
+        height = image_height(film, _THIRD * TWO_COLUMNS)
+        figure = new_figure(TWO_COLUMNS, height + _AROUND, text=_AROUND)
+    name_film(figure, film, describe_trigger(film, trigger))
     panels = figure.subplots(1, 3, sharey=True)
     images = [
         _draw_map(ax, film, values, name, limits)
@@ -309,9 +324,11 @@ def prediction_map_figure(film: xr.Dataset, *, trigger: int) -> Figure:
             strict=True,
         )
     ]
-    add_colour_bar(images[1], panels[1], "film thickness [µm]")
+    add_colour_bar(images[1], panels[1], "film thickness, (a, b) [µm]")
     add_colour_bar(images[2], panels[2], "difference [µm]")
-    titles = (f"measured, trigger {trigger}", "predicted", "measured − predicted")
+    if reason := reason_empty(film.flags.isel(trigger=trigger).values):
+        state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
+    titles = ("measured; grey: flagged", "predicted", "measured − predicted")
     for ax, name, title in zip(panels, "abc", titles, strict=True):
         letter(ax, name)
         ax.set_title(title)

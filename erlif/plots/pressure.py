@@ -10,30 +10,32 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.container import Container
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from erlif.core.errors import ConfigError
-from erlif.files import check_trigger
+from erlif.files import check_trigger, describe_trigger
 from erlif.plots.maps import bare_image, image_height, label_position, pixel_edges
+from erlif.plots.naming import name_film
 from erlif.plots.style import (
     COVERAGE,
     FLAGGED,
     MEAN,
     MUTED,
     TWO_COLUMNS,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     given_or_new,
     letter,
     new_figure,
+    pt,
     save_figure,
     styled,
 )
-from erlif.plots.triggers import choose_abscissa, stroke_looks
+from erlif.plots.triggers import broken, choose_abscissa, in_order, stroke_looks
 
 _THIRD = 0.3  # of two columns, for each of three panels
-_AROUND = 0.9  # inch above and below the map
+_AROUND = 1.05  # inch above and below the map
 _LEAST_HEIGHT = 2.2  # inch
 _MARGIN = 0.05  # of the range of the loads
 
@@ -69,7 +71,7 @@ def pressure_map(found: xr.Dataset, *, trigger: int, ax: Axes | None = None) -> 
     'trigger 0'
     """
     check_trigger(found, trigger)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, found)
     image = ax.imshow(
         found.pressure.isel(trigger=trigger).values,
         cmap=colour_map("batlow", bad=FLAGGED),
@@ -115,23 +117,23 @@ def pressure_profile(
     'pressure [kPa]'
     """
     check_trigger(found, trigger)
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, found)
     one = found.isel(trigger=trigger)
     place, value = one.place.values, one.pressure_profile.values
     reach = COVERAGE * one.pressure_profile_std.values
     band = ax.fill_between(
         place, value - reach, value + reach, color=MEAN, alpha=0.3, linewidth=0, label="95 %"
     )
-    (line,) = ax.plot(place, value, color=MEAN, linewidth=1.2, label="pressure")
+    (line,) = ax.plot(place, value, color=MEAN, linewidth=pt(1.2), label="pressure")
     peak = ax.errorbar(
         np.atleast_1d(one.peak_place.values),
         np.atleast_1d(one.peak_pressure.values),
         xerr=COVERAGE * one.peak_place_std.values,
         yerr=COVERAGE * one.peak_pressure_std.values,
         color="black",
-        linewidth=0.8,
+        linewidth=pt(0.8),
         marker="o",
-        markersize=2.5,
+        markersize=pt(2.5),
         label="peak",
         clip_on=False,  # a peak at the edge of the image is drawn whole
     )
@@ -161,7 +163,7 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
     >>> logged.get_label()
     'logged'
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, found)
     angle, label, _ = choose_abscissa(found)
     artists: list[Artist | Container] = []
     for members, look in stroke_looks(found):
@@ -171,14 +173,13 @@ def load_balance(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist | 
                 found.load_from_pressure.values[members],
                 yerr=found.load_from_pressure_std.values[members],
                 linestyle="none",
-                elinewidth=0.7,
+                elinewidth=pt(0.7),
                 **look,
             )
         )
-    order = np.argsort(angle)
-    artists += ax.plot(
-        angle[order], found["load"].values[order], color=MUTED, label="logged", zorder=1
-    )
+    stretches = in_order(found, angle)
+    logged = broken(stretches, found["load"].values)
+    artists += ax.plot(broken(stretches, angle), logged, color=MUTED, label="logged", zorder=1)
     ax.set(xlabel=label, ylabel="load of the pressure [N]")
     # zero is shown, and so is every point with its bar; the legend lies above all of them
     load, std = found.load_from_pressure.values, found.load_from_pressure_std.values
@@ -236,7 +237,9 @@ def best_trigger(found: xr.Dataset) -> int:
 
 
 @styled
-def pressure_figure(found: xr.Dataset, *, trigger: int | None = None) -> Figure:
+def pressure_figure(
+    found: xr.Dataset, *, trigger: int | None = None, figure: AnyFigure | None = None
+) -> AnyFigure:
     """Draw map and profile of the pressure at one trigger, and the balance of the load at all.
 
     Parameters
@@ -245,6 +248,8 @@ def pressure_figure(found: xr.Dataset, *, trigger: int | None = None) -> Figure:
         As for `pressure_map`.
     trigger : int, optional
         Default: that of `best_trigger`.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -265,7 +270,8 @@ def pressure_figure(found: xr.Dataset, *, trigger: int | None = None) -> Figure:
     """
     chosen = best_trigger(found) if trigger is None else trigger
     height = max(image_height(found, _THIRD * TWO_COLUMNS) + _AROUND, _LEAST_HEIGHT)
-    figure = new_figure(TWO_COLUMNS, height)
+    figure = new_figure(TWO_COLUMNS, height, text=_AROUND) if figure is None else figure
+    name_film(figure, found, describe_trigger(found, chosen))
     panels = figure.subplots(1, 3)
     pressure_map(found, trigger=chosen, ax=panels[0])
     pressure_profile(found, trigger=chosen, ax=panels[1])

@@ -6,30 +6,38 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from erlif.plots.maps import bare_image
+from erlif.plots.naming import name_film
 from erlif.plots.style import (
     FLAGGED,
     MUTED,
     OUTWARD,
     RETURN,
     TWO_COLUMNS,
+    AnyFigure,
     add_colour_bar,
     colour_map,
     given_or_new,
     letter,
     new_figure,
+    pt,
     signed,
     styled,
 )
+from erlif.plots.triggers import broken
 
 _LEAST_REACH = 1e-3  # px; a constant displacement still needs a colour scale
-_EDGES = {"overlap": "black", "poor": "#E4002B"}  # edges of these masks, and their colours
+_EDGES = {
+    "overlap": ("black", "edge of the overlap"),
+    "poor": ("#E4002B", "edge of poor registration"),
+}
+"""Masks whose edges are drawn, with colour and label."""
 _WIDE = 0.36  # of two columns, for one of two images beside their colour bars
-_DRIFT, _AROUND = 1.5, 0.8  # inch for the drift, and for titles and labels
+_DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
 _ROOM = 0.22  # above the drift for the legend, in heights of the axis
 
 
@@ -83,15 +91,19 @@ def displacement_map(
 
 def _outline_masks(ax: Axes, registration: xr.Dataset) -> None:
     """Draw the edges of the overlap and of poor registration, where the image holds any."""
-    for name, colour in _EDGES.items():
+    keys = []
+    for name, (colour, label) in _EDGES.items():
         if name in registration and 0 < registration[name].values.mean() < 1:
             ax.contour(
                 registration[name].values.astype(float),
                 levels=[0.5],
                 colors=colour,
-                linewidths=0.7,
+                linewidths=pt(0.7),
                 linestyles="--",
             )
+            keys.append(Line2D([], [], color=colour, linestyle="--", label=label))
+    if keys:
+        ax.legend(handles=keys, loc="lower left", frameon=True, framealpha=1.0, edgecolor="none")
 
 
 @styled
@@ -119,23 +131,25 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     """
     ax = given_or_new(ax)
     number = frames.frame.values
+    # frame pairs that were left out break the line
+    stretches = np.split(np.arange(number.size), np.flatnonzero(np.diff(number) > 1) + 1)
     artists: list[Artist] = []
     for name, colour, marker, face in (("x", OUTWARD, "o", OUTWARD), ("y", RETURN, "s", "white")):
         drift = frames[f"drift_{name}"].values
         # without any drift, nanstd would warn
         spread = float(np.nanstd(drift)) if np.isfinite(drift).any() else np.nan
         artists += ax.plot(
-            number,
-            drift,
+            broken(stretches, number),
+            broken(stretches, drift),
             color=colour,
             marker=marker,
             markerfacecolor=face,
-            linewidth=0.5,
-            markersize=2.4,
+            linewidth=pt(0.5),
+            markersize=pt(2.4),
             label=f"along {name}, rms {spread:.2f} px",
         )
 
-    ax.axhline(0, color=MUTED, linewidth=0.4, zorder=1)
+    ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("number of the frame pair [1]")
     ax.set_ylabel("drift of camera 2 [px]")
@@ -147,13 +161,23 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
 
 
 @styled
-def registration_figure(registration: xr.Dataset, frames: xr.Dataset) -> Figure:
+def registration_figure(
+    registration: xr.Dataset,
+    frames: xr.Dataset,
+    *,
+    film: xr.Dataset | None = None,
+    figure: AnyFigure | None = None,
+) -> AnyFigure:
     """Draw both components of the displacement, and the drift of each frame below.
 
     Parameters
     ----------
     registration, frames : xarray.Dataset
         Groups of a film.
+    film : xarray.Dataset, optional
+        The film, whose run is then named above the figure.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -169,7 +193,10 @@ def registration_figure(registration: xr.Dataset, frames: xr.Dataset) -> Figure:
     """
     height, width = registration.displacement_x.shape
     tall = _WIDE * TWO_COLUMNS * height / width
-    figure = new_figure(TWO_COLUMNS, tall + _DRIFT + _AROUND)
+    if figure is None:
+        figure = new_figure(TWO_COLUMNS, tall + _DRIFT + _AROUND, text=_AROUND)
+    if film is not None:
+        name_film(figure, film)
     panels = figure.subplot_mosaic("xy;dd", height_ratios=(tall, _DRIFT))
     displacement_map(registration, component="x", ax=panels["x"])
     displacement_map(registration, component="y", ax=panels["y"])

@@ -7,21 +7,28 @@ from __future__ import annotations
 
 import functools
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
 import cmap
 import matplotlib
+import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from erlif.core.arrays import Array
+from erlif.core.errors import OutputError
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
 from erlif.files import replacing
+from erlif.plots.naming import name_film
 
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
 """Widths of a journal's columns. [inch]"""
@@ -39,22 +46,25 @@ STROKES: dict[int, dict[str, Any]] = {
 }
 """Looks of the strokes: filled circles for rising encoder angle, open squares for falling."""
 
+STACK = 1.15
+"""Height by width of two panels one above the other, so that such figures stand side by side."""
+
 COVERAGE = 1.96
 """Standard deviations on either side of a 95 % band."""
 
-_STYLE: Any = {
-    "font.family": "DejaVu Sans",  # part of matplotlib, so the same on every machine
-    "font.size": 7.0,
+_TEXT = 7.0
+"""Size of text that the lengths below belong to. [point]"""
+
+_POINTS = {
+    "font.size": _TEXT,
     "axes.labelsize": 7.0,
     "axes.titlesize": 7.0,
     "xtick.labelsize": 6.5,
     "ytick.labelsize": 6.5,
     "legend.fontsize": 6.5,
-    "figure.titlesize": 7.5,
+    "legend.title_fontsize": 6.5,
+    "figure.titlesize": 6.5,
     "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.unicode_minus": True,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
@@ -67,28 +77,44 @@ _STYLE: Any = {
     "lines.markersize": 3.0,
     "lines.markeredgewidth": 0.7,
     "errorbar.capsize": 1.2,
+    "hatch.linewidth": 0.5,
+}
+"""Lengths in points beside text of 7 points; they follow the size of the text."""
+
+_PLAIN: dict[str, Any] = {
+    "font.family": ["DejaVu Sans"],  # part of matplotlib, so the same on every machine
+    "figure.figsize": [ONE_COLUMN, 0.72 * ONE_COLUMN],
+    "axes.spines.top": False,
+    "axes.spines.right": False,
     "legend.frameon": False,
     "legend.handlelength": 1.8,
     "legend.borderaxespad": 0.3,
-    "hatch.linewidth": 0.5,
     "figure.dpi": 150.0,
     "savefig.dpi": 300.0,
     "savefig.facecolor": "white",
     "pdf.fonttype": 42,
-    "svg.fonttype": "path",
+}
+
+_FIXED: dict[str, Any] = {
     "svg.hashsalt": "erlif",
-    "path.simplify": True,
     # no layout engine but the one of the figure
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
+"""Settings that no style changes: files are the same every time."""
 
 # the same figure gives the same file on every day and machine
+STYLES = ("paper", "slides")
+"""Style sheets of erlif; matplotlib finds them as ``erlif.plots.paper`` and so on."""
+
 _METADATA: dict[str, Mapping[str, Any]] = {
     "png": {"Software": "erlif"},
     "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": "erlif"},
     "svg": {"Date": None, "Creator": "erlif"},
 }
+
+_LETTER, _BESIDE, _SHORTEST = 3.9, 0.4, 12
+"""Width of a letter [point], room at both ends of a colour bar [inch], letters of a short label."""
 
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
@@ -97,19 +123,89 @@ _PNG_COMPRESSION = 4
 # than the rest of a font
 _TEXT_LAYOUT = ("GDEF", "GPOS", "GSUB", "kern")
 
+AnyFigure = Figure | SubFigure
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in the style of erlif without a change to the settings of the caller."""
+    """Let a function draw in the look of erlif without a change to the settings of the caller.
+
+    What the caller has set, by a style sheet or by itself, is kept.
+    """
 
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
-        with matplotlib.rc_context(_STYLE):
+        with matplotlib.rc_context(_look()):
             return draw(*args, **kwargs)
 
     return drawing
+
+
+def _look() -> dict[Any, Any]:
+    """Settings of erlif in place of matplotlib's defaults. Lengths follow the size of the text."""
+    now: Any = matplotlib.rcParams
+    default: Any = matplotlib.rcParamsDefault
+    chosen = now["font.size"] != default["font.size"]
+    scale = now["font.size"] / _TEXT if chosen else 1.0
+    wanted = _PLAIN | {name: scale * length for name, length in _POINTS.items()}
+    return {name: to for name, to in wanted.items() if now[name] == default[name]} | _FIXED
+
+
+@contextmanager
+def in_style(style: str | Path | None) -> Iterator[None]:
+    """Draw in a style: ``"paper"``, ``"slides"``, the path of a sheet, or None for that of erlif.
+
+    Settings of the caller are put aside, so that the same film gives the same files.
+    """
+    from matplotlib import style as sheets
+
+    if style is not None and str(style) not in STYLES and not Path(style).is_file():
+        raise OutputError(
+            f"Expected one of the styles {', '.join(STYLES)} or a file; got {style}. "
+            "Give the path of a style sheet of matplotlib (.mplstyle)."
+        )
+    named = f"erlif.plots.{style}" if str(style) in STYLES else style
+
+    kept: dict[Any, Any] = {
+        name: value for name, value in matplotlib.rcParamsDefault.items() if name != "backend"
+    }
+    with matplotlib.rc_context():
+        matplotlib.rcParams.update(kept)
+        if named is not None:
+            sheets.use(named)
+        yield
+
+
+def pt(length: float) -> float:
+    """Scale a length that suits text of 7 points to the text of the style. [any unit]"""
+    return float(length * matplotlib.rcParams["font.size"] / _TEXT)
+
+
+def is_page() -> bool:
+    """Whether the style has one page for every figure, as slides have, and no columns."""
+    return bool(matplotlib.rcParams["figure.figsize"][0] > TWO_COLUMNS)
+
+
+class Picture(Figure):
+    """A figure that keeps the look it was made in, and shows itself in a notebook."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        names = [*_PLAIN, *_POINTS, *_FIXED]
+        now: Any = matplotlib.rcParams
+        self._look: dict[Any, Any] = {name: now[name] for name in names}
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw in the look of the figure: ticks are made only now."""
+        with matplotlib.rc_context(self._look):
+            super().draw(renderer)
+
+    def _repr_png_(self) -> bytes:
+        content = io.BytesIO()
+        self.savefig(content, format="png", dpi=self.get_dpi())
+        return content.getvalue()
 
 
 def colour_map(name: str, *, bad: str | None = None) -> Colormap:
@@ -125,28 +221,109 @@ def _crameri(name: str) -> Colormap:
     return colours
 
 
-def new_figure(width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN) -> Figure:
-    """Make an empty figure whose panels and labels do not overlap. Sizes in inches."""
-    return Figure(
-        figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.03)
-    )
+@styled
+def new_figure(
+    width: float = ONE_COLUMN, height: float = 0.72 * ONE_COLUMN, *, text: float = 0.0
+) -> Picture:
+    """Make an empty figure whose panels and labels do not overlap. Sizes in inches.
+
+    Of the height, `text` is lines of text; it follows the size of the text, the rest the width of a
+    column of the style. A style for slides has one size for every figure.
+    """
+    return Picture(**_figure_options(width, height, text))
 
 
-def given_or_new(ax: Axes | None, *, height: float = 0.72 * ONE_COLUMN) -> Axes:
-    """Take the given axes, or those of a new figure of this height [inch]."""
-    return new_figure(height=height).add_subplot() if ax is None else ax
+def _figure_options(width: float, height: float, text: float) -> dict[str, Any]:
+    column, page = matplotlib.rcParams["figure.figsize"]
+    scale = column / ONE_COLUMN
+    size = (column, page) if is_page() else (scale * width, scale * (height - text) + pt(text))
+    engine = ConstrainedLayoutEngine(w_pad=pt(0.03), h_pad=pt(0.03), wspace=0.03)
+    return {"figsize": size, "layout": engine}
+
+
+@styled
+def given_or_new(
+    ax: Axes | None,
+    film: xr.Dataset | None = None,
+    *,
+    height: float = 0.72 * ONE_COLUMN,
+    text: float = 0.0,
+) -> Axes:
+    """Take the given axes, or those of a new figure of this height [inch] that names the film.
+
+    The figure is one of pyplot, so that a notebook shows it.
+    """
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(FigureClass=Picture, **_figure_options(ONE_COLUMN, height, text))
+    if film is not None:
+        name_film(figure, film)
+    return figure.add_subplot()
+
+
+def rows_or_columns(
+    figure: Figure | SubFigure, count: int, *, sharex: bool = False, ratios: Sequence[float] = ()
+) -> list[Axes]:
+    """Make panels one below the other, or side by side on a page."""
+    if is_page():
+        panels = figure.subplots(1, count, squeeze=False)
+    else:
+        panels = figure.subplots(
+            count, 1, squeeze=False, sharex=sharex, height_ratios=ratios or None
+        )
+    return list(panels.ravel())
 
 
 def add_colour_bar(image: ScalarMappable, ax: Axes, label: str, *, extend: str = "both") -> None:
     """Add a colour bar of the height of the image."""
     beside = ax.inset_axes((1.025, 0.0, 0.04, 1.0))
-    figure_of(ax).colorbar(image, cax=beside, label=label, extend=extend, extendfrac=0.03)
+    bar = figure_of(ax).colorbar(image, cax=beside, extend=extend, extendfrac=0.03)
+
+    # a label longer than its bar would end beyond the figure
+    ax.apply_aspect()
+    height = ax.get_position().height * figure_of(ax).bbox.height / figure_of(ax).dpi  # inch
+    letters = max(int(72 * (height + pt(_BESIDE)) / pt(_LETTER)), _SHORTEST)
+    bar.set_label("\n".join(wrap(label, letters)))
 
 
 def frame_legend(ax: Axes, **options: Any) -> None:
     """Add a legend on white, so that no line crosses its text."""
-    legend = ax.legend(frameon=True, facecolor="white", edgecolor="none", framealpha=1.0, **options)
+    look: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "framealpha": 1.0}
+    legend = ax.legend(frameon=True, alignment="left", **look, **options)
     legend.set_zorder(5)
+
+
+def legend_above(ax: Axes, **options: Any) -> None:
+    """Add a legend above the axes, where it covers no point."""
+    options = {"ncols": 3, "columnspacing": 1.0, "handletextpad": 0.5} | options
+    options |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+    ax.legend(**options)
+
+
+def state_empty(ax: Axes, text: str) -> None:
+    """Write in the middle of empty axes why they are empty."""
+    ax.text(
+        0.5,
+        0.5,
+        text,
+        transform=ax.transAxes,
+        ha="center",
+        va="center",
+        zorder=6,
+        bbox={"facecolor": "white", "edgecolor": MUTED, "linewidth": pt(0.5)},
+    )
+
+
+def is_visible(ax: Axes, width: Array, line: float) -> bool:
+    """Whether a band of this width [units of the y axis] is wider than a line [point]."""
+    known = width[np.isfinite(width)]
+    if known.size == 0:
+        return False
+    low, high = ax.get_ylim()
+    height = 72 * ax.get_window_extent().height / figure_of(ax).dpi
+    return bool(np.median(known) / abs(high - low) * height > line)
 
 
 def signed(value: float, digits: int = 2) -> str:
@@ -166,7 +343,7 @@ def figure_of(ax: Axes) -> Figure | SubFigure:
     return figure
 
 
-def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
+def save_figure(figure: AnyFigure, path: Path, *, dpi: float = 300.0) -> Path:
     """Write a figure as PNG, PDF or SVG by the suffix of `path`.
 
     The same figure gives the same bytes.
@@ -206,12 +383,19 @@ def save_figure(figure: Figure, path: Path, *, dpi: float = 300.0) -> Path:
     return path
 
 
-@styled
-def figure_bytes(figure: Figure, *, kind: str, dpi: float = 300.0) -> bytes:
+def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float = 300.0) -> bytes:
     """Return the content of a file of kind ``"png"``, ``"pdf"`` or ``"svg"``.
 
     The layout of the figure is fixed by this call.
     """
+    whole = figure.get_figure(root=True)
+    assert whole is not None
+    look = whole._look if isinstance(whole, Picture) else _look()
+    with matplotlib.rc_context(look):
+        return _draw_bytes(whole, kind, dpi)
+
+
+def _draw_bytes(figure: Figure, kind: str, dpi: float) -> bytes:
     engine = figure.get_layout_engine()
     if engine is not None:
         # images of fixed aspect change their size in the first round, and their labels with them

@@ -8,11 +8,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from erlif.core.arrays import Array, Mask
+from erlif.files import flag_shares
+from erlif.plots.naming import describe_shares, name_film
 from erlif.plots.style import (
     MEAN,
     MINIMUM,
@@ -21,9 +22,12 @@ from erlif.plots.style import (
     RETURN,
     STROKES,
     TWO_COLUMNS,
+    AnyFigure,
     given_or_new,
     letter,
     new_figure,
+    pt,
+    state_empty,
     styled,
 )
 from erlif.plots.triggers import stroke_looks
@@ -37,10 +41,11 @@ _LABELS = {
 
 _TALL = 0.4  # height by width
 _MILLI = 1e3  # speed over load is drawn in thousandths
+_BARS = "bars: 1 s.d."
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
-_ROOM = 0.3  # above the curves for the legend, as a power of the range of the axis
+_ROOM = 0.42  # above the curves for the legend, as a power of the range of the axis
 
 
 def _speed_name(film: xr.Dataset) -> str:
@@ -86,7 +91,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     >>> float(np.polyfit(x, y, 1)[0].round(6))
     0.6
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     artists: list[Artist] = []
     lines: list[Line2D] = []
@@ -106,7 +111,10 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
     _plain_ticks(ax)
     # a statistic that no trigger has is not named
     if drawn:
-        ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best")
+        ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
+    else:
+        shares = describe_shares(flag_shares(film).mean(axis=0))
+        state_empty(ax, f"no film thickness at any trigger\n{shares}")
     return [*artists, *lines]
 
 
@@ -134,7 +142,7 @@ def _draw_points(ax: Axes, film: xr.Dataset, name: str, colour: str) -> list[Art
                 fmt=str(look["marker"]),
                 color=paint,
                 markerfacecolor="white" if look["markerfacecolor"] == "white" else paint,
-                elinewidth=0.7,
+                elinewidth=pt(0.7),
             )
             artists.append(bars.lines[0])
     return artists
@@ -153,7 +161,12 @@ def _draw_power(ax: Axes, film: xr.Dataset, name: str, label: str, **look: Any) 
     error = f" ± {std:.3f}" if np.isfinite(std) else ""
     label = f"{label}, n = {power:.3f}{error}".replace("-", "−")
     return ax.plot(
-        _MILLI * ends, np.exp(scale) * ends**power, linewidth=0.8, label=label, zorder=4, **look
+        _MILLI * ends,
+        np.exp(scale) * ends**power,
+        linewidth=pt(0.8),
+        label=label,
+        zorder=1.5,
+        **look,
     )
 
 
@@ -172,6 +185,7 @@ def _stroke_keys(film: xr.Dataset) -> list[Line2D]:
             label=str(look["label"]),
         )
         for sign, look in STROKES.items()
+        if (film.stroke.values == sign).any()
     ]
 
 
@@ -198,7 +212,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     >>> theory.get_label()
     'regime map, isoviscous-rigid'
     """
-    ax = given_or_new(ax)
+    ax = given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
     x = _MILLI * speed_over_load(film)
     value = film.film_min.values
@@ -215,7 +229,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             fmt=str(look["marker"]),
             color=MINIMUM,
             markerfacecolor="white" if look["markerfacecolor"] == "white" else MINIMUM,
-            elinewidth=0.7,
+            elinewidth=pt(0.7),
             label=label,
         )
         artists.append(bars.lines[0])
@@ -227,9 +241,10 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
             "D",
             color=MEAN,
             markerfacecolor="none",
-            markersize=_AROUND_POINTS,
+            markersize=pt(_AROUND_POINTS),
+            markeredgewidth=pt(0.5),
             label="transient film over the cycle",
-            zorder=4,  # above the points, which stay visible within
+            zorder=1.5,  # the points within stay visible
         )
 
     # steady theory depends on speed and load alone, so that its points in order make a curve
@@ -249,7 +264,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     _plain_ticks(ax)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high * (high / low) ** _ROOM)
-    ax.legend(loc="upper left")
+    ax.legend(loc="upper left", title=_BARS, alignment="left")
     return artists
 
 
@@ -269,13 +284,15 @@ def _plain_ticks(ax: Axes) -> None:
 
 
 @styled
-def speed_figure(film: xr.Dataset) -> Figure:
+def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
     """Draw the measured film with its fit, and beside it with theory on wider scales.
 
     Parameters
     ----------
     film : xarray.Dataset
         As `erlif.process` returns it, with a speed and a load.
+    figure : Figure or SubFigure, optional
+        An empty one to draw in; default: a new figure.
 
     Returns
     -------
@@ -289,11 +306,13 @@ def speed_figure(film: xr.Dataset) -> Figure:
     ['film thickness [µm]', 'film thickness [µm]']
     """
     if "film_theory" not in film:
-        figure = new_figure()
+        figure = new_figure() if figure is None else figure
         film_against_speed(film, ax=figure.add_subplot())
+        name_film(figure, film)
         return figure
 
-    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS)
+    figure = new_figure(TWO_COLUMNS, _TALL * TWO_COLUMNS) if figure is None else figure
+    name_film(figure, film)
     left, right = figure.subplots(1, 2)
     film_against_speed(film, ax=left)
     film_and_theory(film, ax=right)

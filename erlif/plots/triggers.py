@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from erlif.core.arrays import Array, Mask
@@ -13,6 +14,9 @@ from erlif.plots.style import OUTWARD, STROKES
 
 _STEADY = 0.01
 """Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
+
+_GAP = 1.75
+"""Step over the longer of its neighbours above which it is a gap; a trigger left out doubles it."""
 
 _ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
 """Look of the triggers where there are no strokes."""
@@ -94,7 +98,72 @@ def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:
     if "stroke" not in film:
         return [(np.ones(film.sizes["trigger"], bool), _ONE_WAY)]
     strokes = film.stroke.values
-    return [(np.asarray(strokes == sign), look) for sign, look in STROKES.items()]
+    # a stroke without a trigger has no marker in the legend
+    masks = [(np.asarray(strokes == sign), look) for sign, look in STROKES.items()]
+    return [(members, look) for members, look in masks if members.any()]
+
+
+def in_order(film: xr.Dataset, x: Array) -> list[npt.NDArray[np.intp]]:
+    """Sort the triggers by `x`, and cut them where a line would cross what was not measured.
+
+    A line ends at the end of a stroke, and where a step of `x` is much longer than those beside it.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        With stroke (trigger) where the motion has strokes.
+    x : array, (trigger,)
+        Angle, time or number.
+
+    Returns
+    -------
+    list of array of int
+        Triggers of each stretch.
+
+    Examples
+    --------
+    >>> [part.tolist() for part in in_order(xr.Dataset(), np.array([0, 1, 2, 6, 7.0]))]
+    [[0, 1, 2], [3, 4]]
+    """
+    order = np.argsort(x, kind="stable")
+    order = order[np.isfinite(x[order])]
+    cut = find_gaps(x[order])
+    if "stroke" in film:
+        cut |= np.diff(film.stroke.values[order]) != 0
+    return np.split(order, np.flatnonzero(cut) + 1)
+
+
+def find_gaps(x: Array) -> Mask:
+    """Find the steps of rising values that are much longer than the steps beside them.
+
+    Parameters
+    ----------
+    x : array, (n,)
+        Rising.
+
+    Returns
+    -------
+    array of bool, (n - 1,)
+
+    Examples
+    --------
+    Steps may change gradually, as those of a crank at even angles of its rocker do:
+
+    >>> find_gaps(np.array([0.0, 1.0, 2.5, 4.5, 9.5, 11.5])).tolist()
+    [False, False, False, True, False]
+    """
+    steps = np.diff(x)
+    if steps.size < 2:  # nothing to compare with
+        return np.zeros(steps.size, bool)
+    before = np.r_[-np.inf, steps[:-1]]
+    after = np.r_[steps[1:], -np.inf]
+    return np.asarray(steps > _GAP * np.maximum(before, after))
+
+
+def broken(stretches: list[npt.NDArray[np.intp]], values: Array) -> Array:
+    """Values of the stretches in order, with NaN between them, where a line breaks."""
+    parts = [part for members in stretches for part in (values[members].astype(float), [np.nan])]
+    return np.concatenate(parts[:-1]) if parts else np.array([])
 
 
 def has_varying_speed(film: xr.Dataset) -> bool:

@@ -45,8 +45,8 @@ CAPTIONS = {
     ),
     "processed_images": Caption(
         "Processed images of one trigger",
-        "Both bands after correction by dark and flat; camera 2 is resampled onto the pixel grid "
-        "of camera 1. Grey: outside the image of camera 2.",
+        "Both bands after correction by dark and flat, on one colour scale; camera 2 is resampled "
+        "onto the pixel grid of camera 1. Grey: outside the image of camera 2.",
         "png",
     ),
     "ratio_image": Caption(
@@ -73,14 +73,16 @@ CAPTIONS = {
         "Film thickness against speed over load",
         "(a) Mean and minimum film thickness of each trigger with the fitted powers n; bars are "
         "one standard deviation, random and shared. Grey: too slow for the fit. (b) Minimum film "
-        "thickness and theory on wider scales.",
+        "thickness on wider scales; open diamonds: the transient film predicted at the same "
+        "trigger; lines: steady theory at the same speed and load.",
     ),
     "map_sheet": Caption(
         "Maps of the cycle", "One colour scale for all maps. Grey: flagged.", "png"
     ),
     "film_over_cycle": Caption(
         "Film thickness and speed over the cycle",
-        "(a) Mean and minimum film thickness with 95 % bands of random and shared errors; "
+        "(a) Mean and minimum film thickness; bands, where they are wider than the markers, are "
+        "95 % of random and shared errors; "
         "(b) speed. Dotted: dead points of the mechanism.",
     ),
     "film_and_prediction": Caption(

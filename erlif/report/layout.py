@@ -9,9 +9,7 @@ from importlib import resources
 from itertools import groupby
 from typing import NamedTuple
 
-from matplotlib.figure import Figure
-
-from erlif.plots.style import ONE_COLUMN, figure_bytes
+from erlif.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
 from erlif.report.captions import Caption
 
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
@@ -101,7 +99,7 @@ class PageFigure(NamedTuple):
     wide: bool
 
 
-def embed_figure(name: str, figure: Figure, caption: Caption, text: str) -> PageFigure:
+def embed_figure(name: str, figure: AnyFigure, caption: Caption, text: str) -> PageFigure:
     """Embed one figure, its image as base64 text."""
     # lines stay sharp as SVG; an image of many pixels is much smaller as PNG
     image = figure_bytes(figure, kind=caption.kind, dpi=caption.dpi)
@@ -111,7 +109,7 @@ def embed_figure(name: str, figure: Figure, caption: Caption, text: str) -> Page
         name,
         f'<img src="data:{_MEDIA[caption.kind]};base64,{encoded}" alt="{title}. {text}">',
         f"<figcaption><strong>{title}.</strong> {text}</figcaption>",
-        figure.get_figwidth() > 1.5 * ONE_COLUMN,
+        figure.bbox.width > 1.5 * ONE_COLUMN * figure.dpi,
     )
 
 

@@ -121,7 +121,7 @@ def test_spline_is_named_and_the_model_alone_is_drawn(calibration):
     assert fit.get_label() == "reabsorption model and spline"
     _, _, alone, _ = plots.ratio_residuals(lifted)
     npt.assert_allclose(alone.get_ydata(), 100 * (np.exp(-0.01) - 1))
-    assert labels_of(alone.axes) == ["model alone"]
+    assert labels_of(alone.axes) == ["fit, 95 % band", "model alone"]
 
 
 def test_curve_of_a_film_is_drawn_without_points(film):
@@ -173,7 +173,7 @@ def test_panels_of_the_figure_share_the_axis_of_thickness(calibration):
     above, below = figure.axes
     assert above.get_xlim() == below.get_xlim()
     assert (above.get_xlabel(), below.get_xlabel()) == ("", "thickness [µm]")
-    assert above.get_title() == "known wedge"
+    assert figure.get_suptitle() == "calibration with known wedge"
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["(a)", "(b)"]
 
 

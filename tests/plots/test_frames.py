@@ -94,9 +94,17 @@ def test_ratio_image_without_valid_pixels_is_drawn(images, film):
     assert np.ma.count(plots.ratio_image(blind, film).get_array()) == 0
 
 
+def test_both_images_have_one_colour_scale(images, film):
+    """The scale of all valid pixels of both cameras."""
+    figure = plots.band_images_figure(images, film, trigger=TRIGGER)
+    valid = images.light.values[:, images.flags.values == 0]
+    for ax in figure.axes:
+        npt.assert_allclose(ax.images[0].get_clim(), np.percentile(valid, (0.5, 99.5)))
+
+
 def test_figure_names_trigger_and_frame(images, film):
     figure = plots.band_images_figure(images, film, trigger=TRIGGER)
-    assert figure.get_suptitle().startswith("trigger 3, ")
+    assert "; trigger 3, " in figure.get_suptitle()
     assert figure.get_suptitle().endswith(", frame pair 3")
     left, right = figure.axes
     assert [left.get_title(loc="left"), right.get_title(loc="left")] == ["(a)", "(b)"]

@@ -113,7 +113,20 @@ def test_film_thickness_starts_at_zero_and_is_named(film):
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("crank angle [°]", "film thickness [µm]")
     legend = ax.get_legend()
     assert [text.get_text() for text in legend.get_texts()] == ["mean of the region", "minimum"]
-    assert legend.get_title().get_text() == "with 95 % bands"
+    assert legend.get_title().get_text() == "errors of 95 % are smaller than the markers"
+
+
+def test_bands_are_announced_where_they_are_wider_than_the_markers(film):
+    wide = film.assign(film_mean_std=film.film_mean_std + 0.5, film_min_std=film.film_min_std + 0.5)
+    legend = plots.film_over_cycle(wide)[0].axes.get_legend()
+    assert legend.get_title().get_text() == "bands: 95 %"
+
+
+def test_film_over_the_cycle_without_a_value_states_why(film):
+    empty = scene.without_valid_pixels(film)
+    nothing = 0 * empty.film_min + np.nan
+    ax = plots.film_over_cycle(empty.assign(film_mean=nothing, film_min=nothing))[0].axes
+    assert "100 % above range" in ax.texts[0].get_text()
 
 
 @pytest.mark.parametrize("draw", [plots.cycle_figure, plots.film_over_cycle])

@@ -255,7 +255,7 @@ def test_figure_joins_map_profile_and_residual(film):
     profile = average_across_sliding(film, trigger=1)
     npt.assert_array_equal(panels["(b)"].lines[0].get_ydata(), profile.thickness.values)
     assert panels["(b)"].get_xlim() == panels["(c)"].get_xlim()
-    assert figure.get_suptitle().startswith("trigger 1, ")
+    assert "222 N, 0.12 Pa s; trigger 1, " in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "outside overlap, 3.75 %" in labels
     assert panels["(a)"].get_legend() is None
@@ -270,6 +270,36 @@ def test_film_without_valid_pixels_is_drawn_as_such(film):
     assert len(plots.sliding_profile(empty, trigger=0)) == 4  # no rigid gap
     sheet = plots.map_sheet_figure(empty)
     assert all(np.ma.count(ax.images[0].get_array()) == 0 for ax in sheet.axes if ax.images)
+
+
+def test_map_without_valid_pixels_states_why(film):
+    empty = scene.without_valid_pixels(film)
+    ax = plots.thickness_map(empty, trigger=0).axes
+    assert ax.texts[0].get_text() == "no valid pixel\n100 % above range"
+    profile = plots.sliding_profile(empty, trigger=0)[0].axes
+    assert profile.texts[0].get_text() == "no valid pixel in the region of interest"
+    maps = [ax for ax in plots.map_sheet_figure(empty).axes if ax.images]
+    assert {ax.texts[0].get_text() for ax in maps} == {"no valid\npixel"}
+
+
+def test_sheet_of_a_cycle_that_begins_within_a_stroke_starts_with_the_stroke(film):
+    """The scene begins at the start of the outward stroke; here it begins one trigger later."""
+    names = [ax.get_title() for ax in plots.map_sheet_figure(film).axes if ax.images]
+    later = film.isel(trigger=np.roll(np.arange(scene.TRIGGERS), -1))
+    figure = plots.map_sheet_figure(later)
+    assert [ax.get_title() for ax in figure.axes if ax.images] == names
+
+
+def test_label_longer_than_its_colour_bar_is_broken(film):
+    """A strip of an image, eight times as wide as high."""
+    image = plots.thickness_map(film.isel(y=slice(0, 8)), trigger=1)
+    figure = image.axes.get_figure()
+    figure.draw_without_rendering()
+    (bar,) = image.axes.child_axes
+    assert "\n" in bar.get_ylabel()
+    box = bar.yaxis.label.get_window_extent()
+    assert box.y0 > 0
+    assert box.y1 < figure.bbox.height
 
 
 def test_sheet_shows_every_map_with_its_angle(film):

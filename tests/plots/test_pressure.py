@@ -52,7 +52,7 @@ def test_every_load_is_within_the_axis_and_below_the_legend(found):
     legend = ax.get_legend()
     assert legend.get_title().get_text() == "bars: one standard deviation"
     assert legend.get_window_extent().y0 >= ax.bbox.y1
-    assert {text.get_text() for text in legend.get_texts()} == {"outward", "return", "logged"}
+    assert {text.get_text() for text in legend.get_texts()} == {"outward", "logged"}
 
 
 def test_the_legend_of_the_profile_covers_no_point(found):

@@ -180,12 +180,12 @@ def test_the_speed_of_the_exponent_is_drawn(film):
     assert plots.film_against_speed(film)[0].axes.get_xlabel().startswith("speed over load")
 
 
-def test_the_transient_film_is_seen_round_and_above_the_points(film):
+def test_the_transient_film_is_seen_round_and_below_the_points(film):
     *points, transient, _, _ = plots.film_and_theory(film)
     assert transient.get_markerfacecolor() == "none"
     for line in points:
         assert transient.get_markersize() > line.get_markersize()
-        assert transient.get_zorder() > line.get_zorder()
+        assert transient.get_zorder() < line.get_zorder()
 
 
 def test_a_statistic_without_a_point_is_not_in_the_legend(changed):

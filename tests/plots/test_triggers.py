@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from scenes.motion import DISC, SLIDER, film_of
 
-from erlif.plots.triggers import choose_abscissa, has_varying_speed, stroke_looks
+from erlif.plots.triggers import (
+    broken,
+    choose_abscissa,
+    find_gaps,
+    has_varying_speed,
+    in_order,
+    stroke_looks,
+)
 
 
 @pytest.mark.parametrize(
@@ -47,3 +54,25 @@ def test_a_steady_speed_is_recognised(speed, varies):
     film = film_of(DISC, without=["rocker_speed"], sliding_speed=np.asarray(speed))
     assert has_varying_speed(film) is varies
     assert not has_varying_speed(film.drop_vars("sliding_speed"))
+
+
+def test_a_stroke_without_a_trigger_has_no_marker():
+    film = film_of(DISC).assign(stroke=("trigger", np.ones(6)))
+    assert [look["label"] for _, look in stroke_looks(film)] == ["outward"]
+
+
+@pytest.mark.parametrize("left_out", [5, 12, 20])
+def test_a_trigger_left_out_of_a_cycle_breaks_the_line(left_out):
+    """Even angles of a rocker, which a sine stands for, are uneven angles of the crank."""
+    crank = np.degrees(np.arcsin(np.linspace(-0.96, 0.96, 26)))
+    assert not find_gaps(crank).any()
+    assert np.flatnonzero(find_gaps(np.delete(crank, left_out))).tolist() == [left_out - 1]
+
+
+def test_stretches_end_with_their_stroke():
+    film = film_of(DISC).assign(stroke=("trigger", [1, 1, -1, -1, -1, 1]))
+    parts = in_order(film, np.arange(6.0)[::-1])
+    assert [part.tolist() for part in parts] == [[5], [4, 3, 2], [1, 0]]
+    line = broken(parts, np.arange(6))
+    assert line[~np.isnan(line)].tolist() == [5, 4, 3, 2, 1, 0]
+    assert np.flatnonzero(np.isnan(line)).tolist() == [1, 5]
