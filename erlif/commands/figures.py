@@ -7,22 +7,60 @@ from pathlib import Path
 import click
 
 from erlif.commands.compiling import announced_compiling
-from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH
+from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, several
+from erlif.commands.progress import show_progress
 from erlif.core.errors import OutputError
 
 
 @click.command()
 @click.argument("film", type=PATH)
 @click.option("-o", "--output", type=PATH, help="Directory; default: figures/ beside FILM.")
+@click.option(
+    "--trigger",
+    type=int,
+    help="Trigger of the figures that show one; default: the fastest of the outward stroke.",
+)
+@click.option("--angle", type=float, help="The same by its crank angle in degree.")
+@click.option(
+    "--format",
+    "formats",
+    callback=several,
+    default="png,pdf",
+    show_default=True,
+    metavar="FORMAT,...",
+    help="Of png, pdf and svg.",
+)
+@click.option("--dpi", type=float, help="Pixels per inch of images; default: 300.")
+@click.option("--only", callback=several, metavar="NAME,...", help="Names of the figures to write.")
+@click.option(
+    "--style",
+    metavar="STYLE",
+    help="paper (85 mm, 8 points), slides (16:9, 18 points), or a style sheet of matplotlib.",
+)
 @ALLOW_OUTSIDE
 @OVERWRITE
-def figures(film: Path, output: Path | None, allow_outside: bool, overwrite: bool) -> None:
-    """Write the figures of a film as PNG and PDF.
+def figures(
+    film: Path,
+    output: Path | None,
+    trigger: int | None,
+    angle: float | None,
+    formats: tuple[str, ...],
+    dpi: float | None,
+    only: tuple[str, ...] | None,
+    style: str | None,
+    allow_outside: bool,
+    overwrite: bool,
+) -> None:
+    """Write the figures of a film.
 
     \b
     Example:
       erlif figures data_samples/straight_bushing/film.nc
+      erlif figures data_samples/straight_bushing/film.nc --only thickness_map --angle 90 \\
+          --format svg --style paper -o paper
     """
+    from erlif.conversion import choose_trigger
+    from erlif.files import open_film
     from erlif.plots import write_figures
 
     output = output or film.parent / "figures"
@@ -30,7 +68,21 @@ def figures(film: Path, output: Path | None, allow_outside: bool, overwrite: boo
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
-    with announced_compiling():
-        paths = write_figures(film, output, overwrite=overwrite, allow_outside=allow_outside)
+    if trigger is not None or angle is not None:
+        with open_film(film) as opened:
+            trigger = choose_trigger(opened, trigger=trigger, angle=angle)
+    with announced_compiling(), show_progress() as progress:
+        paths = write_figures(
+            film,
+            output,
+            trigger=trigger,
+            formats=formats,
+            only=only,
+            dpi=dpi,
+            style=style,
+            overwrite=overwrite,
+            allow_outside=allow_outside,
+            progress=progress,
+        )
     for path in paths:
         click.echo(str(path))

@@ -37,6 +37,16 @@ ALLOW_OUTSIDE = click.option(
 )
 
 
+def several(
+    ctx: click.Context, option: click.Parameter, value: str | None
+) -> tuple[str, ...] | None:
+    """Split the value of an option at its commas, without repetitions."""
+    if value is None:
+        return None
+    names = [name.strip() for name in value.split(",")]
+    return tuple(dict.fromkeys(name for name in names if name))
+
+
 def expect_suffix(output: Path, *suffixes: str, option: str = "-o") -> None:
     """Refuse an output name whose suffix belongs to another file format.
 

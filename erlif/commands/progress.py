@@ -12,6 +12,9 @@ import click
 from erlif.commands.ending import echo_aside
 from erlif.core.progress import Progress
 
+_UNITS = {"figures": "figure", "movie": "frame"}
+"""What is counted, where it is not frame pairs."""
+
 
 @contextmanager
 def show_progress() -> Iterator[Progress]:
@@ -35,7 +38,7 @@ def show_progress() -> Iterator[Progress]:
         if what not in bars:
             for bar in bars.values():
                 bar.close()
-            bars[what] = tqdm(total=total, desc=what, unit="pair", leave=False)
+            bars[what] = tqdm(total=total, desc=what, unit=_UNITS.get(what, "pair"), leave=False)
         bar = bars[what]
         bar.n = min(done, total)
         bar.refresh()

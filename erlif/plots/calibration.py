@@ -24,6 +24,7 @@ from erlif.plots.style import (
     colour_map,
     frame_legend,
     given_or_new,
+    in_style,
     is_page,
     is_visible,
     legend_above,
@@ -56,7 +57,7 @@ def _draw_points(
         y,
         std,
         fmt="o",
-        markersize=size,
+        markersize=pt(size),
         color=OUTWARD,
         ecolor=MUTED,
         elinewidth=pt(0.5),
@@ -352,4 +353,5 @@ def write_calibration_figure(calibration: Calibration, path: str | Path) -> Path
     ...     write_calibration_figure(example_calibration(), f"{directory}/wedge.pdf").name
     'wedge.pdf'
     """
-    return save_figure(calibration_figure(calibration), Path(path))
+    with in_style(None):
+        return save_figure(calibration_figure(calibration), Path(path))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
+from erlif.core.progress import Progress, silent
 from erlif.files import (
     check_trigger,
     describe_trigger,
@@ -32,7 +33,7 @@ from erlif.plots.naming import name_film
 from erlif.plots.orbit import has_position, pin_figure
 from erlif.plots.prediction import has_prediction, prediction_figure, prediction_map_figure
 from erlif.plots.registration import registration_figure
-from erlif.plots.style import ONE_COLUMN, AnyFigure, new_figure, save_figure, styled
+from erlif.plots.style import ONE_COLUMN, AnyFigure, in_style, new_figure, save_figure, styled
 from erlif.plots.trend import speed_figure, speed_over_load
 from erlif.plots.triggers import has_varying_speed
 from erlif.settings import read_fixture_settings, read_run_settings
@@ -40,6 +41,7 @@ from erlif.settings import read_fixture_settings, read_run_settings
 logger = logging.getLogger(__name__)
 
 _KINDS = ("png", "pdf", "svg")
+_DPI = (20, 2400)  # fewest and most pixels per inch
 _LABELS = 0.64  # inch above and below the image of the ratio, for title and labels
 _LEAST_SPAN = 0.1  # relative range of speed over load below which it shows no trend
 _SAME = 1e-9  # relative difference of parameters that a text file of them may leave
@@ -368,13 +370,18 @@ def write_figures(
     fixture_dir: str | Path | None = None,
     trigger: int | None = None,
     formats: Sequence[str] = ("png", "pdf"),
+    only: Sequence[str] | None = None,
+    dpi: float | None = None,
+    style: str | Path | None = None,
     overwrite: bool = False,
     allow_outside: bool = False,
+    progress: Progress = silent,
 ) -> list[Path]:
     """Write the figures of a film.
 
     A figure whose input is not at hand is left out with a warning in the log; `missing_figures`
-    lists them beforehand.
+    lists them beforehand. The look does not depend on settings of the caller, so that the same film
+    gives the same files.
 
     Parameters
     ----------
@@ -389,10 +396,18 @@ def write_figures(
         Trigger of the figures that show a single one; default: the outward one of highest speed.
     formats : sequence of str
         Of ``"png"``, ``"pdf"`` and ``"svg"``.
+    only : sequence of str, optional
+        Names of the figures to write; default: all that the film has.
+    dpi : float, optional
+        Pixels per inch, from 20 to 2400; default: that of the style, which is 300 without one.
+    style : str or path, optional
+        ``"paper"``, ``"slides"``, or a style sheet of matplotlib; default: the look of erlif.
     overwrite : bool
         Replace existing files.
     allow_outside : bool
         Follow links and names of files that leave the run directory.
+    progress : callable
+        Called with ``"figures"``, the number of figures that are written, and of all.
 
     Returns
     -------
@@ -402,7 +417,8 @@ def write_figures(
     Raises
     ------
     OutputError
-        If a file exists, cannot be written, or a format is unknown.
+        If a file exists or cannot be written, or a format, a style or a name of a figure is
+        unknown, or a figure named by `only` cannot be drawn.
     ErlifError
         If the film has no such trigger.
 
@@ -416,19 +432,27 @@ def write_figures(
     Traceback (most recent call last):
     erlif.core.errors.OutputError: Expected figures as png, pdf, svg; got gif. Choose from these.
     """
-    unknown = [kind for kind in formats if kind not in _KINDS]
-    if unknown:
+    _refuse_unknown("figures as", formats, _KINDS)
+    _refuse_unknown("names of figures among", only or (), DRAWN)
+    if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
         raise OutputError(
-            f"Expected figures as {', '.join(_KINDS)}; got {', '.join(unknown)}. Choose from these."
+            f"Expected a resolution from {_DPI[0]} to {_DPI[1]} dpi; got {dpi:g}. Choose one."
         )
 
     out_dir = Path(out_dir)
     written: list[Path] = []
-    with reading_film(film_path), open_film(film_path) as film:
+    with reading_film(film_path), open_film(film_path) as film, in_style(style):
         source = find_source(Path(film_path), film, trigger, run_dir, fixture_dir)
         source = replace(source, allow_outside=allow_outside)
-        reasons = {name: reason_missing(name, source) for name in DRAWN}
+        wanted = [name for name in DRAWN if only is None or name in only]
+        reasons = {name: reason_missing(name, source) for name in wanted}
         names = [name for name, reason in reasons.items() if reason is None]
+        if only is not None and len(names) < len(wanted):
+            missing = next(name for name in wanted if name not in names)
+            raise OutputError(
+                f"Expected a film that has the figure {missing}: {reasons[missing]}. Name others, "
+                "or none, to write what there is."
+            )
 
         # a film that lacks a part is refused before the first figure is written
         if "registration" in names:
@@ -444,7 +468,18 @@ def write_figures(
             if reason is not None:
                 logger.warning("figure %s left out: %s", name, reason)
 
-        for name in names:
+        for n, name in enumerate(names):
+            progress("figures", n, len(names))
             figure = DRAWN[name](source)
-            written += [save_figure(figure, out_dir / f"{name}.{kind}") for kind in formats]
+            paths = [out_dir / f"{name}.{kind}" for kind in formats]
+            written += [save_figure(figure, path, dpi=dpi) for path in paths]
+        progress("figures", len(names), len(names))
     return written
+
+
+def _refuse_unknown(what: str, names: Collection[str], known: Collection[str]) -> None:
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise OutputError(
+            f"Expected {what} {', '.join(known)}; got {', '.join(unknown)}. Choose from these."
+        )

@@ -193,7 +193,7 @@ def ratio_image(images: xr.Dataset, film: xr.Dataset, *, ax: Axes | None = None)
     valid = images.flags.values == 0
     ratio = np.where(valid, np.exp(images.log_ratio.values), np.nan)
     settings = settings_of(film)
-    label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]; grey: flagged"
+    label = f"ratio {settings.camera2.band:g} nm / {settings.camera1.band:g} nm [1]\ngrey: flagged"
     image = _draw(ratio, _limits(ratio, valid), film, label, ax)
     if reason := reason_empty(images.flags.values):
         state_empty(ax, reason.replace(": ", "\n").replace(", ", "\n"))

@@ -35,11 +35,18 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     rows_or_columns,
     state_empty,
     styled,
 )
-from erlif.plots.triggers import choose_abscissa, has_varying_speed, in_order, stroke_looks
+from erlif.plots.triggers import (
+    choose_abscissa,
+    has_varying_speed,
+    in_order,
+    limit_to_turn,
+    stroke_looks,
+)
 from erlif.settings import RunSettings, SinusoidalSettings
 
 _CYCLE = np.linspace(0.0, 2 * math.pi, 721)  # crank angle every half degree [rad]
@@ -47,7 +54,7 @@ _PANELS = (1.35, 1)  # heights of film and speed
 _STATISTICS = ("film_mean", "film_min")
 _MARKER = 2.4  # point
 _DASHES = (0, (3, 1.5))
-_HEADROOM = 1.25  # limit of the film thickness over the thickest film, for a legend of two rows
+_LEGEND = 3.2  # lines of text above the films
 
 
 @dataclass(frozen=True)
@@ -222,7 +229,7 @@ def _draw_sliding_speed(ax: Axes, film: xr.Dataset, *, against_position: bool) -
     else:
         x, label, whole_turn = choose_abscissa(film)
         if whole_turn:
-            _limit_to_turn(ax)
+            limit_to_turn(ax)
 
     artists += _draw_strokes(ax, film, x, speed)
     if speed.min() < 0:
@@ -272,7 +279,7 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
     points = _draw_strokes(ax, film, film.crank_angle.values, film.rocker_speed.values)
     if cycle.speed.min() < 0:
         ax.axhline(0, color=MUTED, linewidth=pt(0.4), zorder=1)
-    _limit_to_turn(ax)
+    limit_to_turn(ax)
     ax.set_xlabel("crank angle [°]")
     _label_speed(ax, settings_of(film))
     return [curve, *points]
@@ -320,7 +327,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
         _mark_strokes(ax, film, along.values, value, colour)
 
     if along.whole_turn:
-        _limit_to_turn(ax)
+        limit_to_turn(ax)
     elif along.label == "trigger":
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel(along.label)
@@ -329,7 +336,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     # from contact, so that the film is seen in proportion; the legend has room above all curves,
     # because the thinnest films are at the dead points, close to the lower edge
     _, top = ax.get_ylim()
-    ax.set_ylim(0, _HEADROOM * top)
+    ax.set_ylim(0, (1 + room_for(ax, _LEGEND)) * top)
     if not any(np.isfinite(film[name].values).any() for name in ("film_mean", "film_min")):
         shares = describe_shares(flag_shares(film).mean(axis=0))
         state_empty(ax, f"no film thickness at any trigger\n{shares}")
@@ -355,11 +362,6 @@ def _mark_strokes(ax: Axes, film: xr.Dataset, x: Array, value: Array, colour: st
             color=colour,
             markerfacecolor="white" if look["markerfacecolor"] == "white" else colour,
         )
-
-
-def _limit_to_turn(ax: Axes) -> None:
-    ax.set_xlim(0, 360)
-    ax.set_xticks(range(0, 361, 60))
 
 
 @styled

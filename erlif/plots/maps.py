@@ -36,6 +36,7 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     state_empty,
     styled,
 )
@@ -58,7 +59,8 @@ _LABELS = 0.75  # inch above and below a single map
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
 _BAR = 0.75  # inch beside a sheet for its colour bar
-_ROOM = (0.42, 0.08)  # below and above a profile for text, in heights of the profile
+_ROOM = 0.08  # above a profile, in heights of the profile
+_NOTE = 4.5  # lines of text below it
 
 
 def common_limits(film: xr.Dataset, triggers: Iterable[int] | None = None) -> Limits:
@@ -302,8 +304,8 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     # the limits leave room for the text; the rigid gap may leave them beside the measured profile
     if np.isfinite(h).any():
         low, high = float(np.nanmin(h)), float(np.nanmax(h))
-        below = _ROOM[1] if gap is None else _ROOM[0]
-        ax.set_ylim(low - below * (high - low), high + _ROOM[1] * (high - low))
+        below = _ROOM if gap is None else room_for(ax, _NOTE)
+        ax.set_ylim(low - below * (high - low), high + _ROOM * (high - low))
     else:
         state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")

@@ -30,7 +30,7 @@ from erlif.plots.style import (
     rows_or_columns,
     styled,
 )
-from erlif.plots.triggers import broken, choose_abscissa, in_order, stroke_looks
+from erlif.plots.triggers import broken, choose_abscissa, in_order, limit_to_turn, stroke_looks
 
 _RADII = math.sqrt(-2 * math.log(0.05))
 """Radii of an ellipse that covers 95 % of a normal distribution in two dimensions. [std]"""
@@ -233,7 +233,7 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
         zorder=1.5,
     )
     if abscissa.whole_turn:
-        ax.set(xlim=(0, 360), xticks=range(0, 361, 60))
+        limit_to_turn(ax)
     ax.set_xlabel(abscissa.label)
     ax.set_ylabel("curvature [µm/mm²]")
     legend_above(ax, ncols=2)
@@ -277,12 +277,14 @@ def pin_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigur
         letter(ax, name)
 
     # the strokes look alike in all panels
+    strokes = {str(look["label"]) for _, look in stroke_looks(film)}
     for ax in panels[1:]:
         legend = ax.get_legend()
         assert legend is not None
-        keys = zip(legend.legend_handles, legend.get_texts(), strict=True)
-        *_, (handle, text) = [(one, text.get_text()) for one, text in keys]
-        legend_above(ax, handles=[handle], labels=[text])
+        texts = [text.get_text() for text in legend.get_texts()]
+        own = [n for n, text in enumerate(texts) if text not in strokes]
+        handles = [legend.legend_handles[n] for n in own]
+        legend_above(ax, handles=handles, labels=[texts[n] for n in own])
     return figure
 
 

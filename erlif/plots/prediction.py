@@ -34,11 +34,19 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     signed,
     state_empty,
     styled,
 )
-from erlif.plots.triggers import broken, choose_abscissa, find_gaps, in_order, stroke_looks
+from erlif.plots.triggers import (
+    broken,
+    choose_abscissa,
+    find_gaps,
+    in_order,
+    limit_to_turn,
+    stroke_looks,
+)
 from erlif.prediction import speed_correlation
 from erlif.trend import find_region
 
@@ -47,7 +55,7 @@ _THIRD = 0.26  # of two columns, for each of three maps
 _AROUND = 0.75  # inch above and below the maps
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
-_ROOM = (0.2, 0.5)  # below and above the films, in parts of their range
+_LINES = (2.0, 5.0)  # of text below and above the films
 _LEAST_SPAN = 0.02  # of the film; a smaller range is noise
 
 
@@ -95,7 +103,7 @@ def film_and_prediction(film: xr.Dataset, *, ax: Axes | None = None) -> list[Art
     held = str(film.film_theory.attrs["regime"]).removeprefix("transient Reynolds, ")
     artists += ax.plot(x, y, color=OUTWARD, linewidth=pt(1.0), label=f"predicted, {held}", zorder=2)
 
-    ax.set(xlim=(0, 360), xticks=range(0, 361, 60))
+    limit_to_turn(ax)
     _finish(ax, label)
     return artists
 
@@ -177,7 +185,8 @@ def _finish(ax: Axes, label: str) -> None:
     """Label the axes, with room for the legend above and for a text below."""
     low, high = ax.get_ylim()
     span = max(high - low, _LEAST_SPAN * high)
-    ax.set_ylim(max(low - _ROOM[0] * span, 0.0), high + _ROOM[1] * span)
+    below, above = room_for(ax, _LINES[0]), room_for(ax, _LINES[1])
+    ax.set_ylim(max(low - below * span, 0.0), high + above * span)
     ax.set_xlabel(label)
     ax.set_ylabel("minimum film thickness [µm]")
     frame_legend(ax, loc="upper right", title="bars: 1 s.d.")
@@ -330,8 +339,8 @@ def prediction_map_figure(
         state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
     titles = ("measured; grey: flagged", "predicted", "measured − predicted")
     for ax, name, title in zip(panels, "abc", titles, strict=True):
-        letter(ax, name)
         ax.set_title(title)
+        letter(ax, name)
     for ax in panels[1:]:
         ax.set_ylabel("")
     return figure

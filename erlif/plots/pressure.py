@@ -26,6 +26,7 @@ from erlif.plots.style import (
     add_colour_bar,
     colour_map,
     given_or_new,
+    in_style,
     letter,
     new_figure,
     pt,
@@ -310,4 +311,5 @@ def write_pressure_figure(found: xr.Dataset, path: Path) -> Path:
     ...     path.stat().st_size > 10_000
     True
     """
-    return save_figure(pressure_figure(found), path)
+    with in_style(None):
+        return save_figure(pressure_figure(found), path)

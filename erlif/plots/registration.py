@@ -25,6 +25,7 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     signed,
     styled,
 )
@@ -38,7 +39,6 @@ _EDGES = {
 """Masks whose edges are drawn, with colour and label."""
 _WIDE = 0.36  # of two columns, for one of two images beside their colour bars
 _DRIFT, _AROUND = 1.5, 0.95  # inch for the drift, and for titles and labels
-_ROOM = 0.22  # above the drift for the legend, in heights of the axis
 
 
 @styled
@@ -155,7 +155,7 @@ def drift_of_frames(frames: xr.Dataset, *, ax: Axes | None = None) -> list[Artis
     ax.set_ylabel("drift of camera 2 [px]")
     ax.margins(x=0.01)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high + _ROOM * (high - low))
+    ax.set_ylim(low, high + room_for(ax, 2.0) * (high - low))
     ax.legend(loc="upper right", ncols=2)
     return artists
 

@@ -113,8 +113,11 @@ _METADATA: dict[str, Mapping[str, Any]] = {
     "svg": {"Date": None, "Creator": "erlif"},
 }
 
-_LETTER, _BESIDE, _SHORTEST = 3.9, 0.4, 12
+_LETTER, _BESIDE, _SHORTEST = 3.9, 0.3, 12
 """Width of a letter [point], room at both ends of a colour bar [inch], letters of a short label."""
+
+_LINE, _LAID_OUT = 9.0, 0.85
+"""Height of a line of text [point], and of laid out axes over the one before."""
 
 # level 6, the default, takes half as long again for 2 % smaller files
 _PNG_COMPRESSION = 4
@@ -284,8 +287,8 @@ def add_colour_bar(image: ScalarMappable, ax: Axes, label: str, *, extend: str =
     # a label longer than its bar would end beyond the figure
     ax.apply_aspect()
     height = ax.get_position().height * figure_of(ax).bbox.height / figure_of(ax).dpi  # inch
-    letters = max(int(72 * (height + pt(_BESIDE)) / pt(_LETTER)), _SHORTEST)
-    bar.set_label("\n".join(wrap(label, letters)))
+    letters = max(int(72 * (_LAID_OUT * height + pt(_BESIDE)) / pt(_LETTER)), _SHORTEST)
+    bar.set_label("\n".join(part for line in label.split("\n") for part in wrap(line, letters)))
 
 
 def frame_legend(ax: Axes, **options: Any) -> None:
@@ -298,8 +301,17 @@ def frame_legend(ax: Axes, **options: Any) -> None:
 def legend_above(ax: Axes, **options: Any) -> None:
     """Add a legend above the axes, where it covers no point."""
     options = {"ncols": 3, "columnspacing": 1.0, "handletextpad": 0.5} | options
+    if is_page():  # panels stand side by side and are narrow
+        options["ncols"] = 1
     options |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
     ax.legend(**options)
+
+
+def room_for(ax: Axes, lines: float) -> float:
+    """Height of lines of text over the rest of the height of axes, before the layout is known."""
+    height = _LAID_OUT * 72 * ax.get_window_extent().height / figure_of(ax).dpi
+    text = lines * pt(_LINE)
+    return float(text / max(height - text, text))
 
 
 def state_empty(ax: Axes, text: str) -> None:
@@ -332,8 +344,13 @@ def signed(value: float, digits: int = 2) -> str:
 
 
 def letter(ax: Axes, text: str) -> None:
-    """Mark a panel as (a), (b), ... at its upper left."""
-    ax.set_title(f"({text})", loc="left", fontweight="bold")
+    """Mark a panel as (a), (b), ... at its upper left; on a page, its title follows."""
+    title = ax.get_title()
+    if is_page() and title:
+        ax.set_title("")
+        ax.set_title(f"({text}) {title}", loc="left")
+    else:
+        ax.set_title(f"({text})", loc="left", fontweight="bold")
 
 
 def figure_of(ax: Axes) -> Figure | SubFigure:
@@ -343,7 +360,7 @@ def figure_of(ax: Axes) -> Figure | SubFigure:
     return figure
 
 
-def save_figure(figure: AnyFigure, path: Path, *, dpi: float = 300.0) -> Path:
+def save_figure(figure: AnyFigure, path: Path, *, dpi: float | None = None) -> Path:
     """Write a figure as PNG, PDF or SVG by the suffix of `path`.
 
     The same figure gives the same bytes.
@@ -354,8 +371,9 @@ def save_figure(figure: AnyFigure, path: Path, *, dpi: float = 300.0) -> Path:
         From a function of this stage, or any other.
     path : Path
         The file; an existing one is replaced in one step.
-    dpi : float
-        Pixels per inch of a PNG, and of images in a PDF or SVG.
+    dpi : float, optional
+        Pixels per inch of a PNG, and of images in a PDF or SVG; default: that of the style, which
+        is 300 without one.
 
     Returns
     -------
@@ -383,7 +401,7 @@ def save_figure(figure: AnyFigure, path: Path, *, dpi: float = 300.0) -> Path:
     return path
 
 
-def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float = 300.0) -> bytes:
+def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float | None = None) -> bytes:
     """Return the content of a file of kind ``"png"``, ``"pdf"`` or ``"svg"``.
 
     The layout of the figure is fixed by this call.
@@ -395,7 +413,7 @@ def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float = 300.0) -> bytes:
         return _draw_bytes(whole, kind, dpi)
 
 
-def _draw_bytes(figure: Figure, kind: str, dpi: float) -> bytes:
+def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
     engine = figure.get_layout_engine()
     if engine is not None:
         # images of fixed aspect change their size in the first round, and their labels with them
@@ -405,6 +423,7 @@ def _draw_bytes(figure: Figure, kind: str, dpi: float) -> bytes:
         # with any engine, even one that does nothing, each file would be drawn twice
         figure.set_layout_engine(None)
 
+    dpi = matplotlib.rcParams["savefig.dpi"] if dpi is None else dpi
     options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
     if kind == "png":
         options["pil_kwargs"] = {"compress_level": _PNG_COMPRESSION}

@@ -27,6 +27,7 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     state_empty,
     styled,
 )
@@ -45,7 +46,7 @@ _BARS = "bars: 1 s.d."
 _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
-_ROOM = 0.42  # above the curves for the legend, as a power of the range of the axis
+_LEGEND = 7.0  # lines of text above the curves
 
 
 def _speed_name(film: xr.Dataset) -> str:
@@ -263,7 +264,7 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ax.set_ylabel("film thickness [µm]")
     _plain_ticks(ax)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high * (high / low) ** _ROOM)
+    ax.set_ylim(low, high * (high / low) ** room_for(ax, _LEGEND))
     ax.legend(loc="upper left", title=_BARS, alignment="left")
     return artists
 

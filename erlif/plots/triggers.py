@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array, Mask
 from erlif.files import motion_of
-from erlif.plots.style import OUTWARD, STROKES
+from erlif.plots.style import OUTWARD, STROKES, is_page
 
 _STEADY = 0.01
 """Relative range of a speed below which it is not drawn: that of a steady disc and its log."""
@@ -74,6 +75,12 @@ def choose_abscissa(film: xr.Dataset) -> Abscissa:
     if "encoder_angle" in film and np.ptp(film.encoder_angle.values) > 0:
         return Abscissa(film.encoder_angle.values, "encoder angle [°]", False)
     return Abscissa(np.arange(film.sizes["trigger"], dtype=float), "trigger", False)
+
+
+def limit_to_turn(ax: Axes) -> None:
+    """Let an axis of angles end with a whole turn."""
+    ax.set_xlim(0, 360)
+    ax.set_xticks(range(0, 361, 120 if is_page() else 60))
 
 
 def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:

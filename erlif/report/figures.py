@@ -7,6 +7,7 @@ from html import escape
 from erlif.core.progress import Progress, silent
 from erlif.files import describe_trigger
 from erlif.plots.files import DRAWN, FigureSource, reason_missing
+from erlif.plots.style import in_style
 from erlif.report.captions import caption_of
 from erlif.report.layout import arrange_figures, embed_figure
 
@@ -27,7 +28,8 @@ def figures_section(source: FigureSource, progress: Progress = silent) -> str:
         text = caption.text
         if name in _OF_ONE_TRIGGER:
             text = f"{describe_trigger(source.film, source.trigger).capitalize()}. {text}"
-        parts.append(embed_figure(name, draw(source), caption, text))
+        with in_style(None):
+            parts.append(embed_figure(name, draw(source), caption, text))
 
     progress("figures", len(DRAWN), len(DRAWN))
     left_out = f"<h3>Left out</h3><ul>{''.join(missing)}</ul>" if missing else ""

@@ -10,3 +10,18 @@ def test_a_file_in_place_of_the_output_directory_is_refused(lab, refused):
     message = refused("figures", lab.film, "-o", lab.run / "run.toml")
     assert "run.toml is a file" in message
     assert "-o" in message
+
+
+def test_chosen_figures_are_written(run, own, tmp_path):
+    out = tmp_path / "chosen"
+    options = ("--only", "film_over_cycle,thickness_map", "--format", "svg", "--angle", "300")
+    result = run("figures", own, "-o", out, *options)
+    names = ["thickness_map.svg", "film_over_cycle.svg"]
+    assert result.stdout.splitlines() == [str(out / name) for name in names]
+    assert "figures: 2 done" in result.stderr
+
+
+def test_unknown_names_are_refused_with_the_list(lab, film, refused):
+    message = refused("figures", film, "-o", lab.directory / "x", "--only", "maps")
+    assert "map_sheet" in message
+    assert "got maps" in message

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import shutil
 
+import matplotlib
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -276,3 +277,57 @@ def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):
     few(monkeypatch, "speed_against_angle", "map_sheet")
     written = plots.write_figures(path, tmp_path / "figures", formats=("png",))
     assert [path.stem for path in written] == ["speed_against_angle", "map_sheet"]
+
+
+def test_chosen_figures_are_written_in_their_style_and_resolution(film_path, tmp_path):
+    """85 mm at 100 pixels an inch, and 16:9 at 60."""
+    seen = []
+    paths = plots.write_figures(
+        film_path,
+        tmp_path / "paper",
+        only=["calibration"],
+        formats=["png"],
+        style="paper",
+        dpi=100,
+        progress=lambda *step: seen.append(step),
+    )
+    assert [path.name for path in paths] == ["calibration.png"]
+    assert seen == [("figures", 0, 1), ("figures", 1, 1)]
+    assert int.from_bytes(paths[0].read_bytes()[16:20], "big") == int(85 / 25.4 * 100)
+    (slide,) = plots.write_figures(
+        film_path, tmp_path, only=["film_over_cycle"], formats=["png"], style="slides", dpi=60
+    )
+    size = slide.read_bytes()[16:24]
+    assert [int.from_bytes(size[:4], "big"), int.from_bytes(size[4:], "big")] == [799, 450]
+
+
+def test_files_do_not_depend_on_settings_of_the_caller(film_path, tmp_path):
+    options = {"only": ["film_over_cycle"], "formats": ["svg", "pdf"]}
+    plain = plots.write_figures(film_path, tmp_path / "a", **options)
+    with matplotlib.rc_context({"font.size": 13, "lines.linewidth": 4, "svg.hashsalt": "mine"}):
+        other = plots.write_figures(film_path, tmp_path / "b", **options)
+    assert [path.read_bytes() for path in plain] == [path.read_bytes() for path in other]
+
+
+def test_style_sheet_of_the_user_is_taken(film_path, tmp_path):
+    sheet = tmp_path / "mine.mplstyle"
+    sheet.write_text("figure.figsize: 4.0, 3.0\nfont.size: 9\n")
+    (path,) = plots.write_figures(
+        film_path, tmp_path, only=["speed_against_angle"], formats=["png"], style=sheet, dpi=50
+    )
+    assert int.from_bytes(path.read_bytes()[16:20], "big") == 200
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"only": ["nonsense"]}, "pin_orbit"),
+        ({"only": ["fixture_profile"]}, "CMM profile"),
+        ({"style": "nonsense"}, "paper, slides"),
+        ({"dpi": 3}, "20 to 2400"),
+    ],
+)
+def test_unknown_choice_is_refused_with_what_there_is(film_path, tmp_path, options, message):
+    with pytest.raises(OutputError, match=message):
+        plots.write_figures(film_path, tmp_path / "figures", **options)
+    assert not (tmp_path / "figures").exists()

@@ -84,7 +84,7 @@ def test_ratio_is_drawn_where_no_flag_is_set(images, film):
     valid = images.flags.values == 0
     npt.assert_allclose(drawn[valid], expected[valid], rtol=2e-3)
     assert [bar.get_ylabel() for bar in image.axes.child_axes] == [
-        "ratio 610 nm / 580 nm [1]; grey: flagged"
+        "ratio 610 nm / 580 nm [1]\ngrey: flagged"
     ]
 
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import matplotlib
+import matplotlib.style
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -24,6 +25,7 @@ from erlif.plots.style import (
     frame_legend,
     given_or_new,
     new_figure,
+    room_for,
     signed,
 )
 
@@ -160,3 +162,38 @@ def test_given_axes_are_used():
 )
 def test_numbers_are_written_with_their_sign(value, digits, text):
     assert signed(value, digits) == text
+
+
+def test_style_of_the_caller_is_kept(film):
+    """A larger text takes lines and markers with it."""
+    with matplotlib.rc_context({"font.size": 14.0}):
+        image = plots.thickness_map(film, trigger=0)
+        assert image.axes.title.get_fontsize() == 14.0
+        assert image.axes.spines["left"].get_linewidth() == pytest.approx(1.2)
+    with matplotlib.style.context("erlif.plots.paper"):
+        ax = plots.film_over_cycle(film)[0].axes
+    npt.assert_allclose(25.4 * ax.get_figure().get_figwidth(), 85, atol=0.01)
+    assert ax.xaxis.label.get_fontsize() == 8.0
+
+
+def test_figure_of_several_panels_shows_itself_and_fits_into_another(film):
+    figure = plots.cycle_figure(film)
+    assert figure._repr_png_()[:4] == b"\x89PNG"
+    whole = Figure(figsize=(8, 4), layout="constrained")
+    left, right = whole.subfigures(1, 2)
+    assert plots.cycle_figure(film, figure=left) is left
+    assert plots.pin_figure(film, figure=right) is right
+    assert figure_bytes(right, kind="png", dpi=50)[:4] == b"\x89PNG"
+    assert len(whole.axes) == 5
+
+
+def test_ticks_of_a_figure_keep_its_look(film):
+    """Ticks are made when a figure is drawn, in a notebook after the function has returned."""
+    ax = plots.film_over_cycle(film)[0].axes
+    ax.get_figure().draw_without_rendering()
+    assert ax.get_xticklabels()[0].get_fontsize() == 6.5
+
+
+@pytest.mark.parametrize(("lines", "room"), [(0.0, 0.0), (1000.0, 1.0)])
+def test_room_for_text_is_bounded(lines, room):
+    assert room_for(new_figure().add_subplot(), lines) == room
