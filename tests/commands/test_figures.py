@@ -12,10 +12,10 @@ def test_a_file_in_place_of_the_output_directory_is_refused(lab, refused):
     assert "-o" in message
 
 
-def test_chosen_figures_are_written(run, own, tmp_path):
+def test_chosen_figures_are_written(command, own, tmp_path):
     out = tmp_path / "chosen"
     options = ("--only", "film_over_cycle,thickness_map", "--format", "svg", "--angle", "300")
-    result = run("figures", own, "-o", out, *options)
+    result = command("figures", own, "-o", out, *options)
     names = ["thickness_map.svg", "film_over_cycle.svg"]
     assert result.stdout.splitlines() == [str(out / name) for name in names]
     assert "figures: 2 done" in result.stderr

@@ -271,7 +271,7 @@ def test_groups_stay_in_memory_when_the_file_is_gone(film_path, film, tmp_path):
 
 def test_film_without_its_run_is_drawn_from_zarr(tmp_path, monkeypatch):
     """A film in zarr has the figures of one in netCDF."""
-    film = plots.example_film().drop_vars(["axis", "parameter"])  # text of a fixed length
+    film = plots.example_film().drop_vars(["axis", "parameter", "film_regime"])  # fixed text
     path = tmp_path / "film.zarr"
     film.to_zarr(path, consolidated=False, zarr_format=3)
     few(monkeypatch, "speed_against_angle", "map_sheet")
