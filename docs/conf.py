@@ -130,6 +130,7 @@ STAGES = (
     "pipeline",
     "audit",
     "conversion",
+    "comparison",
     "files",
     "plots",
     "report",

@@ -27,6 +27,7 @@ _FUNCTIONS = {
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.audit",
+    "compare": "erlif.comparison",
     "export": "erlif.conversion",
     "find_pin_position": "erlif.trend",
     "init": "erlif.pipeline.init",
@@ -42,6 +43,7 @@ _FUNCTIONS = {
 _MODULES = (
     "audit",
     "calibration",
+    "comparison",
     "conversion",
     "correction",
     "files",
@@ -72,6 +74,8 @@ __all__ = [
     "calibrate",
     "calibration",
     "check",
+    "compare",
+    "comparison",
     "conversion",
     "correction",
     "export",
@@ -106,6 +110,7 @@ if TYPE_CHECKING:
     from erlif import (
         audit,
         calibration,
+        comparison,
         conversion,
         correction,
         files,
@@ -126,6 +131,7 @@ if TYPE_CHECKING:
     )
     from erlif.audit import check
     from erlif.calibration import Calibration, open_calibration, save_calibration
+    from erlif.comparison import compare
     from erlif.conversion import export
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag

@@ -30,6 +30,7 @@ ORDER = (
     "pipeline",
     "audit",
     "conversion",
+    "comparison",
     "plots",
     "report",
     "notebook",

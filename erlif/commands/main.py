@@ -15,6 +15,7 @@ from erlif.commands.batch import batch
 from erlif.commands.budget import budget
 from erlif.commands.calibrate import calibrate
 from erlif.commands.check import check
+from erlif.commands.compare import compare
 from erlif.commands.ending import (
     EndedBySignal,
     echo_aside,
@@ -123,6 +124,7 @@ for command in (
     budget,
     figures,
     report,
+    compare,
     export,
     view,
     sources,

@@ -29,7 +29,13 @@ STARTS = {
 }
 """First bytes of figures, pages and exported films by their suffix."""
 
-UNMARKED = {".csv": (b"trigger,frames_used [1],", b"x [mm],y [mm],thickness [um],")}
+UNMARKED = {
+    ".csv": (
+        b"trigger,frames_used [1],",
+        b"x [mm],y [mm],thickness [um],",
+        b"first,second,statistic,",
+    )
+}
 """First bytes of files that are read without the mark: headings of tables."""
 
 _SERIES = (".pvd", ".vts")

@@ -12,6 +12,13 @@ from erlif.plots.calibration import (
     ratio_residuals,
     write_calibration_figure,
 )
+from erlif.plots.comparison import (
+    comparison_figure,
+    control_chart_of,
+    difference_map_of_runs,
+    film_against_duty,
+    write_comparison_figures,
+)
 from erlif.plots.example import (
     example_calibration,
     example_film,
@@ -60,7 +67,10 @@ __all__ = [
     "band_images_figure",
     "calibration_figure",
     "closest_film",
+    "comparison_figure",
+    "control_chart_of",
     "cycle_figure",
+    "difference_map_of_runs",
     "displacement_map",
     "drift_of_frames",
     "example_calibration",
@@ -69,6 +79,7 @@ __all__ = [
     "example_images",
     "example_pressure",
     "example_registration",
+    "film_against_duty",
     "film_against_speed",
     "film_and_prediction",
     "film_and_theory",
@@ -102,6 +113,7 @@ __all__ = [
     "thickness_figure",
     "thickness_map",
     "write_calibration_figure",
+    "write_comparison_figures",
     "write_example",
     "write_figures",
     "write_pressure_figure",

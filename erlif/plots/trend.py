@@ -109,7 +109,7 @@ def film_against_speed(film: xr.Dataset, *, ax: Axes | None = None) -> list[Arti
 
     ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
-    _plain_ticks(ax)
+    plain_ticks(ax)
     # a statistic that no trigger has is not named
     if drawn:
         ax.legend(handles=[*drawn, *_stroke_keys(film)], loc="best", title=_BARS, alignment="left")
@@ -262,14 +262,14 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
 
     ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
-    _plain_ticks(ax)
+    plain_ticks(ax)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high * (high / low) ** room_for(ax, _LEGEND))
     ax.legend(loc="upper left", title=_BARS, alignment="left")
     return artists
 
 
-def _plain_ticks(ax: Axes) -> None:
+def plain_ticks(ax: Axes) -> None:
     """Write the ticks of logarithmic axes as plain numbers, close enough to read a short range."""
     for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
         # the shorter the axis, the more ticks a decade needs

@@ -1,0 +1,89 @@
+"""``erlif compare``: runs against each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH
+from erlif.commands.progress import show_progress
+from erlif.core.errors import ErlifError
+
+
+@click.command()
+@click.argument("films", type=PATH, nargs=-1, required=True)
+@click.option("--angle", type=float, help="Crank angle of the difference map in degree.")
+@click.option(
+    "--pair",
+    type=int,
+    nargs=2,
+    default=(1, 2),
+    show_default=True,
+    help="Films of the difference map, counted from 1.",
+)
+@click.option(
+    "--calibration",
+    "calibrations",
+    type=PATH,
+    multiple=True,
+    help="A further calibration for the control chart; may be given several times.",
+)
+@click.option("-o", "--output", type=PATH, help="Directory for compare.nc, tables and figures.")
+@OVERWRITE
+def compare(
+    films: tuple[Path, ...],
+    angle: float | None,
+    pair: tuple[int, int],
+    calibrations: tuple[Path, ...],
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Compare runs: which differ, by how much, and how sure that is.
+
+    Errors of a calibration that runs share cancel; probabilities are corrected for the number of
+    tests. With -o, compare.nc, the table of pairs as CSV and HTML, and the figures are written.
+
+    \b
+    Example:
+      erlif compare load_50/film.nc load_100/film.nc
+      erlif compare run_*/film.nc -o comparison
+    """
+    with large_imports():
+        from erlif.comparison import compare as compare_films
+        from erlif.comparison import describe_comparison, write_pair_table
+        from erlif.files import refuse_existing, write_dataset
+
+    # everything that can be refused is refused before the work starts
+    if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
+        raise ErlifError(
+            f"Expected two different films from 1 to {len(films)} for the difference map; got "
+            f"{pair[0]} and {pair[1]}. Choose two of them."
+        )
+    names = ("compare.nc", "compare.csv", "compare.html")
+    pictures = ("films", "difference_map", "control_patch", "control_calibration")
+    if output is not None:
+        for name in (*names, *(f"{each}.png" for each in pictures)):
+            refuse_existing(output / name, overwrite=overwrite, holds="difference_at")
+    with show_progress() as progress:
+        found = compare_films(
+            films,
+            pair=(pair[0] - 1, pair[1] - 1),
+            angle=angle,
+            calibrations=calibrations,
+            progress=progress,
+        )
+    for line in describe_comparison(found):
+        click.echo(line)
+    if output is None:
+        return
+
+    from erlif.plots import write_comparison_figures
+
+    write_dataset(found, output / names[0])
+    for name in names[1:]:
+        write_pair_table(found, output / name)
+    figures = write_comparison_figures(found, output)
+    written = ", ".join(str(path) for path in (*(output / name for name in names), *figures))
+    click.echo(f"written: {written}")

@@ -1,0 +1,40 @@
+"""``erlif compare``: what it prints, what it writes, what it refuses."""
+
+import numpy as np
+
+from erlif.files import write_dataset
+from erlif.plots import example_film, example_frames, example_registration, write_example
+
+
+def write_other(path):
+    """The example 0.5 um thicker."""
+    film = example_film()
+    changed = film.assign(thickness=film.thickness + np.float32(0.5), film_min=film.film_min + 0.5)
+    groups = {"registration": example_registration(), "frames": example_frames()}
+    write_dataset(changed, path, groups=groups)
+    return path
+
+
+def test_a_comparison_is_printed_and_written(tmp_path, command, refused):
+    films = write_example(tmp_path / "a.nc"), write_other(tmp_path / "b.nc")
+    shown = command("compare", *films, "--angle", 112)
+    assert "conclusion: example (1) and example (2) differ in minimum film" in shown.stdout
+    assert not (tmp_path / "out").exists()
+
+    out = tmp_path / "out"
+    command("compare", *films, "-o", out)
+    names = {"compare.nc", "compare.csv", "compare.html", "films.png", "difference_map.png"}
+    assert {path.name for path in out.iterdir()} == names
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    assert "use --overwrite" in refused("compare", *films, "-o", out)
+    command("compare", *films, "-o", out, "--overwrite")
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_what_cannot_be_compared_is_refused_in_one_message(tmp_path, refused):
+    film = write_example(tmp_path / "a.nc")
+    assert "two films or more; got 1" in refused("compare", film)
+    assert "does not exist" in refused("compare", film, tmp_path / "b.nc")
+    assert "two different films from 1 to 2" in refused(
+        "compare", film, write_other(tmp_path / "b.nc"), "--pair", 1, 3
+    )
