@@ -157,11 +157,11 @@ def draw(record, rng, *, true: float, shared: bool):
     """Three runs whose errors follow the model; the second and third are thicker by `true`."""
     from erlif.comparison.records import REPEATING
 
-    covariance = record.calibration.full_covariance
-    common = rng.multivariate_normal(np.zeros(len(covariance)), covariance)
+    spread = np.linalg.cholesky(record.calibration.full_covariance)
+    common = spread @ rng.standard_normal(len(spread))
     runs = []
     for k in range(3):
-        error = common if shared else rng.multivariate_normal(0 * common, covariance)
+        error = common if shared else spread @ rng.standard_normal(len(spread))
         value = {}
         for name, film in record.value.items():
             share, own = REPEATING[name], record.own_std[name]

@@ -104,6 +104,7 @@ SINGLE_PAGES = (
     "logs",
     "tribometers",
     "prediction",
+    "compare",
     "tutorial",
     "files",
     "glossary",

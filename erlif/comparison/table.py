@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.files import replacing
 
 _NAMES = {"film_min": "minimum film", "film_mean": "mean film"}
+_NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
 _SIDES = 1.96  # standard deviations of a difference that is found in half of the cases
 
 _COLUMNS = (
@@ -82,7 +83,9 @@ def _describe_pair(one: xr.Dataset, name: str) -> str:
     value, std = float(of.difference), float(of.difference_std)
     if not np.isfinite(value):
         return f"{runs} not comparable: no common trigger has one within the measurable range"
-    size = f"{value:+.3f} ± {std:.3f} um, p = {float(of.probability_corrected):.2g}"
+    chance = float(of.probability_corrected)
+    probability = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
+    size = f"{value:+.3f} ± {std:.3f} um, {probability}"
     if of.differs.item():
         return f"{runs} {size}, differs"
     return f"{runs} {size}, no difference found (one of {_SIDES * std:.3f} um would be, in half)"

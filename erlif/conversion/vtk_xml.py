@@ -1,6 +1,6 @@
 """Files of the Visualization Toolkit (VTK) for ParaView: a structured grid for each trigger.
 
-The format is that of The VTK User's Guide (Kitware 2010), section 19.3: XML, with the arrays as
+The format is the one that VTK documents as its XML file formats: text, with the arrays as
 base64 of zlib blocks.
 """
 
