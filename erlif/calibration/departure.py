@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -61,11 +62,18 @@ class Departure:
         t = np.asarray(thickness, float)
         low, high = self.knots[0], self.knots[-1]
         inside = np.clip(t, low, high)
-        functions = scipy.interpolate.BSpline(self.knots, np.eye(self.coefficients.size), 3)
         if not derivative:
-            return np.moveaxis(np.asarray(functions(inside)), -1, 0)
-        slopes = np.moveaxis(np.asarray(functions.derivative()(inside)), -1, 0)
+            return np.moveaxis(np.asarray(self._functions(inside)), -1, 0)
+        slopes = np.moveaxis(np.asarray(self._slopes(inside)), -1, 0)
         return np.where((t < low) | (t > high), 0.0, slopes)
+
+    @cached_property
+    def _functions(self) -> scipy.interpolate.BSpline:
+        return scipy.interpolate.BSpline(self.knots, np.eye(self.coefficients.size), 3)
+
+    @cached_property
+    def _slopes(self) -> scipy.interpolate.BSpline:
+        return self._functions.derivative()
 
     def predict(self, thickness: npt.ArrayLike) -> Array:
         """Departure of the logarithm of the ratio at each thickness [um]."""

@@ -7,6 +7,7 @@ continues. Both take the arguments by keyword, so that the message holds the nam
 used. NaN stands for a missing value and passes all of them.
 """
 
+import math
 import sys
 import warnings
 from collections.abc import Callable
@@ -95,6 +96,8 @@ def require_finite(**arguments: Values) -> None:
     erlif.core.errors.ModelError: load must be finite, got inf.
     """
     for name, value in arguments.items():
+        if isinstance(value, float) and not math.isinf(value):
+            continue  # most arguments are one number, and fits call a formula thousands of times
         try:
             infinite = np.isinf(value)
         except TypeError as error:
@@ -125,7 +128,7 @@ def require_positive(**arguments: Values) -> None:
     """
     require_finite(**arguments)
     for name, value in arguments.items():
-        if np.any(np.less_equal(value, 0)):
+        if value <= 0 if isinstance(value, float) else np.any(np.less_equal(value, 0)):
             raise ModelError(f"{name} must be positive, got {_smallest(value)}.")
 
 
@@ -151,7 +154,7 @@ def require_not_negative(**arguments: Values) -> None:
     """
     require_finite(**arguments)
     for name, value in arguments.items():
-        if np.any(np.less(value, 0)):
+        if value < 0 if isinstance(value, float) else np.any(np.less(value, 0)):
             raise ModelError(f"{name} must not be negative, got {_smallest(value)}.")
 
 
@@ -705,6 +708,8 @@ def _depth_of_caller() -> int:
 
 def _as_number(name: str, value: Values) -> Values:
     """A float for a scalar, a float array for a list; arrays, flags and other objects unchanged."""
+    if type(value) is float:
+        return value
     if isinstance(value, str):
         raise ModelError(_not_a_number(name, value))
 
@@ -731,6 +736,8 @@ def _not_a_number(name: str, value: Values) -> str:
 
 def _as_result(result: Values) -> Values:
     """Scalars of numpy as Python's own; the rest unchanged."""
+    if type(result) is float or (type(result) is np.ndarray and result.ndim):
+        return result
     if isinstance(result, np.generic) or (isinstance(result, np.ndarray) and result.ndim == 0):
         return result.item()
     if isinstance(result, tuple):
