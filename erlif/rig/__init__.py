@@ -10,9 +10,9 @@ from pathlib import Path
 
 from erlif.core.errors import OutputError
 from erlif.core.progress import ShowProgress, choose_progress
-from erlif.rig.settings import RigSettings
+from erlif.rig.settings import DyeSpectra, RigSettings
 
-__all__ = ["RigSettings", "simulate"]
+__all__ = ["DyeSpectra", "RigSettings", "simulate"]
 
 WRITTEN = ("fixture", "run", "truth.nc")
 """Names that a simulation writes into its directory."""

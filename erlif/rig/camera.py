@@ -129,6 +129,8 @@ class Camera:
         Electrons of one count. [electron/DN]
     read_noise : float
         Standard deviation of the read noise. [electron]
+    full_well : float
+        Largest signal of a pixel. [electron]
     """
 
     sensitivity: Array
@@ -136,6 +138,7 @@ class Camera:
     dark_level: Array
     gain: float
     read_noise: float
+    full_well: float = np.inf
 
 
 def vignetting(x: Array, y: Array, number: int, rig: RigSettings) -> Array:
@@ -173,15 +176,17 @@ def build_camera(number: int, rig: RigSettings, rng: np.random.Generator) -> Cam
     dark_signal = np.zeros(shape)
     dark_signal.flat[hot] = rng.uniform(*_HOT_SIGNAL, hot.size)
     dark_level = np.broadcast_to(rig.offset + rng.normal(0, rig.column_pattern, rig.width), shape)
-    return Camera(sensitivity, dark_signal, dark_level, rig.gain, rig.read_noise)
+    full_well = np.inf if rig.full_well is None else rig.full_well
+    return Camera(sensitivity, dark_signal, dark_level, rig.gain, rig.read_noise, full_well)
 
 
 def expose(light: Array | float, camera: Camera, rng: np.random.Generator) -> Counts:
     """Return the counts of one exposure to `light` [electron at sensitivity 1].
 
-    They hold shot and read noise and are clipped at full scale.
+    They hold shot and read noise and are clipped at full well and full scale.
     """
     electrons = rng.poisson(camera.sensitivity * light + camera.dark_signal)
+    electrons = np.minimum(electrons, camera.full_well)
     noisy = electrons + rng.normal(0, camera.read_noise, electrons.shape)
     counts = np.rint(noisy / camera.gain + camera.dark_level)
     return np.clip(counts, 0, FULL_SCALE).astype(np.uint16)

@@ -108,7 +108,8 @@ def frame_times(triggers: Triggers, rig: RigSettings) -> Array:
 def encoder_toml(triggers: Triggers, rig: RigSettings, zero: float) -> str:
     """Return the table [encoder] of run.toml; empty for a static film."""
     if rig.mechanism == "static":
-        return ""
+        # pictures of several cycles show the same films again
+        return f"[encoder]\ntriggers_per_cycle = {rig.pictures}\n\n" if rig.cycles > 1 else ""
     if rig.mechanism != "crank-rocker":
         fold = f"triggers_per_cycle = {triggers.reading.size}\n" if rig.cycles > 1 else ""
         return f'[encoder]\nfile = "encoder.csv"\n{fold}\n'

@@ -11,7 +11,7 @@ import tifffile
 
 from erlif.core.arrays import Array, Counts
 from erlif.rig.camera import FULL_SCALE, expose, vibrate
-from erlif.rig.dyes import BANDS, tabulate_signal
+from erlif.rig.dyes import BANDS, signals_of
 from erlif.rig.film import (
     Bubbles,
     Gap,
@@ -169,9 +169,7 @@ def bleach(setup: Setup, pulses: int) -> Setup:
     if one == two == 0 or pulses == 0:
         return setup
     left = (1 - one) ** pulses, (1 - two) ** pulses
-    return dataclasses.replace(
-        setup, signals=(tabulate_signal(BANDS[0], left), tabulate_signal(BANDS[1], left))
-    )
+    return dataclasses.replace(setup, signals=signals_of(setup.rig.dyes, left))
 
 
 def write_background_pages(directory: Path, setup: Setup, rng: np.random.Generator) -> None:
@@ -218,7 +216,8 @@ def write_reference_pages(directory: Path, setup: Setup, rng: np.random.Generato
             directory / f"camera{number}_dark.tif",
             (expose(0.0, camera, rng) for _ in range(rig.dark_pages)),
         )
-        lamp = np.repeat(rig.flat_levels, rig.flat_pages) * FULL_SCALE * rig.gain
+        largest = min(FULL_SCALE * rig.gain, camera.full_well)
+        lamp = np.repeat(rig.flat_levels, rig.flat_pages) * largest
         write_pages(
             directory / f"camera{number}_flat.tif", (expose(level, camera, rng) for level in lamp)
         )
@@ -278,11 +277,12 @@ def write_encoder_log(
 
 def camera_toml(rig: RigSettings, *, background: bool = False) -> str:
     """Return the tables that run.toml and fixture.toml share."""
+    bands = BANDS if rig.dyes is None else rig.dyes.bands
     dry = 'background = "camera{}_background.tif"\n' if background else ""
     tables = [
         f"""[camera{number}]
 files = "camera{number}/*.tif"
-band = "{BANDS[number - 1]:.0f} nm"
+band = "{bands[number - 1]:.10g} nm"
 bit_depth = 12
 dark = "camera{number}_dark.tif"
 flat = "camera{number}_flat.tif"

@@ -49,7 +49,7 @@ LIMITS = {
     "film_reference": (1e-3, 1000),
     "film_floor": (1e-3, 1000),
     "exponent": (-10, 10),
-    "tilt": (-100, 100),
+    "tilt": (-1000, 1000),
     "marks": (0, 10),
     "bubbles": (0, 10_000),
     "light": (1e-6, 1000),
@@ -59,6 +59,7 @@ LIMITS = {
     "speckle_size": (0.1, 100),
     "gain": (1e-3, 1e6),
     "read_noise": (0, 1e6),
+    "full_well": (10, 1e9),
     "offset": (0, 4095),
     "column_pattern": (0, 1000),
     "response_spread": (0, 0.3),
@@ -78,6 +79,34 @@ LIMITS = {
 }
 """Smallest and largest value of the settings that are single numbers, in their units; beyond them
 random numbers, memory or the search for object points fail."""
+
+
+@dataclass(frozen=True)
+class DyeSpectra:
+    """Spectra of two dyes in the oil, in place of the invented ones.
+
+    Attributes
+    ----------
+    laser : float
+        Wavelength of the laser. [nm]
+    bands : tuple[float, float]
+        Centres of the filters of cameras 1 and 2. [nm]
+    bandwidth : tuple[float, float]
+        Full widths of these filters at half of their transmission. [nm]
+    wavelength : tuple[float, ...]
+        Rising, over laser and filters; values between are linear. [nm]
+    attenuation : tuple[tuple[float, ...], tuple[float, ...]]
+        Napierian attenuation of the oil by dye 1 and dye 2. [1/um]
+    emission : tuple[tuple[float, ...], tuple[float, ...]]
+        Light per depth and wavelength by unit laser light, of dye 1 and dye 2. [arbitrary unit]
+    """
+
+    laser: float
+    bands: tuple[float, float]
+    bandwidth: tuple[float, float]
+    wavelength: tuple[float, ...]
+    attenuation: tuple[tuple[float, ...], tuple[float, ...]]
+    emission: tuple[tuple[float, ...], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -181,6 +210,8 @@ class RigSettings:
         Largest number of bubbles in a frame of 320 x 256 pixels; smaller pictures hold fewer.
     light : float
         Exposure: 1 keeps the brightest speckle near 3000 DN.
+    dyes : DyeSpectra | None
+        Dyes, laser and filters in place of the invented dyes at 532, 580 and 610 nm.
     beam_corner : float
         Brightness of the laser beam at the corners of the field, relative to its axis.
     pulse_jitter : float
@@ -201,6 +232,8 @@ class RigSettings:
         Electrons of one count. [electron/DN]
     read_noise : float
         Standard deviation of the read noise. [electron]
+    full_well : float | None
+        Largest signal of a pixel, where the converter does not limit it. [electron]
     offset : float
         Mean dark level. [DN]
     column_pattern : float
@@ -305,6 +338,7 @@ class RigSettings:
 
     # light
     light: float = 1.0
+    dyes: DyeSpectra | None = None
     beam_corner: float = 0.5
     pulse_jitter: float = 0.03
     speckle_fixed: float = 0.08
@@ -317,6 +351,7 @@ class RigSettings:
     vignetting: tuple[float, float] = (0.84, 0.87)
     gain: float = 4.4
     read_noise: float = 9.0
+    full_well: float | None = None
     offset: float = 64.0
     column_pattern: float = 2.0
     response_spread: float = 0.01
@@ -363,6 +398,8 @@ class RigSettings:
             numbers = value if isinstance(value, tuple) else (value,)
             finite = all(math.isfinite(one) for one in numbers if isinstance(one, int | float))
             low, high = LIMITS.get(name, (-math.inf, math.inf))
+            if value is None:  # an optional setting that is not used
+                continue
             if not finite or (name in LIMITS and not low <= value <= high):
                 among = f" from {low:g} to {high:g}" if name in LIMITS else ""
                 raise ModelError(

@@ -110,10 +110,14 @@ def describe_truth(
         variable.attrs["long_name"] = image.meaning
 
     file.attrs["title"] = "truth of a virtual ERLIF run"
-    file.attrs["source"] = f"erlif {version('erlif')}, virtual rig; the dyes' spectra are invented"
+    origin = "invented" if rig.dyes is None else "those of a plan"
+    file.attrs["source"] = f"erlif {version('erlif')}, virtual rig; the dyes' spectra are {origin}"
     file.attrs["seed"] = np.int64(seed)
     for name, value in asdict(rig).items():
-        if value is not None and name not in (_LAW if rig.film == "reynolds" else _THEORY):
+        if name == "dyes" and rig.dyes is not None:
+            for part, numbers in asdict(rig.dyes).items():
+                file.attrs[f"rig_dyes_{part}"] = np.asarray(numbers)
+        elif value is not None and name not in (_LAW if rig.film == "reynolds" else _THEORY):
             number = np.int8(value) if isinstance(value, bool) else np.asarray(value)
             file.attrs[f"rig_{name}"] = value if isinstance(value, str) else number
     file.attrs["rig_pixel_pitch"] = np.float64(rig.pitch)

@@ -146,3 +146,9 @@ def test_vibration_has_zero_mean_and_its_spread():
     drift = vibrate(2000, RigSettings(vibration=0.3), np.random.default_rng(5))
     npt.assert_allclose(drift.mean(axis=0), 0, atol=1e-14)
     npt.assert_allclose(drift.std(axis=0), 0.3, rtol=4 / np.sqrt(4000))
+
+
+def test_a_full_well_clips_below_full_scale():
+    flat = np.ones((20, 20))
+    camera = Camera(flat, 0 * flat, 64 * flat, gain=4.0, read_noise=0.0, full_well=8000.0)
+    assert np.all(expose(1e5, camera, np.random.default_rng(2)) == 8000 / 4 + 64)

@@ -16,6 +16,7 @@ from erlif.rig.dyes import (
     tabulate_signal,
     transmission,
 )
+from erlif.rig.settings import DyeSpectra
 
 # the band signal and its limits
 
@@ -127,3 +128,31 @@ def test_each_dye_absorbs_in_proportion_to_what_is_left():
     wavelength = np.linspace(520, 620, 50)
     one, two = (absorption(wavelength, left) for left in ((1.0, 0.0), (0.0, 1.0)))
     npt.assert_allclose(absorption(wavelength, (0.3, 0.9)), 0.3 * one + 0.9 * two, rtol=1e-12)
+
+
+# given spectra
+
+
+def test_given_spectra_are_used_in_place_of_the_invented_ones():
+    wavelength = np.concatenate([[LASER], np.arange(560.0, 631.0, 0.1)])
+
+    def parts(of):
+        return tuple(tuple(of(wavelength, left).tolist()) for left in ((1, 0), (0, 1)))
+
+    same = DyeSpectra(
+        LASER, BANDS, (10.0, 10.0), tuple(wavelength), parts(absorption), parts(emission)
+    )
+    film = np.array([0.3, 2.0, 9.0, 30.0])
+    for band in BANDS:
+        npt.assert_allclose(
+            tabulate_signal(band, dyes=same)(film), tabulate_signal(band)(film), rtol=1e-5
+        )
+
+
+def test_weak_dyes_saturate_in_thick_films():
+    wavelength = (532.0, 560.0, 630.0)
+    weak = DyeSpectra(
+        LASER, BANDS, (10.0, 10.0), wavelength, ((1e-3,) * 3, (2e-3,) * 3), ((1.0,) * 3,) * 2
+    )
+    of_film = tabulate_signal(580.0, dyes=weak)
+    npt.assert_allclose(of_film(np.array([100.0, 400.0])), -np.expm1([-0.6, -2.4]), rtol=1e-6)
