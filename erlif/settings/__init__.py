@@ -1,7 +1,8 @@
-"""run.toml and fixture.toml as frozen, checked tables, and the descriptions of their keys."""
+"""run.toml, fixture.toml and plan.toml as frozen, checked tables, with descriptions of keys."""
 
 from erlif.settings.keys import Key, Table, keys_of, tables_of
-from erlif.settings.reading import read_fixture_settings, read_run_settings
+from erlif.settings.planning import CoefficientSettings, DyeSettings, PlanSettings
+from erlif.settings.reading import read_fixture_settings, read_plan_settings, read_run_settings
 from erlif.settings.schema import json_schema
 from erlif.settings.tables import (
     Angle,
@@ -53,8 +54,10 @@ __all__ = [
     "GAP",
     "Angle",
     "CameraSettings",
+    "CoefficientSettings",
     "Counts",
     "CrankRockerSettings",
+    "DyeSettings",
     "Electrons",
     "EncoderSettings",
     "FileName",
@@ -73,6 +76,7 @@ __all__ = [
     "MechanismSettings",
     "OilSettings",
     "OpticsSettings",
+    "PlanSettings",
     "PredictionOptions",
     "Pressure",
     "PressureViscosity",
@@ -97,6 +101,7 @@ __all__ = [
     "json_schema",
     "keys_of",
     "read_fixture_settings",
+    "read_plan_settings",
     "read_run_settings",
     "tables_of",
     "to_toml",

@@ -1,4 +1,4 @@
-"""run.toml and fixture.toml, read and checked: all faults and all gaps stand in one message."""
+"""run.toml, fixture.toml and plan.toml, checked: all faults and all gaps stand in one message."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
 from erlif.settings.keys import Key, keys_of, tables_in
+from erlif.settings.planning import PlanSettings
 from erlif.settings.tables import (
     CrankRockerSettings,
     FixtureSettings,
@@ -102,9 +103,45 @@ def read_fixture_settings(fixture_dir: Path) -> FixtureSettings:
     return _read(fixture_dir, "fixture.toml", FixtureSettings)
 
 
+def read_plan_settings(path: Path) -> PlanSettings:
+    """Read and check a plan, the input of `erlif.plan`.
+
+    Parameters
+    ----------
+    path : Path
+        The file, plan.toml.
+
+    Returns
+    -------
+    PlanSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_plan_settings(Path("no plan.toml"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a plan in no plan.toml; there is no such file. Make ...
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(
+            f"Expected a plan in {path}; {what}. Make one with: erlif plan --example > plan.toml"
+        )
+    return _check(path, _load(path), PlanSettings)
+
+
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
     path = directory / name
-    raw = _read_toml(path)
+    return _check(path, _read_toml(path), kind)
+
+
+def _check(path: Path, raw: dict[str, Any], kind: type[_Settings]) -> _Settings:
+    """The tables of a file as settings; ConfigError with all gaps and faults."""
     gaps = list(_find_gaps(raw))
     try:
         settings = kind.model_validate(raw)
@@ -147,7 +184,11 @@ def _read_toml(path: Path) -> dict[str, Any]:
         if (directory / other).is_file():
             hint = f"It holds {other}: use the command for that, or name another directory."
         raise ConfigError(f"Expected {name} in {directory}; there is none. {hint}")
+    return _load(path)
 
+
+def _load(path: Path) -> dict[str, Any]:
+    """The file as TOML has it; ConfigError where it is something else."""
     try:
         return tomllib.loads(read_bounded(path, largest=_LARGEST_FILE).decode("utf-8-sig"))
     except OSError as error:

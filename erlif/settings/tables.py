@@ -59,7 +59,7 @@ def _write_quantity(value: float, unit: str) -> str:
     )
 
 
-def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge | Le) -> Any:
+def quantity(name: str, example: str, unit: str, *bounds: Gt | Ge | Le) -> Any:
     """Annotations of a field that is written with its unit and kept as a float in `unit`."""
     schema = {"type": "string", "pattern": QUANTITY_PATTERN, "examples": [example]}
     # Bounds are checked on the converted float. The schema is last: it replaces what pydantic would
@@ -74,23 +74,23 @@ def _quantity(name: str, example: str, unit: str, *bounds: Gt | Ge | Le) -> Any:
     )
 
 
-Length = Annotated[float, *_quantity("length", "5.5 cm", "m", Gt(0))]
-Angle = Annotated[float, *_quantity("angle", "0 deg", "rad")]
-Speed = Annotated[float, *_quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
-Frequency = Annotated[float, *_quantity("frequency", "5 Hz", "Hz", Gt(0))]
-Force = Annotated[float, *_quantity("force", "50 lbf", "N", Gt(0))]
-Pressure = Annotated[float, *_quantity("pressure", "2.7 GPa", "Pa", Gt(0))]
-Viscosity = Annotated[float, *_quantity("dynamic viscosity", "0.12 Pa s", "Pa s", Gt(0))]
+Length = Annotated[float, *quantity("length", "5.5 cm", "m", Gt(0))]
+Angle = Annotated[float, *quantity("angle", "0 deg", "rad")]
+Speed = Annotated[float, *quantity("speed of rotation", "114 rpm", "rad/s", Gt(0))]
+Frequency = Annotated[float, *quantity("frequency", "5 Hz", "Hz", Gt(0))]
+Force = Annotated[float, *quantity("force", "50 lbf", "N", Gt(0))]
+Pressure = Annotated[float, *quantity("pressure", "2.7 GPa", "Pa", Gt(0))]
+Viscosity = Annotated[float, *quantity("dynamic viscosity", "0.12 Pa s", "Pa s", Gt(0))]
 PressureViscosity = Annotated[
-    float, *_quantity("pressure-viscosity coefficient", "20 1/GPa", "1/Pa", Ge(0))
+    float, *quantity("pressure-viscosity coefficient", "20 1/GPa", "1/Pa", Ge(0))
 ]
-Wavelength = Annotated[float, *_quantity("wavelength", "580 nm", "nm", Gt(0))]
-Counts = Annotated[float, *_quantity("counts", "64 DN", "DN", Ge(0))]
-Gain = Annotated[float, *_quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
-Electrons = Annotated[float, *_quantity("electrons", "9 electron", "electron", Gt(0))]
-Temperature = Annotated[float, *_quantity("temperature", "-115 degC", "degC")]
+Wavelength = Annotated[float, *quantity("wavelength", "580 nm", "nm", Gt(0))]
+Counts = Annotated[float, *quantity("counts", "64 DN", "DN", Ge(0))]
+Gain = Annotated[float, *quantity("gain", "4.4 electron/DN", "electron/DN", Gt(0))]
+Electrons = Annotated[float, *quantity("electrons", "9 electron", "electron", Gt(0))]
+Temperature = Annotated[float, *quantity("temperature", "-115 degC", "degC")]
 TemperatureDifference = Annotated[
-    float, *_quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
+    float, *quantity("temperature difference", "1100 K", "delta_degC", Gt(0))
 ]
 
 
@@ -130,9 +130,9 @@ Sideways = Annotated[
     float | Literal["free", "guided"],
     *_quantity_or(("free", "guided"), "stiffness", "12 N/mm", "N/m", positive=True),
 ]
-Place = Annotated[float, *_quantity("position", "9.6 mm", "m")]
+Place = Annotated[float, *quantity("position", "9.6 mm", "m")]
 CavitationPressure = Annotated[
-    float, *_quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
+    float, *quantity("pressure below ambient", "-100 kPa", "Pa", Ge(-101325), Le(0))
 ]
 
 PITCHES = (50e-9, 5e-3)

@@ -65,6 +65,7 @@ def write_template(
     *,
     forms: Mapping[str, str] | None = None,
     leave_out: Collection[str] = (),
+    head: str = "",
 ) -> str:
     """Write a commented settings file.
 
@@ -81,6 +82,8 @@ def write_template(
         Kind of a table that has several forms: ``{"mechanism": "rotation"}``. Default: the first.
     leave_out : collection of str
         Optional tables that are not written.
+    head : str
+        First lines, comments. Default: those of `erlif init`.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def write_template(
     ['name = "straight bushing"', '# name = "80W-90"']
     """
     stem = (kind.__doc__ or "").removesuffix(".toml.")
-    lines = [_HEAD.format(stem=stem, name=f"{stem}.toml").rstrip("\n")]
+    lines = [(head or _HEAD.format(stem=stem, name=f"{stem}.toml")).rstrip("\n")]
     seen: set[str] = set()
     left_out = {(name,) for name in leave_out}
     for table in tables_of(kind):
