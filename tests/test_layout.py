@@ -23,6 +23,7 @@ ORDER = (
     "ratio",
     "calibration",
     "thickness",
+    "planning",
     "kinematics",
     "trend",
     "prediction",

@@ -10,7 +10,7 @@ spline is added to the model where the residuals require one. Two calibrations c
 from erlif.calibration.background import BackgroundError
 from erlif.calibration.comparison import Comparison, compare_calibrations
 from erlif.calibration.curve import DIRECTION, Calibration, InverseTable, check_bands, share_bands
-from erlif.calibration.fit import fit_calibration
+from erlif.calibration.fit import DIM_LIGHT, USEFUL, fit_calibration
 from erlif.calibration.profile import Profile, read_profile
 from erlif.calibration.storage import (
     calibration_of,
@@ -20,7 +20,9 @@ from erlif.calibration.storage import (
 )
 
 __all__ = [
+    "DIM_LIGHT",
     "DIRECTION",
+    "USEFUL",
     "BackgroundError",
     "Calibration",
     "Comparison",

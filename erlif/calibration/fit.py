@@ -33,8 +33,12 @@ from erlif.core.errors import CalibrationError
 from erlif.core.notes import Level, Note
 from erlif.core.products import RatioImages, require
 
-_USEFUL = 0.25  # of the thickness: error of a single pixel at which the calibrated range ends
-_DIM_LIGHT = 1.25  # the same in dim light, over the error of the best pixel
+USEFUL = 0.25
+"""Error of a single pixel at which the calibrated range ends, of the thickness."""
+
+DIM_LIGHT = 1.25
+"""The same in dim light, over the error of the best pixel."""
+
 _CORRELATED = 3.3  # standard deviations that chance exceeds once in a thousand
 _LARGEST_INFLATION = 10.0  # of the covariance by correlated residuals
 _OUTLIER_PASSES = 4
@@ -405,7 +409,7 @@ def _calibrated_range(
     # In dim light no single pixel may reach the limit; the range then ends where pixels are a
     # quarter worse than the best. Thin films stay although their relative noise is large, because
     # averages over pixels resolve them.
-    useful = relative <= max(_USEFUL, _DIM_LIGHT * float(relative.min()))
+    useful = relative <= max(USEFUL, DIM_LIGHT * float(relative.min()))
     thickest = float(grid[useful][-1])
     return _Range(low, thickest, thickest < grid[-1])
 
@@ -416,7 +420,7 @@ def _describe_limit(points: Points, covered: _Range) -> Note:
         Level.NOTE,
         "",
         f"the profile reaches {points.thickness.max():.1f} um, but beyond {covered.high:.1f} um "
-        f"the noise of a single pixel of one frame exceeds {_USEFUL:.0%} of the thickness, or what "
+        f"the noise of a single pixel of one frame exceeds {USEFUL:.0%} of the thickness, or what "
         "this light allows: the calibrated range ends there",
     )
 

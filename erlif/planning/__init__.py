@@ -1,0 +1,72 @@
+"""What a rig will measure, before it is built: dyes, filters, light and cameras to uncertainty."""
+
+from erlif.planning.design import (
+    Band,
+    Camera,
+    Design,
+    References,
+    band_of,
+    emitted_light,
+    log_ratio,
+    log_ratio_slope,
+    mean_attenuation,
+    optical_thickness,
+    saturation_fluence,
+    scale_of_optics,
+    scaled_to,
+    signal,
+)
+from erlif.planning.optimum import Aim, Optimum, find_optimum, largest_error
+from erlif.planning.precision import (
+    Film,
+    calibrated_range,
+    frames_needed,
+    log_ratio_variance,
+    measurable_range,
+    thickness_std,
+)
+from erlif.planning.spectra import (
+    SYNTHETIC,
+    Dye,
+    Spectrum,
+    normalise_emission,
+    read_spectrum,
+    synthetic_spectra,
+)
+from erlif.planning.tolerances import TOLERANCES, Change, vary_tolerances
+
+__all__ = [
+    "SYNTHETIC",
+    "TOLERANCES",
+    "Aim",
+    "Band",
+    "Camera",
+    "Change",
+    "Design",
+    "Dye",
+    "Film",
+    "Optimum",
+    "References",
+    "Spectrum",
+    "band_of",
+    "calibrated_range",
+    "emitted_light",
+    "find_optimum",
+    "frames_needed",
+    "largest_error",
+    "log_ratio",
+    "log_ratio_slope",
+    "log_ratio_variance",
+    "mean_attenuation",
+    "measurable_range",
+    "normalise_emission",
+    "optical_thickness",
+    "read_spectrum",
+    "saturation_fluence",
+    "scale_of_optics",
+    "scaled_to",
+    "signal",
+    "synthetic_spectra",
+    "thickness_std",
+    "vary_tolerances",
+]

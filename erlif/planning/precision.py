@@ -1,0 +1,281 @@
+"""Standard deviation of one pixel against thickness, and the range in which it measures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from erlif.calibration import DIM_LIGHT, USEFUL
+from erlif.core.arrays import Array
+from erlif.planning.design import Design, log_ratio, log_ratio_slope, signal
+from erlif.thickness import CLEAR
+
+INTERPOLATION = (1.0 - 1 / 10 - (14 - 6 * math.sqrt(3)) / 140) ** 2
+"""Mean variance of a pixel of camera 2 after the cubic spline has laid it on the pixels of camera
+1, over all sub-pixel positions: of 1 - 3 q^2 - (14 - 6 sqrt(3)) q^3 with q = f (1 - f) along x and
+y, 0.764. Neighbouring pixels are then correlated, so means over pixels do not gain from it."""
+
+LEAST_SIGNAL = 100.0
+"""Signal below which a pixel is flagged dim by default. [electron]"""
+
+_GRID = 200  # films at which the ends of a range are looked for
+
+
+@dataclass(frozen=True)
+class Film:
+    """The films to be measured, and how.
+
+    Attributes
+    ----------
+    thinnest : float
+        Thinnest film that is wanted. [um]
+    thickest : float
+        Thickest film that is wanted. [um]
+    covered : tuple[float, float]
+        Ends of the range that the calibration fixture covers. [um]
+    frames : int
+        Frame pairs of one map.
+    average : int
+        Side of the squares of pixels over which the map is averaged. [px]
+    """
+
+    thinnest: float
+    thickest: float
+    covered: tuple[float, float]
+    frames: int = 1
+    average: int = 1
+
+
+def log_ratio_variance(
+    design: Design, thickness: npt.ArrayLike, *, average: int = 1
+) -> tuple[Array, Array]:
+    """Variance of the logarithm of the ratio of one pixel.
+
+    Parameters
+    ----------
+    design : Design
+    thickness : array_like
+        Film thickness. [um]
+    average : int
+        Side of the squares of pixels over which the map is averaged. [px]
+
+    Returns
+    -------
+    (array, array)
+        Part that is new in every frame (photons, reading, rounding), and part that stays the same
+        (the noise of dark and flat pages). [1]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> new, fixed = log_ratio_variance(example_design(), 5.0)
+    >>> round(float(np.sqrt(new)), 4), round(float(np.sqrt(fixed)), 4)
+    (0.0142, 0.0041)
+    """
+    new, fixed = np.zeros(()), np.zeros(())
+    pages = design.references
+    for number, camera in enumerate(design.cameras, start=1):
+        electrons = signal(design, number, thickness)
+        reading = camera.read_noise**2 + camera.gain**2 / 12
+        smoothed = INTERPOLATION if number == 2 and average == 1 else 1.0
+        share = smoothed / average**2
+
+        new = new + share * (electrons + reading) / electrons**2
+        fixed = fixed + share * reading / pages.dark_pages / electrons**2
+        if pages.flat_pages:
+            collected = pages.flat_pages * pages.flat_level * camera.full_scale
+            fixed = fixed + share / collected
+    return np.asarray(new), np.asarray(fixed)
+
+
+def thickness_std(
+    design: Design, thickness: npt.ArrayLike, *, frames: int = 1, average: int = 1
+) -> Array:
+    """Standard deviation of the film of one pixel.
+
+    Photons, reading and rounding, dark and flat pages, and interpolation are included; the error
+    of the calibration and of the registration are not.
+
+    Parameters
+    ----------
+    design : Design
+    thickness : array_like
+        Film thickness. [um]
+    frames : int
+        Frame pairs that are averaged.
+    average : int
+        Side of the squares of pixels over which the map is averaged. [px]
+
+    Returns
+    -------
+    array
+        Infinite where the ratio does not rise with thickness. [um]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> thickness_std(example_design(), [2.0, 8.0]).round(2)
+    array([0.32, 0.61])
+    """
+    new, fixed = log_ratio_variance(design, thickness, average=average)
+    slope = log_ratio_slope(design, thickness)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        std = np.sqrt(new / frames + fixed) / slope
+    return np.where(slope > 0, std, np.inf)
+
+
+def frames_needed(
+    design: Design, thickness: npt.ArrayLike, uncertainty: npt.ArrayLike, *, average: int = 1
+) -> Array:
+    """Frame pairs with which a pixel reaches a wanted standard deviation.
+
+    Parameters
+    ----------
+    design : Design
+    thickness : array_like
+        Film thickness. [um]
+    uncertainty : array_like
+        Standard deviation wanted at these films. [um]
+    average : int
+        Side of the squares of pixels over which the map is averaged. [px]
+
+    Returns
+    -------
+    array
+        Whole numbers; infinite where dark and flat pages alone exceed the wanted value. [1]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> frames_needed(example_design(), [3.0, 3.0], [0.15, 0.01])
+    array([ 7., inf])
+    """
+    new, fixed = log_ratio_variance(design, thickness, average=average)
+    slope = log_ratio_slope(design, thickness)
+    left = (np.asarray(uncertainty, float) * slope) ** 2 - fixed
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        needed = np.ceil(new / left)
+    return np.where((left > 0) & (slope > 0), np.maximum(needed, 1.0), np.inf)
+
+
+def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
+    """Range in which the calibration of this design would hold.
+
+    The fixture covers it, and the noise of one pixel of one frame leaves a thickness: it ends where
+    the standard deviation exceeds a quarter of the film, as in `erlif.calibration`.
+
+    Parameters
+    ----------
+    design : Design
+    film : Film
+
+    Returns
+    -------
+    (float, float)
+        [um]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> low, high = calibrated_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> low, round(high)
+    (0.1, 17)
+    """
+    low, high = film.covered
+    grid = np.linspace(low, high, _GRID + 1)[1:]
+    relative = thickness_std(design, grid) / grid
+    limit = max(USEFUL, DIM_LIGHT * float(relative.min()))
+    last = float(grid[relative <= limit][-1])
+    if last == grid[-1]:
+        return low, high
+
+    def useful(thickness: Array) -> npt.NDArray[np.bool_]:
+        return np.asarray(thickness_std(design, thickness) / thickness <= limit)
+
+    return low, _edge(useful, last, last + grid[1] - grid[0])
+
+
+def measurable_range(design: Design, film: Film) -> tuple[float, float]:
+    """Range in which one pixel is valid, by the rules of `erlif.thickness`.
+
+    The film lies within the calibrated range and two standard deviations of its ratio from the ends
+    of what the fixture covers, and no camera is dim or saturated.
+
+    Parameters
+    ----------
+    design : Design
+    film : Film
+        `frames` and `covered` are used.
+
+    Returns
+    -------
+    (float, float)
+        NaN where no film is measurable. [um]
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> low, high = measurable_range(example_design(), Film(1.0, 10.0, (0.1, 18.0)))
+    >>> round(low, 1), round(high)
+    (0.8, 13)
+    """
+    low, high = calibrated_range(design, film)
+    thinnest, thickest = log_ratio(design, np.maximum(film.covered, 1e-9))
+
+    def is_valid(thickness: Array) -> npt.NDArray[np.bool_]:
+        new, fixed = log_ratio_variance(design, thickness)
+        margin = CLEAR * np.sqrt(new / film.frames + fixed)
+        value = log_ratio(design, thickness)
+        valid = np.asarray((value - margin >= thinnest) & (value + margin <= thickest))
+        for number, camera in enumerate(design.cameras, start=1):
+            electrons = signal(design, number, thickness)
+            valid = valid & (electrons >= LEAST_SIGNAL) & (electrons <= camera.full_scale)
+        return valid
+
+    grid = np.geomspace(max(low, high * 1e-4), high, _GRID)
+    inside = np.flatnonzero(is_valid(grid))
+    if not inside.size:
+        return math.nan, math.nan
+    first, last = inside[[0, -1]]
+    return (
+        _edge(is_valid, grid[first], grid[max(first - 1, 0)]),
+        _edge(is_valid, grid[last], grid[min(last + 1, _GRID - 1)]),
+    )
+
+
+def _edge(holds: Callable[[Array], npt.NDArray[np.bool_]], inside: float, outside: float) -> float:
+    """Thickness between two neighbours of a grid at which a condition ends. [um]"""
+    films = np.linspace(inside, outside, _GRID)
+    return float(films[max(np.flatnonzero(holds(films)), default=0)])
+
+
+def dimmed_to_full_scale(design: Design, thickest: float, fill: float) -> Design:
+    """Lower the pulse energy where the thickest film would fill more of a camera than `fill`.
+
+    Parameters
+    ----------
+    design : Design
+    thickest : float
+        Thickest film. [um]
+    fill : float
+        Largest mean signal, share of full scale. [1]
+
+    Returns
+    -------
+    Design
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> round(dimmed_to_full_scale(example_design(), 20.0, 0.3).energy, 2)
+    0.47
+    """
+    filled = max(
+        float(signal(design, number, thickest)) / camera.full_scale
+        for number, camera in enumerate(design.cameras, start=1)
+    )
+    return replace(design, energy=design.energy * min(1.0, fill / filled))

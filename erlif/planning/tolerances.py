@@ -1,0 +1,179 @@
+"""What a tolerance of each part does to error, range and film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from erlif.planning.design import Camera, Design, log_ratio, log_ratio_slope
+from erlif.planning.optimum import FILMS, largest_error
+from erlif.planning.precision import Film, measurable_range
+
+TOLERANCES: Mapping[str, float] = {
+    "concentration": 0.05,
+    "filter": 2.0,
+    "pulse_energy": 0.10,
+    "gain": 0.05,
+    "read_noise": 0.20,
+    "full_well": 0.10,
+}
+"""Tolerances by default: shares of the value, the filter in nm."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """Effect of one tolerance, the worse of both signs.
+
+    Attributes
+    ----------
+    what : str
+        Quantity, "concentration of dye 1".
+    tolerance : str
+        Its size, "5 %" or "2 nm".
+    std : float
+        Relative change of the largest standard deviation over thickness in the wanted range. [1]
+    thinnest : float
+        Change of the thin end of the measurable range. [um]
+    thickest : float
+        Change of its thick end. [um]
+    film : float
+        Largest relative error of a film in the measurable part of the wanted range, where the
+        change happens after the calibration. [1]
+    """
+
+    what: str
+    tolerance: str
+    std: float
+    thinnest: float
+    thickest: float
+    film: float
+
+    @property
+    def effect(self) -> float:
+        """Larger of both relative effects. [1]"""
+        return max(abs(self.std), abs(self.film))
+
+
+def vary_tolerances(
+    design: Design, film: Film, tolerances: Mapping[str, float] = TOLERANCES
+) -> list[Change]:
+    """Change each part of a design by its tolerance.
+
+    Parameters
+    ----------
+    design : Design
+    film : Film
+    tolerances : mapping of str to float
+        Keys as in `TOLERANCES`.
+
+    Returns
+    -------
+    list of Change
+        The largest effect first. Shifts of filters are left out where the dyes are given by
+        coefficients.
+
+    Examples
+    --------
+    >>> from erlif.planning.design import example_design
+    >>> changes = vary_tolerances(example_design(), Film(2.0, 8.0, (0.1, 18.0)))
+    >>> changes[0].what[:14], changes[-1].effect < 0.05
+    ('gain of camera', True)
+    """
+    narrow = any(dye.absorption.narrow or dye.emission.narrow for dye in design.dyes)
+    found = [
+        _worse(design, film, what, size, unit, vary)
+        for what, size, unit, vary in _variations(design, tolerances)
+        if not (narrow and unit == "nm")
+    ]
+    return sorted(found, key=lambda change: -change.effect)
+
+
+_Vary = Callable[[float], Design]
+
+
+def _variations(
+    design: Design, tolerances: Mapping[str, float]
+) -> list[tuple[str, float, str, _Vary]]:
+    """Name, size, unit and the changed design of each tolerance."""
+
+    def dye(n: int) -> _Vary:
+        return lambda step: design.with_concentrations(
+            design.concentrations * np.where(np.arange(2) == n, 1 + step, 1.0)
+        )
+
+    def one(n: int, key: str, *, relative: bool = True) -> _Vary:
+        def change(step: float) -> Design:
+            cameras = list(design.cameras)
+            cameras[n] = _changed(cameras[n], key, step, relative=relative)
+            return replace(design, cameras=(cameras[0], cameras[1]))
+
+        return change
+
+    def both(key: str) -> _Vary:
+        def change(step: float) -> Design:
+            cameras = [_changed(camera, key, step, relative=True) for camera in design.cameras]
+            return replace(design, cameras=(cameras[0], cameras[1]))
+
+        return change
+
+    size = {**TOLERANCES, **tolerances}
+    found: list[tuple[str, float, str, _Vary]] = []
+    for n in (0, 1):
+        found += [
+            (f"concentration of dye {n + 1}", size["concentration"], "%", dye(n)),
+            (
+                f"filter of camera {n + 1}",
+                size["filter"],
+                "nm",
+                one(n, "band", relative=False),
+            ),
+            (f"gain of camera {n + 1}", size["gain"], "%", one(n, "gain")),
+        ]
+    found += [
+        (
+            "pulse energy",
+            size["pulse_energy"],
+            "%",
+            lambda step: replace(design, energy=design.energy * (1 + step)),
+        ),
+        ("read noise", size["read_noise"], "%", both("read_noise")),
+        ("full well", size["full_well"], "%", both("full_well")),
+    ]
+    return found
+
+
+def _changed(camera: Camera, key: str, step: float, *, relative: bool) -> Camera:
+    value = getattr(camera, key)
+    return replace(camera, **{key: value * (1 + step) if relative else value + step})
+
+
+def _worse(design: Design, film: Film, what: str, size: float, unit: str, vary: _Vary) -> Change:
+    """The sign with the larger effect."""
+    # a shift of the ratio is no film where the ratio hardly changes
+    low, high = measurable_range(design, film)
+    first, last = max(film.thinnest, low), min(film.thickest, high)
+    if not first < last:
+        first, last = film.thinnest, film.thickest
+    films = np.geomspace(first, last, FILMS)
+    before, slope = log_ratio(design, films), log_ratio_slope(design, films)
+    error = largest_error(design, film)
+
+    def change(step: float) -> Change:
+        varied = vary(step)
+        thin, thick = measurable_range(varied, film)
+        moved = log_ratio(varied, films) - before
+        # counts and not electrons are compared: the gains of both cameras are part of the ratio
+        gains = [camera.gain for camera in (*varied.cameras, *design.cameras)]
+        moved += np.log(gains[0] / gains[1] * gains[3] / gains[2])
+        return Change(
+            what,
+            f"{size:.0%}".replace("%", " %") if unit == "%" else f"{size:g} nm",
+            largest_error(varied, film) / error - 1,
+            thin - low,
+            thick - high,
+            float(np.abs(moved / slope / films).max()),
+        )
+
+    return max((change(size), change(-size)), key=lambda one: (one.effect, one.std))

@@ -1,0 +1,17 @@
+"""The example design, with the films of the example plan."""
+
+import pytest
+
+from erlif.planning import Film
+from erlif.planning.design import example_design
+
+
+@pytest.fixture(scope="package")
+def design():
+    """Concentrations of the thesis, invented spectra."""
+    return example_design()
+
+
+@pytest.fixture(scope="package")
+def film():
+    return Film(2.0, 10.0, (0.1, 18.0))

@@ -1,0 +1,61 @@
+"""Effects of tolerances, against finite changes of the curve."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.planning import Film, Spectrum, log_ratio, vary_tolerances
+from erlif.planning.optimum import FILMS
+
+
+@pytest.fixture(scope="module")
+def changes(design, film):
+    return vary_tolerances(design, film)
+
+
+def test_the_largest_effect_is_first(changes):
+    effects = [change.effect for change in changes]
+    assert effects == sorted(effects, reverse=True)
+    assert len({change.what for change in changes}) == 9
+
+
+def test_pulse_energy_and_noise_leave_the_film_alone(changes):
+    for change in changes:
+        if change.what in ("pulse energy", "read noise", "full well"):
+            npt.assert_allclose(change.film, 0.0, atol=1e-12)
+
+
+def test_gain_of_a_camera_moves_the_film_by_its_logarithm(design, film, changes):
+    """Inverted by the curve itself in place of its slope."""
+    films = np.geomspace(film.thinnest, film.thickest, FILMS)
+    table = np.linspace(0.01, 60, 60_000)
+    moved = np.interp(log_ratio(design, films) + np.log(1.0005), log_ratio(design, table), table)
+    expected = float(np.abs(moved / films - 1).max())
+
+    small = vary_tolerances(design, film, {"gain": 0.0005})
+    found = next(change for change in small if change.what == "gain of camera 1")
+    assert found.film == pytest.approx(expected, rel=0.01)
+
+
+def test_more_light_extends_the_range(design):
+    narrow = Film(2.0, 8.0, (0.1, 18.0))
+    change = next(c for c in vary_tolerances(design, narrow) if c.what == "pulse energy")
+    assert change.std == pytest.approx(1 / np.sqrt(0.9) - 1, abs=0.01)  # less light
+    assert change.thinnest > 0 > change.thickest
+
+
+def test_dyes_by_coefficients_have_no_shift_of_a_filter(design, film):
+    nm = np.array([532.0, 580.0, 610.0])
+    narrow = tuple(
+        replace(
+            dye,
+            absorption=Spectrum(nm, dye.absorption.at(nm), "absorption", narrow=True),
+            emission=Spectrum(nm, dye.emission.at(nm), "emission", narrow=True),
+        )
+        for dye in design.dyes
+    )
+    found = vary_tolerances(replace(design, dyes=narrow), film)
+    assert not [change for change in found if "filter" in change.what]
+    assert len(found) == 7
