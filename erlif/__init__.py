@@ -33,6 +33,7 @@ _FUNCTIONS = {
     "init": "erlif.pipeline.init",
     "open_calibration": "erlif.calibration",
     "open_film": "erlif.files",
+    "plan": "erlif.pipeline.plan",
     "predict": "erlif.pipeline.predict",
     "pressure_from_film": "erlif.pipeline.pressure",
     "process": "erlif.pipeline.run",
@@ -52,6 +53,7 @@ _MODULES = (
     "models",
     "notebook",
     "pipeline",
+    "planning",
     "plots",
     "prediction",
     "ratio",
@@ -89,6 +91,8 @@ __all__ = [
     "open_calibration",
     "open_film",
     "pipeline",
+    "plan",
+    "planning",
     "plots",
     "predict",
     "prediction",
@@ -119,6 +123,7 @@ if TYPE_CHECKING:
         models,
         notebook,
         pipeline,
+        planning,
         plots,
         prediction,
         ratio,
@@ -140,6 +145,7 @@ if TYPE_CHECKING:
     from erlif.pipeline.budget import budget
     from erlif.pipeline.fixture import calibrate
     from erlif.pipeline.init import init
+    from erlif.pipeline.plan import plan
     from erlif.pipeline.predict import predict
     from erlif.pipeline.pressure import pressure_from_film
     from erlif.pipeline.run import process

@@ -27,6 +27,7 @@ from erlif.commands.export import export
 from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
+from erlif.commands.plan import plan
 from erlif.commands.predict import predict
 from erlif.commands.pressure import pressure
 from erlif.commands.process import process
@@ -113,6 +114,7 @@ def main(verbose: int) -> None:
 
 
 for command in (
+    plan,
     simulate,
     init,
     check,

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from erlif.rig.settings import CHOICES, SIDEWAYS, RigSettings
 
@@ -271,12 +274,20 @@ class FilmChoice(click.ParamType["float | str"]):
     show_default=True,
     help="Film of a patch that stays the same, in um; 0: none.",
 )
+@click.option(
+    "--plan",
+    "planned",
+    type=click.Path(path_type=Path),
+    help="plan.toml of `erlif plan`: its dyes, filters, light, cameras and films, at rest. Other "
+    "options that are given go before it.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace OUT/fixture, OUT/run and OUT/truth.nc.")
 def simulate(
     out: Path,
     seed: int,
     size: tuple[int, int],
     film: float | str,
+    planned: Path | None,
     overwrite: bool,
     **options: Any,
 ) -> None:
@@ -295,15 +306,14 @@ def simulate(
 
     from erlif.rig import simulate as photograph
 
-    theory = film == "reynolds"
-    rig = RigSettings(
-        width=size[0],
-        height=size[1],
-        film="reynolds" if theory else "law",
-        film_reference=DEFAULT.film_reference if theory else float(film),
-        tilt=0.0 if theory else DEFAULT.tilt,
-        **options,  # each is the field of its name
-    )
+    rig = _rig_of_options(size, film, options)
+    if planned is not None:
+        from erlif.pipeline.plan import rig_of
+
+        given = {
+            name: getattr(rig, name) for name in _fields_of_options(click.get_current_context())
+        }
+        rig = replace(rig_of(planned), **given)
     with tqdm(unit="frame", disable=None) as bar:
 
         def show(what: str, number: int, total: int) -> None:
@@ -318,3 +328,27 @@ def simulate(
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
     click.echo(f"{out / 'fixture'}\n{out / 'run'}\n{out / 'truth.nc'}")
+
+
+def _rig_of_options(
+    size: tuple[int, int], film: float | str, options: dict[str, Any]
+) -> RigSettings:
+    """The rig as the options have it, each the field of its name."""
+    theory = film == "reynolds"
+    return RigSettings(
+        width=size[0],
+        height=size[1],
+        film="reynolds" if theory else "law",
+        film_reference=DEFAULT.film_reference if theory else float(film),
+        tilt=0.0 if theory else DEFAULT.tilt,
+        **options,
+    )
+
+
+def _fields_of_options(context: click.Context) -> Iterator[str]:
+    """Settings of the rig that the user changed by an option."""
+    fields = {"size": ("width", "height"), "film": ("film", "film_reference", "tilt")}
+    for option in context.params:
+        given = context.get_parameter_source(option) == ParameterSource.COMMANDLINE
+        if given and (option in fields or hasattr(DEFAULT, option)):
+            yield from fields.get(option, (option,))

@@ -44,6 +44,13 @@ from erlif.plots.maps import (
     thickness_map,
 )
 from erlif.plots.orbit import closest_film, gap_curvature, pin_figure, pin_orbit
+from erlif.plots.plan import (
+    example_plan_results,
+    plan_figure,
+    plan_precision,
+    plan_ratio,
+    plan_signal,
+)
 from erlif.plots.prediction import (
     film_and_prediction,
     film_over_run,
@@ -77,6 +84,7 @@ __all__ = [
     "example_film",
     "example_frames",
     "example_images",
+    "example_plan_results",
     "example_pressure",
     "example_registration",
     "film_against_duty",
@@ -94,6 +102,10 @@ __all__ = [
     "missing_figures",
     "pin_figure",
     "pin_orbit",
+    "plan_figure",
+    "plan_precision",
+    "plan_ratio",
+    "plan_signal",
     "predicted_map",
     "prediction_figure",
     "prediction_map_figure",

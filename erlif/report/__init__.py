@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from erlif.report.budget import render_budget
 from erlif.report.maps import MapCoding, decode_map, embed_map
+from erlif.report.plan import check_plan_output, summarise_plan, write_plan
 from erlif.report.prediction import summarise_prediction
 from erlif.report.summary import describe_calibration, summarise, summarise_in_a_line
 
@@ -13,14 +14,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MapCoding",
+    "check_plan_output",
     "decode_map",
     "describe_calibration",
     "embed_map",
     "render_budget",
     "summarise",
     "summarise_in_a_line",
+    "summarise_plan",
     "summarise_prediction",
     "write_check_page",
+    "write_plan",
     "write_report",
 ]
 

@@ -1,0 +1,51 @@
+"""``erlif plan``: what a rig would measure, before it is built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH
+
+
+@click.command()
+@click.argument("source", metavar="PLAN.TOML", type=PATH, required=False)
+@click.option("-o", "--output", type=PATH, help="Directory; default: NAME/ beside NAME.toml.")
+@click.option("--example", is_flag=True, help="Print a commented plan that works as it is.")
+@OVERWRITE
+def plan(source: Path | None, output: Path | None, example: bool, overwrite: bool) -> None:
+    """Predict ratio, uncertainty and range of a rig from dyes, filters, light and cameras.
+
+    Prints the films, the frames needed, the best concentrations and the effect of each tolerance,
+    and writes figure, tables and the plan with the best concentrations. `erlif simulate --plan`
+    photographs a plan with the virtual rig.
+
+    \b
+    Example:
+      erlif plan --example > plan.toml
+      erlif plan plan.toml
+      erlif simulate rehearsal --plan plan/optimum.toml
+    """
+    with large_imports():
+        from erlif.pipeline.plan import example_plan
+        from erlif.pipeline.plan import plan as predict
+        from erlif.report import summarise_plan
+
+    if example:
+        click.echo(example_plan(), nl=False)
+        return
+    if source is None:
+        raise click.UsageError(
+            "Expected the name of a plan. Make one with: erlif plan --example > plan.toml"
+        )
+    from erlif.report import check_plan_output, write_plan
+
+    output = output or source.with_suffix("")
+    check_plan_output(output, overwrite=overwrite)
+    planned = predict(source)
+    click.echo(summarise_plan(planned))
+    click.echo()
+    for path in write_plan(planned, output, folder=source.parent, overwrite=overwrite):
+        click.echo(f"written: {path}")
