@@ -15,6 +15,7 @@ from erlif.core.flags import Flag
 from erlif.settings import (
     FixtureSettings,
     Key,
+    PlanSettings,
     RunSettings,
     Settings,
     Table,
@@ -1016,6 +1017,11 @@ netCDF-4, written by `erlif pressure`: the pressure in the film of a joint that 
 measured positions of its pin and their rate."""
 
 
+PLAN_TEXT = """\
+What a rig is to be, for `erlif plan` ([Planning](planning.md)). Spectra are CSV files with the
+columns `wavelength_nm,value`; lines that begin with # are remarks."""
+
+
 def render() -> str:
     """The page as Markdown."""
     shared = ("camera1", "camera2", "optics", "registration", "thickness", "thickness.roi")
@@ -1077,6 +1083,8 @@ def render() -> str:
     lines += variables_table(REGISTRATION)
     lines += attributes_table([*REGISTRATION_ATTRIBUTES, *BLUR_ATTRIBUTES])
 
+    lines += ["## plan.toml", "", PLAN_TEXT, ""]
+    lines += settings_section(PlanSettings, "plan.toml")
     lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
     lines += variables_table(PREDICTION)
     lines += ["Attributes of the file:", ""]
@@ -1092,7 +1100,11 @@ def render() -> str:
 
 def schemas() -> dict[str, str]:
     """The JSON schemas by their file names."""
-    kinds = {"run.schema.json": RunSettings, "fixture.schema.json": FixtureSettings}
+    kinds = {
+        "run.schema.json": RunSettings,
+        "fixture.schema.json": FixtureSettings,
+        "plan.schema.json": PlanSettings,
+    }
     return {
         name: json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n"
         for name, kind in kinds.items()
