@@ -457,6 +457,11 @@ FILM_ATTRIBUTES = (
     Attribute("calibration", "Parameters, covariance and origin of the calibration, as JSON."),
     Attribute("notes", "Findings about inputs and results, one a line, warnings first."),
     Attribute(
+        "physics",
+        "Which physics carries the film, and how sure that is, in one line.",
+        "the film of an oscillating joint is predicted and positions of its pin are measured",
+    ),
+    Attribute(
         "smoothing", "Resolution of the smoothed ratio behind the maps. [px]", "smoothing is set"
     ),
     Attribute("smoothing_comment", "What was smoothed and what was not.", "smoothing is set"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import calibration_of
-from erlif.core.errors import ConfigError
-from erlif.core.progress import ShowProgress, choose_progress
+from erlif.core.errors import ConfigError, ErlifError
+from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.files import open_film
 from erlif.models.reynolds import Journal
 from erlif.pipeline.joint import describe_joint
@@ -24,8 +25,9 @@ from erlif.prediction import (
     measured_minima,
     measured_positions,
 )
-from erlif.prediction.comparison import STEADY
-from erlif.prediction.fit import LOAD_LINE_STD
+from erlif.prediction.comparison import ANY_GUIDED, STEADY
+from erlif.prediction.fit import FEWEST_TRIGGERS, LOAD_LINE_STD
+from erlif.settings import RunSettings
 from erlif.trend import VogelLaw
 
 _POSITIONS = (
@@ -66,33 +68,8 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     path = Path(path)
     place = path if is_film(path) else _film_in(path)
     source = read_film(place)
-    if "load" not in source.frames:
-        raise ConfigError(
-            'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
-            "or load_N to the log, and process the run again."
-        )
     with open_film(place) as film:
-        motion = build_motion(source.settings, source.frames)
-        journal = build_journal(source.settings, motion.viscosity)
-        measured = _measured(film, journal)
-        steady = {
-            ours: film[name].values * 1e-6
-            for name, ours in _STEADY.items()
-            if name in film and ours in STEADY
-        }
-    used = source.frames.used.values
-    given = source.settings.prediction.load_line is not None
-    found = compare_models(
-        measured,
-        journal,
-        motion.motion,
-        steps=motion.steps,
-        trigger=np.where(used, source.frames.trigger.values, -1),
-        crank=motion.crank,
-        steady=steady,
-        load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
-        progress=report,
-    )
+        found = _compare(film, source.settings, source.frames, ("free", "guided"), progress=report)
 
     # the temperature of the film belongs to its viscosity where the law of the oil is known
     joint = describe_joint(source.settings)
@@ -101,6 +78,83 @@ def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     warm = film_temperature(found.fit.estimates["viscosity"], joint.viscosity)
     estimates = {**found.fit.estimates, "temperature": warm}
     return replace(found, fit=replace(found.fit, estimates=estimates))
+
+
+def state_physics(film: xr.Dataset, settings: RunSettings, frames: xr.Dataset) -> str:
+    """Which physics carries a film, and how sure that is, without a film with cavities.
+
+    The film of a free pin, squeeze in closed form and the steady formulas are fitted. A guided pin
+    is represented by the largest likelihood that it can have. Where this is above that of all
+    fitted films, the sentence states this and names the command that fits the guided pin.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+        The root group of film.nc.
+    settings : RunSettings
+    frames : xarray.Dataset
+        As `erlif.pipeline.prediction.frames_of_run` returns them.
+
+    Returns
+    -------
+    str
+        One line; empty where nothing is predicted.
+    """
+    if "film_predicted_min" not in film or not all(name in film for name in _POSITIONS):
+        return ""
+    try:
+        found = _compare(film, settings, frames, ("free", "any guided"))
+    # the measured film is complete without this sentence
+    except (ErlifError, ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return ""
+    if found.candidates[0].name == ANY_GUIDED:
+        return (
+            "Not decided: a guided pin may agree better with the positions than the films of a "
+            f"free pin, of squeeze and of steady formulas (best: {_best(found)}). Fit it with "
+            "erlif predict FILM --fit."
+        )
+    return f"{found.verdict} With the fitted viscosity: erlif predict FILM --fit."
+
+
+def _best(found: Comparison) -> str:
+    """The best model that was fitted, with its misfit."""
+    best = next(one for one in found.candidates if one.name != ANY_GUIDED)
+    return f"{best.name}, off by {best.inflation:.3g} times the stated errors"
+
+
+def _compare(
+    film: xr.Dataset,
+    settings: RunSettings,
+    frames: xr.Dataset,
+    sideways: Sequence[str],
+    progress: Progress = silent,
+) -> Comparison:
+    """The models of what may carry a film."""
+    if "load" not in frames:
+        raise ConfigError(
+            'Expected the load for a fit of the film: add load = "50 lbf" to [joint] in run.toml, '
+            "or load_N to the log, and process the run again."
+        )
+    motion = build_motion(settings, frames)
+    journal = build_journal(settings, motion.viscosity)
+    steady = {
+        ours: film[name].values * 1e-6
+        for name, ours in _STEADY.items()
+        if name in film and ours in STEADY
+    }
+    given = settings.prediction.load_line is not None
+    return compare_models(
+        _measured(film, journal),
+        journal,
+        motion.motion,
+        steps=motion.steps,
+        trigger=np.where(frames.used.values, frames.trigger.values, -1),
+        crank=motion.crank,
+        steady=steady,
+        sideways=sideways,
+        load_line_std=0.1 * LOAD_LINE_STD if given else LOAD_LINE_STD,
+        progress=progress,
+    )
 
 
 def _film_in(run_dir: Path) -> Path:
@@ -115,9 +169,11 @@ def _film_in(run_dir: Path) -> Path:
 
 
 def _measured(film: xr.Dataset, journal: Journal) -> MeasuredMotion:
-    """Positions of the pin, else minima."""
+    """Positions of the pin, else minima where too few positions are known."""
     if all(name in film for name in _POSITIONS):
-        return measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
+        found = measured_positions(film[list(_POSITIONS)], calibration_of(film).full_covariance)
+        if found.known.sum() >= FEWEST_TRIGGERS:
+            return found
 
     # the error of a minimum is not split; either part is at most all of it
     std = film["film_min_std"].values * 1e-6

@@ -26,6 +26,7 @@ from erlif.pipeline.film import (
     describe_statistics,
     pixel_positions,
 )
+from erlif.pipeline.fit import state_physics
 from erlif.pipeline.light import (
     LightFindings,
     choose_frames,
@@ -291,6 +292,10 @@ def complete_film(
         notes=[*notes, *notes_on_light],
     )
     film = widen_errors(film.assign(light), found, results, options, calibration)
+    with stage("physics", _logger):
+        physics = state_physics(film, run.settings, frames_of_run(run, cycle))
+    if physics:
+        film = film.assign_attrs(physics=physics)
     camera_map = move_map(ready.chain.camera_map, drift)
     return film, {
         "frames": describe_frames(run, cycle, results, drift).assign(prediction.frames),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,13 @@ from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.fit import LOAD_LINE_STD, MISFIT, MotionFit, fit_motion
-from erlif.prediction.least_squares import LeastSquares, Minimum, Predict, Unknowns
+from erlif.prediction.least_squares import (
+    LeastSquares,
+    Minimum,
+    Observations,
+    Predict,
+    Unknowns,
+)
 from erlif.prediction.measured import MeasuredMotion
 from erlif.prediction.orbits import FreeOrbits
 from erlif.prediction.problem import Frames, Problem
@@ -35,6 +41,9 @@ HELD = {
 }
 """Transient films, by how the pin is held."""
 
+ANY_GUIDED = "any guided pin"
+"""The largest likelihood of a guided pin: any course along the load, at one sideways place."""
+
 _CARRIES = {
     SQUEEZE: "squeeze carries the film, and the film shows no rotation of the bushing",
     HELD["free"]: "squeeze carries the film of a pin that is free sideways, and the pin sinks",
@@ -43,6 +52,7 @@ _CARRIES = {
     ]: "the swing carries the film of a pin that is guided: cavities rectify its wedge",
     HELD["spring"]: "squeeze and swing carry the film of a pin on a sideways spring",
     STEADY["film_hamrock_dowson"]: "the film follows the steady 2.65 formula",
+    ANY_GUIDED: "the pin stays on one line, as a guided one does",
     STEADY["film_theory"]: "the film follows the steady formula of the regime map",
 }
 
@@ -148,7 +158,9 @@ def compare_models(
     steady : mapping of str to array, (trigger,), optional
         Films of steady formulas under the names of `STEADY`. [m]
     sideways : sequence of str
-        Transient films to compare: of "free", "guided" and "spring".
+        Transient films to compare: of "free", "guided" and "spring". "any guided" is the
+        largest likelihood that a guided pin can have, with any course along the load at one
+        sideways place; it needs positions, and solves no film with cavities.
     load_line_std : float
         As for `fit_motion`. [m]
     progress : callable
@@ -187,8 +199,9 @@ def compare_models(
     fitted: list[_Fitted] = []
     fits: dict[str, MotionFit] = {}
     failures: list[str] = []
-    total = len(sideways) + 1 + len(steady or {})
-    for done, held in enumerate(sideways):
+    transient = [one for one in sideways if one != "any guided"]
+    total = len(transient) + 1 + len(steady or {})
+    for done, held in enumerate(transient):
         progress("fit", done, total)
         try:
             found = fit_motion(
@@ -209,7 +222,7 @@ def compare_models(
         fitted.append(_of_motion(problem, HELD[held], found))
     simple = [(STEADY[name], *_steady(problem, film)) for name, film in (steady or {}).items()]
     candidates = [(SQUEEZE, *_squeeze(problem)), *simple]
-    for done, (name, unknowns, predict) in enumerate(candidates, len(sideways)):
+    for done, (name, unknowns, predict) in enumerate(candidates, len(transient)):
         progress("fit", done, total)
         least = LeastSquares(problem.observations(), unknowns, predict)
         try:
@@ -217,6 +230,8 @@ def compare_models(
         except ModelError as error:
             failures.append(str(error))
     progress("fit", total, total)
+    if measured.is_position and "any guided" in sideways:
+        fitted.append(_bound_guided(problem, load_line_std))
     if not fitted:
         raise ModelError(
             f"No model of the film could be fitted. {failures[0]} Check load, viscosity and radii "
@@ -292,6 +307,33 @@ def _of_motion(problem: Problem, name: str, found: MotionFit) -> _Fitted:
         value - predicted,
         residual,
     )
+
+
+def _bound_guided(problem: Problem, load_line_std: float) -> _Fitted:
+    """A guided pin whose film is as likely as any can be.
+
+    Its sideways place is constant but for the turn of the load line. The density of what remains
+    along the load is the largest that the random errors allow; errors that all triggers share
+    lower it further.
+    """
+    observed = problem.observations()
+    load, side = observed.value.T
+    names = ("rest", "load_line") if load_line_std > 0 else ("rest",)
+    columns = np.stack([np.ones_like(load), load], axis=1)[:, : len(names)]
+    known = np.array([np.inf, load_line_std / problem.orbits.journal.radius])[: len(names)]
+    unknowns = replace(
+        _plain_unknowns(names, [float(side.mean()), 0.0][: len(names)]), expected_std=known
+    )
+    covariance = observed.random_cov
+    alone = Observations(side[:, np.newaxis], covariance[:, 1:, 1:], observed.shared[:, 1:])
+    found = LeastSquares(alone, unknowns, lambda sets: (sets @ columns.T)[..., np.newaxis]).solve()
+
+    variance = covariance[:, 0, 0] - covariance[:, 0, 1] ** 2 / covariance[:, 1, 1]
+    along = -0.5 * float(np.log(2 * np.pi * variance).sum())
+    miss = np.stack([0 * side, side - found.predicted[:, 0]], axis=1)
+    residual = np.stack([0 * side, found.residual], axis=1)
+    count = len(names) + 2  # viscosity and start film of the course
+    return _Fitted(ANY_GUIDED, found.log_likelihood + along, count, found.inflation, miss, residual)
 
 
 def _of_minimum(problem: Problem, name: str, found: Minimum) -> _Fitted:

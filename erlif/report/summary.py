@@ -56,6 +56,8 @@ def summarise(film: xr.Dataset) -> str:
         *difference_lines(film),
         *correlation_lines(film),
     ]
+    if "physics" in film.attrs:
+        lines.append(_line("what carries the film", str(film.attrs["physics"])))
     notes = [note for note in str(film.attrs.get("notes", "")).split("\n") if note]
     lines += [_line("notes" if n == 0 else "", note) for n, note in enumerate(notes)]
     return "\n".join(lines)

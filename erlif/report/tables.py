@@ -129,7 +129,8 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     notes = str(limits_of.get("notes", "")).split("\n")
     limits = " ".join(escape(note) for note in notes if note)
     below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
-    carried = " ".join(escape(sentence) for sentence in carrying_sentences(film))
+    sentences = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
+    carried = " ".join(escape(sentence) for sentence in sentences if sentence)
     below += f"<p class='quiet'>What carries the film: {carried}</p>" if carried else ""
     return make_table(rows, caption=caption) + below
 

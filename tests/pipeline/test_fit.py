@@ -5,6 +5,7 @@ import pytest
 import erlif
 from erlif.core.errors import ErlifError
 from erlif.pipeline.fit import fit_film
+from erlif.report import summarise
 from erlif.rig import RigSettings, simulate
 
 
@@ -41,6 +42,25 @@ def test_free_pin_and_its_viscosity_are_found_in_photographs(sinking):
     viscosity = found.fit.estimates["viscosity"]
     assert abs(viscosity.value - 0.1) < 3 * viscosity.std
     assert viscosity.std < 0.2 * 0.1
+
+
+def test_film_states_in_one_line_which_physics_carries_it(sinking):
+    with erlif.open_film(sinking / "film.nc") as film:
+        lines = [line for line in summarise(film).splitlines() if "what carries the film" in line]
+        assert str(film.attrs["physics"]) in lines[0]
+    assert "Squeeze carries the film of a pin that is free sideways" in lines[0]
+    assert "strong" in lines[0]
+
+
+def test_minima_determine_the_viscosity_where_positions_are_absent(sinking, tmp_path):
+    with erlif.open_film(sinking / "film.nc") as film:
+        film["pin_displacement"] = film["pin_displacement"] * float("nan")
+        film.to_netcdf(tmp_path / "film.nc")
+    with erlif.open_film(sinking / "film.nc", group="frames") as frames:
+        frames.to_netcdf(tmp_path / "film.nc", group="frames", mode="a")
+    viscosity = fit_film(tmp_path / "film.nc").fit.estimates["viscosity"]
+    assert abs(viscosity.value - 0.1) < 3 * viscosity.std
+    assert viscosity.std < 0.3 * 0.1
 
 
 def test_run_without_a_film_is_refused(lab):

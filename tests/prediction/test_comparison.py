@@ -62,13 +62,31 @@ def test_free_pin_is_recognised_by_its_minima():
     assert names.index("a pin that is free sideways") < names.index("a guided pin")
 
 
-def test_guided_pin_is_recognised():
+@pytest.fixture(scope="module")
+def guided():
+    """Positions of a guided pin, by fine steps of the long film."""
     long = crank_motion(RIG, crank_speed=SPEED, load=222.4, cycles=5, steps_per_cycle=1600)
     solved = solve_journal(
         LONG, long, start=(205e-6, 0.0), sideways="guided", cells=(256, 1), compiled=True
     )
     orbit = np.stack([solved.displacement_load, solved.displacement_side], axis=1)[4800:-1:32]
-    found = compare(measure(orbit, 4), LONG, steady=STEADY)
+    return measure(orbit, 4)
+
+
+def test_bound_of_any_guided_pin_is_above_the_fitted_one(guided):
+    found = compare(guided, LONG, sideways=["guided", "any guided"])
+    names = [one.name for one in found.candidates]
+    assert names.index("any guided pin") < names.index("a guided pin")
+
+
+def test_free_pin_is_more_likely_than_any_guided_one():
+    found = compare(measure(free_orbit(), 1), STATED, sideways=["free", "any guided"])
+    assert [one.name for one in found.candidates[:1]] == ["a pin that is free sideways"]
+    assert found.candidates[-1].bic > 10
+
+
+def test_guided_pin_is_recognised(guided):
+    found = compare(guided, LONG, steady=STEADY)
     assert found.candidates[0].name == "a guided pin"
     assert found.candidates[1].bic > 10
 
