@@ -35,6 +35,7 @@ from erlif.core.notes import Level, Note
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.core.timing import stage
 from erlif.core.version import __version__
+from erlif.files import takes
 from erlif.ingest import Fixture, Run, format_notes, open_fixture, open_run
 from erlif.kinematics import encoder_notes
 from erlif.pipeline.cameras import characterise_cameras
@@ -105,6 +106,7 @@ class Audit:
         }
 
 
+@takes(directory="directory")
 def check(
     directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
 ) -> list[Note]:
@@ -133,6 +135,7 @@ def check(
     return audit(directory, allow_outside=allow_outside, progress=progress).notes
 
 
+@takes(directory="directory")
 def audit(
     directory: str | Path, *, allow_outside: bool = False, progress: ShowProgress = None
 ) -> Audit:

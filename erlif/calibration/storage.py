@@ -30,12 +30,13 @@ from erlif.core.errors import (
 )
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
-from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, write_dataset
+from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, takes, write_dataset
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
 from erlif.settings import RunSettings
 
 
+@takes(calibration="calibration")
 def save_calibration(
     calibration: Calibration, output: str | Path, *, overwrite: bool = False
 ) -> Path:
@@ -87,6 +88,7 @@ def save_calibration(
     return output
 
 
+@takes(path="path")
 def open_calibration(path: str | Path) -> Calibration:
     """Read ``calibration.nc``.
 

@@ -19,6 +19,7 @@ from erlif.files.netcdf_maps import NetcdfMaps
 from erlif.files.replacing import refuse_existing, replacing
 from erlif.files.store import MapStore
 from erlif.files.unfinished import PartialFilm, remove_remains
+from erlif.files.wanted import take, takes, takes_products
 from erlif.files.zarr_maps import ZarrMaps
 
 __all__ = [
@@ -47,6 +48,9 @@ __all__ = [
     "round_map",
     "set_coordinates",
     "settings_of",
+    "take",
+    "takes",
+    "takes_products",
     "write_dataset",
     "write_film",
 ]

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
+from os import PathLike
 from pathlib import Path
 
 import xarray as xr
@@ -13,11 +14,19 @@ import xarray as xr
 from erlif.core.errors import OutputError, reason_of
 from erlif.files.coordinates import set_coordinates
 from erlif.files.headers import check_netcdf, check_zarr
+from erlif.files.kinds import KIND_NAMES, kind_of
 from erlif.files.netcdf import fix_text, open_netcdf, write_netcdf
 from erlif.files.older import renew_film
 from erlif.files.replacing import replacing, take_name, write_error
 from erlif.files.soundness import check_film, check_frames, check_registration
 from erlif.files.unfinished import PartialFilm
+
+_OTHERS = {
+    "calibration file": "erlif.open_calibration opens it",
+    "prediction": "xarray.open_dataset opens it",
+    "pressure": "xarray.open_dataset opens it",
+}
+"""Files that are no films, and what opens them."""
 
 _MAKE_ONE = "Make one with: erlif process RUN_DIR"
 
@@ -134,6 +143,12 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
         ...
     erlif.core.errors.OutputError: Expected a film file; no such film.nc does not exist. ...
     """
+    if not isinstance(path, str | PathLike):
+        given = KIND_NAMES.get(kind_of(path), type(path).__name__)
+        raise OutputError(
+            f"Expected the path of a film, got {given}. Name its file; a film in memory is open "
+            "already."
+        )
     path = Path(path)
     make_one = _MAKE_ONE
     if not path.exists():
@@ -160,6 +175,11 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
             raise ValueError("it is not a regular file")
         check_netcdf(path)
         dataset = open_netcdf(path, group=group)
+
+    kind = kind_of(dataset)
+    if group is None and kind in _OTHERS:
+        dataset.close()
+        raise ValueError(f"it holds {KIND_NAMES[kind]}; {_OTHERS[kind]}")
 
     check = {None: check_film, "frames": check_frames, "registration": check_registration}
     try:

@@ -13,6 +13,7 @@ from pathlib import Path
 from erlif.calibration import Calibration
 from erlif.core.errors import ConfigError, ErlifError, OutputError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
+from erlif.files import take
 from erlif.ingest import RunEntry, read_run_table
 from erlif.pipeline.engines import Engine, open_engine
 from erlif.pipeline.run import process_run
@@ -67,7 +68,7 @@ class RunOutcome:
 
 
 def batch(
-    runs: Iterable[str | Path | RunEntry],
+    runs: str | Path | Iterable[str | Path | RunEntry],
     *,
     calibration: Calibration | str | Path | None = None,
     resume: bool = False,
@@ -118,7 +119,8 @@ def batch(
     'Expected a directory with run.toml in it; mon'
     """
     progress = choose_progress(progress)
-    entries = list_runs(runs)
+    # a single path is a batch of one run
+    entries = list_runs([runs] if isinstance(runs, str | Path) else runs)
     outcomes = []
     with open_engine(workers=workers, scheduler=scheduler) as engine:
         for entry in entries:
@@ -166,7 +168,9 @@ def list_runs(runs: Iterable[str | Path | RunEntry]) -> list[RunEntry]:
     for one in runs:
         if isinstance(one, RunEntry):
             given.append(one)
-        elif Path(one).suffix.lower() == ".csv" and not Path(one).is_dir():
+            continue
+        take(one, "run", where="runs")
+        if Path(one).suffix.lower() == ".csv" and not Path(one).is_dir():
             given += read_run_table(Path(one))
         else:
             given.append(RunEntry(Path(one)))

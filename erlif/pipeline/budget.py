@@ -18,6 +18,7 @@ from erlif.core.detector import QUANTISATION_VAR
 from erlif.core.errors import ConfigError
 from erlif.core.products import AlignedFrames, CorrectedFrames, RatioImages, ThicknessMaps
 from erlif.core.progress import ShowProgress, choose_progress
+from erlif.files import takes
 from erlif.ingest import open_run
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
 from erlif.pipeline.clock import fit_start
@@ -106,6 +107,7 @@ class _Sources:
     """Factor by which interpolation lowers the variance of a pixel of camera 2. [1]"""
 
 
+@takes(run_dir="run", calibration="calibration path")
 def budget(
     run_dir: str | Path,
     *,

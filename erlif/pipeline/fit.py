@@ -12,7 +12,7 @@ import xarray as xr
 from erlif.calibration import calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
-from erlif.files import open_film
+from erlif.files import open_film, takes
 from erlif.models.reynolds import Journal
 from erlif.pipeline.joint import describe_joint
 from erlif.pipeline.predict import is_film, read_film
@@ -40,6 +40,7 @@ _STEADY = {"film_hamrock_dowson": "film_hamrock_dowson", "film_regime_map": "fil
 """Variables of a film with steady formulas, and their names in the comparison."""
 
 
+@takes(path="run or film")
 def fit_film(path: str | Path, *, progress: ShowProgress = None) -> Comparison:
     """Fit the models of what may carry the film of an oscillating joint, and compare them.
 

@@ -20,6 +20,7 @@ from erlif.core.errors import CalibrationError, OutputError
 from erlif.core.products import RatioImages
 from erlif.core.progress import Progress, ShowProgress, choose_progress, silent
 from erlif.core.timing import stage
+from erlif.files import takes
 from erlif.ingest import (
     FramePairs,
     Run,
@@ -45,6 +46,7 @@ from erlif.registration import move_map
 _logger = logging.getLogger(__name__)
 
 
+@takes(fixture_dir="fixture")
 def calibrate(
     fixture_dir: str | Path,
     *,

@@ -17,7 +17,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.products import RatioImages
-from erlif.files import check_trigger, open_film, settings_of
+from erlif.files import check_trigger, open_film, settings_of, takes
 from erlif.ingest import Run, open_run
 from erlif.passes import PairSum
 from erlif.pipeline.chain import FrameChain, one_thread_per_frame
@@ -30,6 +30,7 @@ from erlif.settings import RunSettings
 _RATIO = ("log_ratio", "log_ratio_var", "log_ratio_var_fixed", "log_ratio_var_shared")
 
 
+@takes(film_path="film file", run_dir="run")
 def restore_images(
     film_path: str | Path, run_dir: str | Path, *, trigger: int, allow_outside: bool = False
 ) -> xr.Dataset:

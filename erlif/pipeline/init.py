@@ -16,7 +16,7 @@ from erlif.calibration import open_calibration, read_profile
 from erlif.core.arrays import Array
 from erlif.core.errors import ConfigError, ErlifError, FrameError, OutputError
 from erlif.core.notes import Level, Note
-from erlif.files import replacing
+from erlif.files import replacing, takes
 from erlif.ingest import read_encoder_log
 from erlif.ingest.logs.proposal import LogProposal, propose_log
 from erlif.ingest.survey import CameraSurvey, CountsSample, Survey, TextTable, survey_directory
@@ -66,6 +66,7 @@ class _Draft:
         self.note(subject, text, Level.WARNING)
 
 
+@takes(directory="directory")
 def init(
     directory: str | Path,
     *,

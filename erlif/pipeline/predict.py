@@ -26,6 +26,7 @@ from erlif.files import (
     refuse_existing,
     remove_remains,
     settings_of,
+    takes,
     write_film,
 )
 from erlif.ingest import hash_files_beside_frames, open_run
@@ -96,6 +97,7 @@ class Source:
         return int(self.frames.trigger.max()) + 1
 
 
+@takes(path="run or film", output="path")
 def predict(
     path: str | Path,
     *,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from erlif.core.arrays import Array, Mask
 from erlif.core.errors import ConfigError, ModelError
 from erlif.core.progress import Progress, ShowProgress, choose_progress
 from erlif.core.version import __version__
-from erlif.files import open_film, set_coordinates, settings_of
+from erlif.files import open_film, set_coordinates, settings_of, take
 from erlif.models.contact import conformal_radius
 from erlif.models.mechanism import CrankRocker
 from erlif.pipeline.joint import build_linkage, describe_joint
@@ -80,9 +79,10 @@ def pressure_from_film(
     >>> found.attrs["statement"]  # doctest: +SKIP
     """
     report = choose_progress(progress)
-    opened = open_film(film) if isinstance(film, str | Path) else nullcontext(film)
-    with opened as source:
-        return _find(source, report)
+    if isinstance(film, str | Path):
+        with open_film(film) as source:
+            return _find(source, report)
+    return _find(take(film, "film", where="film"), report)
 
 
 def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:

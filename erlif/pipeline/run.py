@@ -27,6 +27,7 @@ from erlif.files import (
     open_film,
     refuse_existing,
     remove_remains,
+    takes,
     write_film,
 )
 from erlif.ingest import (
@@ -59,6 +60,7 @@ from erlif.settings import to_toml
 _logger = logging.getLogger(__name__)
 
 
+@takes(run_dir="run", calibration="calibration path", output="path")
 def process(
     run_dir: str | Path,
     *,

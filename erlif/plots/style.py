@@ -27,7 +27,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
 from erlif.core.flags import FLAG_COLOURS as FLAG_COLOURS
-from erlif.files import replacing
+from erlif.files import replacing, takes_products
 from erlif.plots.naming import name_film
 
 ONE_COLUMN, TWO_COLUMNS = 90 / 25.4, 190 / 25.4
@@ -137,6 +137,8 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
     What the caller has set, by a style sheet or by itself, is kept.
     """
+
+    draw = takes_products(draw)
 
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:

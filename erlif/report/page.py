@@ -18,6 +18,7 @@ from erlif.files import (
     refuse_existing,
     replacing,
     settings_of,
+    takes,
 )
 from erlif.plots.files import FigureSource, find_source
 from erlif.report.figures import figures_section
@@ -34,6 +35,7 @@ from erlif.report.tables import (
 from erlif.report.viewer import viewer_data, viewer_section
 
 
+@takes(film_path="film file", out_path="path")
 def write_report(
     film_path: str | Path,
     out_path: str | Path,

@@ -9,7 +9,7 @@ from erlif.calibration import Calibration
 from erlif.core.flags import Flag
 from erlif.core.notes import rank_notes
 from erlif.core.units import count_of
-from erlif.files import flag_shares
+from erlif.files import flag_shares, takes
 from erlif.report.prediction import correlation_lines, difference_lines
 
 _TITLE = 28  # columns of the titles of a film
@@ -18,6 +18,7 @@ _NOTABLE = 0.01  # share of the region beyond the range from which a mean is tha
 _AT = (0.1, 0.5)  # places in the calibrated range whose uncertainty is printed
 
 
+@takes(film="film")
 def summarise(film: xr.Dataset) -> str:
     """Describe a film: thickness over the cycle, valid pixels, trend, theory and notes.
 

@@ -6,9 +6,10 @@ It shares no code with the stages that measure the film.
 import re
 import shutil
 import tempfile
+from os import PathLike
 from pathlib import Path
 
-from erlif.core.errors import OutputError
+from erlif.core.errors import ModelError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
 from erlif.rig.settings import DyeSpectra, RigSettings
 
@@ -30,7 +31,7 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def simulate(
-    out: Path,
+    out: str | Path,
     *,
     seed: int = 0,
     rig: RigSettings | None = None,
@@ -41,7 +42,7 @@ def simulate(
 
     Parameters
     ----------
-    out : Path
+    out : path
         Directory that receives ``fixture/`` and ``run/`` as the laboratory would have written
         them, and ``truth.nc`` with the film, the displacement between the cameras and all other
         inputs of the simulation.
@@ -81,6 +82,15 @@ def simulate(
     from erlif.rig.run import write_rig  # heavy imports only when the work starts
 
     report = choose_progress(progress)
+    if not isinstance(out, str | PathLike):
+        raise OutputError(
+            f"Expected the path of a directory as out=, got {type(out).__name__}. Name a directory."
+        )
+    if rig is not None and not isinstance(rig, RigSettings):
+        raise ModelError(
+            f"Expected erlif.rig.RigSettings as rig=, got {type(rig).__name__}. Write "
+            "rig=erlif.rig.RigSettings(width=256, height=192)."
+        )
     out = Path(out)
     existing = [name for name in WRITTEN if (out / name).exists()]
     if existing and not overwrite:
