@@ -110,6 +110,7 @@ SINGLE_PAGES = (
     "prediction",
     "compare",
     "tutorial",
+    "notebook",
     "files",
     "glossary",
     "performance",

@@ -8,6 +8,9 @@ import xarray as xr
 
 from erlif.core.errors import ErlifError
 
+_TITLE_PARTS = 2
+"""Coordinates in a title."""
+
 
 class MapAccessor:
     """What `array.erlif` offers; `array` has the dims y and x.
@@ -55,4 +58,20 @@ class MapAccessor:
             )
         drawn = self._array.plot.pcolormesh(**{"x": "x", "y": "y", "yincrease": False, **style})
         drawn.axes.set_aspect("equal")
+        drawn.axes.set_title(_title(self._array))
         return drawn
+
+
+def _title(array: xr.DataArray) -> str:
+    """Trigger and angle in one short line; xarray would list all coordinates."""
+    parts = []
+    if "trigger" in array.coords and array.trigger.ndim == 0:
+        parts.append(f"trigger {int(array.trigger)}")
+    for name, label, unit in (
+        ("encoder_angle", "encoder", "°"),
+        ("position", "position", " mm"),
+        ("time", "time", " s"),
+    ):
+        if name in array.coords and array[name].ndim == 0 and len(parts) < _TITLE_PARTS:
+            parts.append(f"{label} {float(array[name]):.4g}{unit}")
+    return ", ".join(parts)
