@@ -138,6 +138,8 @@ def _numbers(triggers: int, shape: tuple[int, int], name: str) -> xr.Dataset:
         "film_mean": minimum + 2.6,
         "film_theory": 0.9 * minimum,
         "film_hamrock_dowson": 0.8 * minimum,
+        "film_predicted_min": 1.05 * minimum,
+        "film_predicted_mean": minimum + 2.4,
     }
     film = film.assign(
         {key: (film[key].dims, one, film[key].attrs) for key, one in columns.items()}

@@ -5,7 +5,8 @@ const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
 
 const axis = (label) => ({
   label,
-  labelSize: 22,
+  labelSize: 20,
+  labelGap: 0,
   labelFont: FONT,
   font: FONT,
   stroke: () => css("--ink").trim(),
@@ -66,7 +67,7 @@ export class ProfileChart extends Chart {
       bands.push({ series: [3 * n + 2, 3 * n + 3],
         fill: () => `color-mix(in srgb, ${css(colour).trim()} 28%, transparent)` });
     }
-    const x = axis("distance along the line [mm]");
+    const x = { ...axis("distance along the line [mm]"), size: 34 };
     this.make({
       scales: { x: { time: false } },
       series, bands,
@@ -158,8 +159,8 @@ export class CycleChart extends Chart {
     this.make({
       scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(0, low ?? 0),
         1.05 * (high ?? 1)] } },
-      series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map(look)],
-      axes: [axis(cycles.get(state.a.film).axes[name] ?? name),
+      series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map((one) => look(one, rows.length > 600 ? 4 : 7))],
+      axes: [{ ...axis(cycles.get(state.a.film).axes[name] ?? name), size: 34 },
         { ...axis("film thickness [µm]"), size: 48 }],
       cursor: { drag: { x: true, y: false }, points: { show: false } },
       legend: { live: false },
@@ -206,7 +207,7 @@ export class CycleChart extends Chart {
   }
 }
 
-function look({ film, stroke, title, second }) {
+function look({ film, stroke, title, second }, size) {
   const { colour, mark, dash } = LOOKS[film];
   const name = stroke ? `${title}, ${stroke > 0 ? "outward" : "return"}` : title;
   const label = second ? `${name}, second film` : name;
@@ -218,6 +219,6 @@ function look({ film, stroke, title, second }) {
   const tint = second ? () => `color-mix(in srgb, ${css(colour).trim()} 55%, ${css("--ink")})`
     : ink(colour);
   return { label, stroke: tint, paths: () => null,
-    points: { show: true, size: second ? 4 : 6, stroke: tint,
+    points: { show: true, size, stroke: tint,
       fill: stroke < 0 ? () => css("--ground").trim() : tint } };
 }

@@ -229,11 +229,13 @@ function axisTitle(name) {
 }
 
 function showStatistics(rows) {
-  const digits = (value) => (value === null ? "–" : Number(value).toPrecision(5));
+  const digits = (value) => (value === null ? "–" : Number(value).toPrecision(4));
+  const few = (value) => (value === null ? "–" : Number(value).toPrecision(2));
   const head = ["", "pixels", "valid", "mean", "± random", "± shared", "min", "max", "std"];
   const cells = rows.map(([title, one]) => [
-    rows.length > 1 ? title : `[${one.unit}]`, one.count, one.valid, ...[one.mean, one.mean_std,
-      one.mean_std_shared, one.min, one.max, one.std].map(digits)]);
+    rows.length > 1 ? `${title} [${one.unit}]` : `[${one.unit}]`, one.count, one.valid,
+    digits(one.mean), few(one.mean_std), few(one.mean_std_shared),
+    ...[one.min, one.max, one.std].map(digits)]);
   const table = byId("statistics");
   table.replaceChildren(...[head, ...cells].map((row, n) => {
     const line = document.createElement("tr");
@@ -560,6 +562,7 @@ const start = guarded(async () => {
   } else {
     state.b.trigger = (film().first + Math.floor(film().triggers / 2)) % film().triggers;
   }
+  byId("more").open = innerWidth > 640; // a narrow screen shows the map first
   makePanels();
   profileChart = new ProfileChart(byId("profile"), {
     pointed: (share) => {
