@@ -2,7 +2,8 @@
 
 Run with ``python benchmarks/view.py DIRECTORY``, which needs 4 GB there and removes them. It
 prints, for netCDF and zarr: the time from the command to its address and from the address to the
-first map, the times of 40 new triggers, and the memory of server and page. Needs Chromium and the
+first map, the times of 40 new triggers, processor time of the server (with profile and statistics),
+and the memory of server and page. Needs Chromium and the
 packages of the extra ``test``. ``--triggers`` and ``--shape`` choose another run.
 """
 
@@ -50,6 +51,12 @@ def resident(pid: int) -> float:
     return int(text.partition("VmRSS:")[2].split()[0]) / 1024
 
 
+def processor_time(pid: int) -> float:
+    """Processor time of a process. [s]"""
+    text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    return (int(text[11]) + int(text[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def measure(film: Path, triggers: int, chromium: str) -> None:
     """Print the figures of one film."""
     from playwright.sync_api import sync_playwright
@@ -69,6 +76,7 @@ def measure(film: Path, triggers: int, chromium: str) -> None:
             page.wait_for_selector("body[data-ready]")
             whole = time.perf_counter() - started - up
 
+            opened = processor_time(server.pid)
             rng = np.random.default_rng(1)
             chosen = rng.choice(triggers, CHANGES, replace=False).tolist()
             times = []
@@ -77,6 +85,7 @@ def measure(film: Path, triggers: int, chromium: str) -> None:
                 page.wait_for_load_state("networkidle")
             heap = page.evaluate("performance.memory.usedJSHeapSize") / 2**20
             memory = resident(server.pid)
+            each = (processor_time(server.pid) - opened) / CHANGES
             server.send_signal(signal.SIGINT)
             server.wait()
         browser.close()
@@ -86,6 +95,7 @@ def measure(film: Path, triggers: int, chromium: str) -> None:
     print(f"  address to first map  {first:6.2f} s, with profile and cycle {whole:.2f} s")
     low, high = np.percentile(times, 50), np.percentile(times, 95)
     print(f"  new trigger           median {low:.0f} ms, 95 % {high:.0f} ms")
+    print(f"  processor time        opening {opened:.2f} s, a new trigger {1e3 * each:.0f} ms")
     print(f"  memory                server {memory:.0f} MB, scripts of the page {heap:.0f} MB")
     print(f"  load of the machine   {os.getloadavg()[0]:.1f}")
 

@@ -156,19 +156,26 @@ def find_chunks(data: Any) -> Mask:
     if data.chunks is None:
         return np.array(data.id.get_storage_size() >= data.size * data.dtype.itemsize)
 
-    found = np.zeros(_chunk_grid(data), np.int8)
+    found = np.zeros(_chunk_grid(data), np.int64)
     plain = math.prod(data.chunks) * data.dtype.itemsize
     skipped = (1 << len(filters_of(data))) - 1
 
-    def count(chunk: Any) -> None:
-        place, between = np.divmod(chunk.chunk_offset, data.chunks)
-        # a chunk that no filter has changed has its own size
-        whole = chunk.filter_mask & skipped != skipped or chunk.size == plain
-        whole = whole and not between.any()
-        if ((place >= 0) & (place < found.shape)).all():
-            found[*place] = 1 if whole and not found[*place] else 2
+    # the callback is called for every map of a long run, so that it collects and computes nothing
+    chunks: list[tuple[Any, ...]] = []
 
-    data.id.chunk_iter(count)
+    def collect(chunk: Any) -> None:
+        chunks.append((*chunk.chunk_offset, chunk.filter_mask, chunk.size))
+
+    data.id.chunk_iter(collect)
+    table = np.array(chunks, np.int64).reshape(len(chunks), data.ndim + 2)
+    places, between = np.divmod(table[:, :-2], data.chunks)
+    # a chunk that no filter has changed has its own size
+    whole = (table[:, -2] & skipped != skipped) | (table[:, -1] == plain)
+    whole &= ~between.any(axis=1)
+    inside = ((places >= 0) & (places < found.shape)).all(axis=1)
+
+    # a place that is named twice belongs to no chunk for sure
+    np.add.at(found, tuple(places[inside].T), np.where(whole[inside], 1, 2))
     once: Mask = found == 1
     return once
 

@@ -13,7 +13,14 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray, FlagImage, Image
 from erlif.core.errors import ErlifError, FrameError
-from erlif.files import check_trigger, open_film, reading_film, region_of, settings_of
+from erlif.files import (
+    check_trigger,
+    describe_trigger,
+    open_film,
+    reading_film,
+    region_of,
+    settings_of,
+)
 from erlif.settings import RegionOfInterest
 from erlif.view.layers import LAYERS
 
@@ -22,6 +29,10 @@ KEPT = 96 * 2**20
 
 _IMAGES = ("log_ratio", "camera1", "camera2")
 """Layers that `erlif.pipeline.restore_images` computes."""
+
+
+_DESCRIBING = ("encoder_angle", "time", "stroke", "rocker_speed", "sliding_speed")
+"""Variables that `erlif.files.describe_trigger` uses."""
 
 
 class FilmReader:
@@ -64,6 +75,9 @@ class FilmReader:
         """Region of interest that the film was made with."""
         self.run_dir = _find_run(path, run_dir)
         """Run directory; None where it is not known."""
+        # the few numbers of a description, in memory: to select from the film takes much longer
+        names = [name for name in _DESCRIBING if name in self.film]
+        self._numbers = self.film[names].load()
         self._kept: OrderedDict[tuple[str, int], AnyArray] = OrderedDict()
         self._lock = Lock()
         self._computing = Lock()
@@ -87,6 +101,11 @@ class FilmReader:
         """Position of the first pixel along "x" or "y", and the distance of two. [mm]"""
         values = self.film[name].values
         return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
+
+    def describe(self, trigger: int) -> str:
+        """Describe a trigger in one line, as `erlif.files.describe_trigger`."""
+        check_trigger(self.film, trigger)
+        return describe_trigger(self._numbers, trigger)
 
     def read(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """Read one layer at one trigger.

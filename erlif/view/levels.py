@@ -9,6 +9,9 @@ import numpy as np
 
 from erlif.core.arrays import AnyArray, FlagImage, Image
 
+_SLACK = 0.2
+"""Pixels of the map by which a point may be larger than a pixel of the screen."""
+
 
 @dataclass(frozen=True)
 class Window:
@@ -94,7 +97,7 @@ def choose_step(window: Window, room: tuple[int, int], *, coarse: bool = False) 
     """
     width, height = max(room[0], 1), max(room[1], 1)
     ratio = max((window.right - window.left) / width, (window.bottom - window.top) / height)
-    step = max(math.floor(ratio), 1)
+    step = max(math.floor(ratio + _SLACK), 1)
     return 2 * step if coarse and (2 * ratio) > 1 else step
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from erlif.core.arrays import FlagImage, Image
 from erlif.core.errors import ErlifError
 from erlif.core.flags import FLAG_COLOURS, Flag, count_flags
-from erlif.files import axis_labels, describe_trigger, fastest_trigger
+from erlif.files import axis_labels, fastest_trigger
 from erlif.view.cycle import describe_cycle, to_list
 from erlif.view.differences import significance, subtract_maps
 from erlif.view.exports import map_csv, map_tiff, table_csv
@@ -199,10 +199,10 @@ class _Chosen:
 def _read_chosen(request: Request) -> _Chosen:
     reader, trigger = request.film(), request.whole("trigger")
     name = request.text("layer")
-    text = describe_trigger(reader.film, trigger) if 0 <= trigger < reader.triggers else ""
+    text = reader.describe(trigger)
     if name in (DIFFERENCE.name, SIGNIFICANCE.name):
         values, std, flags = _subtract(request)
-        other = describe_trigger(request.film("film2").film, request.whole("trigger2"))
+        other = request.film("film2").describe(request.whole("trigger2"))
         text = f"{text} − {other}"
         if name == DIFFERENCE.name:
             return _Chosen(reader, DIFFERENCE, values, flags, text)
@@ -245,7 +245,7 @@ def _pack(request: Request, layer: Layer, values: Image, flags: FlagImage, *, te
 
 def _flag_shares(flags: FlagImage) -> list[float]:
     """Share of each flag in a map, in the order of FLAG_COLOURS."""
-    _, *counts = count_flags(flags)
+    _, *counts = count_flags(flags[flags != 0])  # mostly few
     share = {flag: count / flags.size for flag, count in zip(Flag, counts, strict=True)}
     return [share[flag] for flag in FLAG_COLOURS]
 

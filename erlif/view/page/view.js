@@ -143,7 +143,10 @@ function setTrigger(trigger, which = "a") {
   return refreshAll();
 }
 
-const refreshAll = () => Promise.all([refreshMaps(), state.playing ? null : refreshValues()]);
+async function refreshAll() {
+  await refreshMaps(); // numbers follow, and do not delay the maps
+  if (!state.playing) await refreshValues();
+}
 const stride = () => Math.max(1, Math.round(byId("stride").valueAsNumber) || 1);
 const step = (change) => setTrigger(state.a.trigger + change);
 
