@@ -3,19 +3,16 @@
 from erlif.files import open_netcdf
 
 
-def test_a_pressure_lies_beside_its_film_with_what_it_is_good_for(own, command):
+def test_a_pressure_lies_beside_its_film_and_is_replaced_on_request_only(own, command, refused):
     result = command("pressure", own)
-    with open_netcdf(own.parent / "pressure.nc") as found:
+    first = own.parent / "pressure.nc"
+    with open_netcdf(first) as found:
         assert found.attrs["statement"] in result.stdout
         assert found.sizes["trigger"] == 6
         known = bool(found.pressure_measured.values.any())
     assert (own.parent / "pressure.png").is_file() == known
     assert "written: " in result.stdout
 
-
-def test_an_existing_pressure_is_replaced_on_request_only(own, command, refused):
-    first = own.parent / "pressure.nc"
-    command("pressure", own)
     before = first.read_bytes()
     assert "use --overwrite" in refused("pressure", own)
     command("pressure", own, "--overwrite")
