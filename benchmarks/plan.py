@@ -1,6 +1,6 @@
 """What `erlif plan` predicts against what a rehearsal of the same plan finds.
 
-``python benchmarks/plan.py`` photographs six plans with the virtual rig, calibrates and processes
+``python benchmarks/plan.py`` photographs seven plans with the virtual rig, calibrates and processes
 them, and compares standard deviation and measurable range. The virtual rig shares no code with the
 prediction; the spectra are the only common input. ``--seed`` and ``--size`` change the rehearsal.
 """
@@ -50,6 +50,17 @@ POINTS: dict[str, tuple[tuple[str, str], ...]] = {
         ('thickest = "10 um"', 'thickest = "100 um"'),
         ('thickest = "18 um"', 'thickest = "150 um"'),
         ("# frames = 1", "frames = 9"),
+    ),
+    "5 to 400 um, five frames": (
+        ('"0.008 mol/L"', '"0.000274 mol/L"'),
+        ('"0.024 mol/L"', '"0.00274 mol/L"'),
+        ('thick_film = "11000 electron"', 'thick_film = "4725.6 electron"'),
+        ('thick_film = "11500 electron"', 'thick_film = "13449 electron"'),
+        ('thinnest = "2 um"', 'thinnest = "5 um"'),
+        ('thickest = "10 um"', 'thickest = "400 um"'),
+        ('thickest = "18 um"', 'thickest = "600 um"'),
+        ("# frames = 1", "frames = 5"),
+        ("# flat_pages = 12", "flat_pages = 60"),
     ),
     "gain 2, full well 7000 electrons": (
         ('gain = "4.4 electron/DN"', 'gain = "2 electron/DN"'),

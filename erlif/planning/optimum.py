@@ -14,7 +14,7 @@ from erlif.planning.precision import Film, dimmed_to_full_scale, thickness_std
 FILMS = 25
 """Films of the range whose largest error is minimised."""
 
-_SEARCH = 14  # concentrations of each dye on the first, coarse grid
+_SEARCH = 10  # concentrations of each dye on the first, coarse grid
 _CLOSE = 1e-4  # of ln concentration and of the error: where the search ends
 _LEAST_DEPTH = 1e-2  # optical depth of the thickest film at the smallest concentration searched
 
