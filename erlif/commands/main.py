@@ -27,6 +27,7 @@ from erlif.commands.export import export
 from erlif.commands.figures import figures
 from erlif.commands.init import init
 from erlif.commands.log import show_log
+from erlif.commands.movie import movie
 from erlif.commands.plan import plan
 from erlif.commands.predict import predict
 from erlif.commands.pressure import pressure
@@ -125,6 +126,7 @@ for command in (
     pressure,
     budget,
     figures,
+    movie,
     report,
     compare,
     export,

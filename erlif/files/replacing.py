@@ -20,6 +20,8 @@ STARTS = {
     ".png": (b"\x89PNG\r\n\x1a\n",),
     ".pdf": (b"%PDF",),
     ".svg": (b"<?xml ve",),
+    ".gif": (b"GIF89a",),
+    ".mp4": tuple(bytes([0, 0, 0, size]) + b"ftyp" for size in range(16, 48, 4)),
     ".html": (b"<!DOCTYP", b"<!doctyp"),
     ".mat": (b"MATLAB 5.0 MAT-file, written by erlif", b"MATLAB 7.3 MAT-file, written by erlif"),
     ".npz": (b"PK\x03\x04",),

@@ -43,6 +43,8 @@ from erlif.plots.maps import (
     thickness_figure,
     thickness_map,
 )
+from erlif.plots.mechanism import draw_mechanism
+from erlif.plots.movie import cycle_movie, cycle_view
 from erlif.plots.orbit import closest_film, gap_curvature, pin_figure, pin_orbit
 from erlif.plots.plan import (
     example_plan_results,
@@ -77,8 +79,11 @@ __all__ = [
     "comparison_figure",
     "control_chart_of",
     "cycle_figure",
+    "cycle_movie",
+    "cycle_view",
     "difference_map_of_runs",
     "displacement_map",
+    "draw_mechanism",
     "drift_of_frames",
     "example_calibration",
     "example_film",

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from erlif.calibration import Calibration, calibration_of, open_calibration, read_profile
 from erlif.core.errors import ConfigError, ErlifError, OutputError
-from erlif.core.progress import Progress, silent
+from erlif.core.progress import ShowProgress, choose_progress
 from erlif.files import (
     check_trigger,
     describe_trigger,
@@ -375,7 +375,7 @@ def write_figures(
     style: str | Path | None = None,
     overwrite: bool = False,
     allow_outside: bool = False,
-    progress: Progress = silent,
+    progress: ShowProgress = None,
 ) -> list[Path]:
     """Write the figures of a film.
 
@@ -406,8 +406,9 @@ def write_figures(
         Replace existing files.
     allow_outside : bool
         Follow links and names of files that leave the run directory.
-    progress : callable
-        Called with ``"figures"``, the number of figures that are written, and of all.
+    progress : callable, bool or "bar"
+        Called with ``"figures"``, the number of figures that are written, and of all; "bar" shows a
+        bar.
 
     Returns
     -------
@@ -439,6 +440,7 @@ def write_figures(
             f"Expected a resolution from {_DPI[0]} to {_DPI[1]} dpi; got {dpi:g}. Choose one."
         )
 
+    report = choose_progress(progress)
     out_dir = Path(out_dir)
     written: list[Path] = []
     with reading_film(film_path), open_film(film_path) as film, in_style(style):
@@ -469,11 +471,11 @@ def write_figures(
                 logger.warning("figure %s left out: %s", name, reason)
 
         for n, name in enumerate(names):
-            progress("figures", n, len(names))
+            report("figures", n, len(names))
             figure = DRAWN[name](source)
             paths = [out_dir / f"{name}.{kind}" for kind in formats]
             written += [save_figure(figure, path, dpi=dpi) for path in paths]
-        progress("figures", len(names), len(names))
+        report("figures", len(names), len(names))
     return written
 
 

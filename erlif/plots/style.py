@@ -143,7 +143,12 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
         with matplotlib.rc_context(_look()):
-            return draw(*args, **kwargs)
+            drawn = draw(*args, **kwargs)
+            interactive = matplotlib.is_interactive()
+
+        # the first figure of a notebook loads its backend, whose choice must outlast this call
+        matplotlib.interactive(interactive)
+        return drawn
 
     return drawing
 
@@ -248,7 +253,7 @@ def _figure_options(width: float, height: float, text: float) -> dict[str, Any]:
 
 @styled
 def given_or_new(
-    ax: Axes | None,
+    given: Axes | None,
     film: xr.Dataset | None = None,
     *,
     height: float = 0.72 * ONE_COLUMN,
@@ -258,8 +263,8 @@ def given_or_new(
 
     The figure is one of pyplot, so that a notebook shows it.
     """
-    if ax is not None:
-        return ax
+    if given is not None:
+        return given
     from matplotlib import pyplot
 
     figure = pyplot.figure(FigureClass=Picture, **_figure_options(ONE_COLUMN, height, text))
@@ -415,16 +420,23 @@ def figure_bytes(figure: AnyFigure, *, kind: str, dpi: float | None = None) -> b
         return _draw_bytes(whole, kind, dpi)
 
 
-def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
-    engine = figure.get_layout_engine()
+def fix_layout(figure: AnyFigure) -> Figure:
+    """Place the panels of a figure for good; returns the whole figure."""
+    whole = figure.get_figure(root=True)
+    assert whole is not None
+    engine = whole.get_layout_engine()
     if engine is not None:
         # images of fixed aspect change their size in the first round, and their labels with them
-        rounds = 2 if any(ax.get_aspect() != "auto" for ax in figure.axes) else 1
+        rounds = 2 if any(ax.get_aspect() != "auto" for ax in whole.axes) else 1
         for _ in range(rounds):
-            engine.execute(figure)
+            engine.execute(whole)
         # with any engine, even one that does nothing, each file would be drawn twice
-        figure.set_layout_engine(None)
+        whole.set_layout_engine(None)
+    return whole
 
+
+def _draw_bytes(figure: Figure, kind: str, dpi: float | None) -> bytes:
+    fix_layout(figure)
     dpi = matplotlib.rcParams["savefig.dpi"] if dpi is None else dpi
     options: dict[str, Any] = {"format": kind, "dpi": dpi, "metadata": _METADATA.get(kind)}
     if kind == "png":

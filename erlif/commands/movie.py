@@ -1,0 +1,47 @@
+"""``erlif movie``: the cycle of a film as a movie."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.progress import show_progress
+
+
+@click.command()
+@click.argument("film", type=PATH)
+@click.option("-o", "--output", type=PATH, help="GIF or MP4; default: cycle.gif beside FILM.")
+@click.option(
+    "--fps", type=float, default=10.0, show_default=True, help="Frames, one a trigger, per second."
+)
+@click.option(
+    "--style", metavar="STYLE", help="paper, slides, or a style sheet of matplotlib, as in figures."
+)
+@OVERWRITE
+def movie(film: Path, output: Path | None, fps: float, style: str | None, overwrite: bool) -> None:
+    """Write a movie of the cycle: map, mechanism, and film against angle.
+
+    MP4 needs the program ffmpeg. Of more than sixty triggers, sixty evenly chosen ones are shown.
+
+    \b
+    Example:
+      erlif movie data_samples/straight_bushing/film.nc -o cycle.gif
+    """
+    with large_imports():
+        from erlif.plots import cycle_movie
+
+    output = output or film.parent / "cycle.gif"
+    expect_suffix(output, ".gif", ".mp4")
+    with show_progress() as progress:
+        cycle_movie(
+            film,
+            output,
+            frames_per_second=fps,
+            style=style,
+            overwrite=overwrite,
+            progress=progress,
+        )
+    click.echo(f"written: {output}")
