@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from erlif.core.arrays import Array
-from erlif.core.errors import ConfigError
+from erlif.core.errors import ConfigError, ModelError
 from erlif.core.notes import Level, Note
 from erlif.models.reynolds import Journal, Motion
 from erlif.prediction.least_squares import (
@@ -42,6 +42,9 @@ _TRIALS = (0.03, 1.0, 30.0)  # dampings tried together where many orbits are qui
 _HELD_CONVERGED = 0.01  # of chi-square; cells that change to cavities make it jump by as much
 _FEW = (-2.1, 2.1)  # standard deviations at which slow profiles are computed
 _ROUNDS = 3  # corrections of the orbits of a held pin
+_FIRST_STEPS = 1000  # of the motion, of which a long run is fitted first
+_FEWEST_FIRST = 50  # triggers in them
+_FIRST_CONVERGED = 0.1  # of chi-square, in that fit
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
 SIDEWAYS = ("free", "guided", "spring")
@@ -263,10 +266,10 @@ def _search(
 
     def pose() -> LeastSquares:
         model = problem.model(unknowns, fixed)
-        return LeastSquares(observed, unknowns, model, trials, tolerance)
+        return LeastSquares(observed, unknowns, model, trials, tolerance, secants=not free)
 
     least = pose()
-    found = least.solve()
+    found = (None if free else _begin(problem, unknowns, fixed)) or least.solve()
     smallest = float(np.sqrt(np.diagonal(observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
     for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
@@ -285,6 +288,37 @@ def _search(
         if change < _NEAR * smallest * found.inflation:
             break
     return _describe(problem, least, found, fixed, profiles)
+
+
+def _begin(problem: Problem, unknowns: Unknowns, fixed: Mapping[str, float]) -> Minimum | None:
+    """The fit of the first steps of a long run, where its search begins; None for other runs."""
+    orbits, frames = problem.orbits, problem.frames
+    inside = frames.steps < _FIRST_STEPS
+    whole = np.setdiff1d(frames.measured, frames.trigger[~inside])
+    if not isinstance(orbits, HeldOrbits) or inside.all() or whole.size < _FEWEST_FIRST:
+        return None
+    motion = orbits.motion
+    series = motion.time, motion.angle, motion.load, motion.load_direction
+    orbits = replace(orbits, motion=Motion(*(np.asarray(one)[:_FIRST_STEPS] for one in series)))
+    kept = Frames(frames.steps[inside], frames.trigger[inside], whole, frames.count)
+
+    found = None
+    for corrected in (False, True):
+        if found is not None and corrected:
+            columns = dict(zip(unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
+            columns.pop("load_line")
+            orbits = orbits.corrected(columns)
+        brief = replace(problem, orbits=orbits, frames=kept)
+        model = brief.model(unknowns, fixed)
+        try:
+            least = LeastSquares(
+                brief.observations(), unknowns, model, tolerance=_FIRST_CONVERGED, secants=True
+            )
+            found = least.solve()
+        except ModelError:
+            return found
+        unknowns = replace(unknowns, start=found.value)
+    return found
 
 
 def _check(measured: MeasuredMotion, frames: Frames, sideways: str, fitted: Sequence[str]) -> None:

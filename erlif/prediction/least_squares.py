@@ -33,7 +33,8 @@ _LARGEST_LOG = 40.0  # of the square of an inflation
 _SINGULAR = 1e-14  # of the scaled normal matrix, below which a direction is left out
 _NEARLY = 1.0  # promised decrease up to which the last of all iterations is taken
 _GAIN = 3.0  # tolerances that a step gains, below which it counts as slow
-_SLOW = 3  # steps in turn that hardly gain, after which the search ends
+_SLOW = 3  # steps in turn that hardly gain, or fail alone, after which the search ends
+_STEEPER = 100.0  # factor of the damping after a trial alone that fails
 _LARGEST_DAMPING = 1e5
 
 Predict = Callable[[Array], Array]
@@ -188,6 +189,9 @@ class LeastSquares:
         Dampings that are tried together, over that of the iteration.
     tolerance : float
         Decrease of chi-square that a further step promises, below which the search ends.
+    secants : bool
+        Whether each step corrects the derivatives, for models that are slow. They are computed
+        anew at the minimum.
     """
 
     def __init__(
@@ -197,8 +201,9 @@ class LeastSquares:
         predict: Predict,
         trials: Sequence[float] = (1.0,),
         tolerance: float = CONVERGED,
+        secants: bool = False,
     ) -> None:
-        self.trials, self.tolerance = trials, tolerance
+        self.trials, self.tolerance, self.secants = trials, tolerance, secants
         self.observed, self.unknowns, self.predict = observed, unknowns, predict
         self.target = observed.whiten(observed.value)
         self.columns = observed.whiten(np.moveaxis(observed.shared, -1, 0)).T
@@ -263,6 +268,7 @@ class LeastSquares:
                 "The model has no film at the start of the fit. Check load and viscosity, or give "
                 "another start."
             )
+        first = jacobian
         damping, slow, cost, promised = _DAMPING, 0, np.inf, np.inf
         for _ in range(MOST_ITERATIONS):
             # a poor model is not bent by shared errors of many standard deviations
@@ -271,38 +277,68 @@ class LeastSquares:
             state = miss, jacobian, value, inflation
             promised = self._step(*state, damping)[1]
             if promised < self.tolerance:
-                return self._minimum(value, miss, jacobian)
+                return self._minimum(value, miss, self._renewed(value, jacobian, first))
 
-            # trials and their neighbours at once: where one is better, its derivatives are there
+            # several trials and their neighbours at once, for models that follow many sets quickly:
+            # where one is better, its derivatives are there
             dampings = [damping * factor for factor in self.trials]
             steps = [self._step(*state, one)[0] for one in dampings]
             trials = [np.clip(value + step, unknowns.low, unknowns.high) for step in steps]
-            found = self._evaluate(*trials)
+            found = [] if self.secants else self._evaluate(*trials)
+            ends = self.misses(np.array(trials)) if self.secants else [one for one, _ in found]
             reached = [
                 self.reduced(there, trial, inflation)[0] if np.isfinite(there).all() else np.inf
-                for trial, (there, _) in zip(trials, found, strict=True)
+                for trial, there in zip(trials, ends, strict=True)
             ]
             best = int(np.argmin(reached))
             gain = cost - reached[best]
-            slow = 0 if gain > _GAIN * self.tolerance else slow + int(gain >= 0)
+            hardly = gain >= 0 or self.secants
+            slow = 0 if gain > _GAIN * self.tolerance else slow + int(hardly)
             if reached[best] < cost:
-                value, (miss, jacobian) = trials[best], found[best]
+                before = value, miss
+                value, miss = trials[best], ends[best]
+                jacobian = (
+                    self._secant(jacobian, before[1] - miss, value - before[0])
+                    if self.secants
+                    else found[best][1]
+                )
                 damping = max(dampings[best] / 3, 1e-9)
             elif damping > _LARGEST_DAMPING:
-                return self._minimum(value, miss, jacobian)
+                return self._minimum(value, miss, self._renewed(value, jacobian, first))
             else:
-                damping *= 10 * max(self.trials)
+                damping *= _STEEPER if self.secants else 10 * max(self.trials)
 
             # differences of a model that is solved to a tolerance promise more than they keep
             if slow == _SLOW:
-                return self._minimum(value, miss, jacobian)
+                return self._minimum(value, miss, self._renewed(value, jacobian, first))
         if promised < _NEARLY:
-            return self._minimum(value, miss, jacobian)
+            return self._minimum(value, miss, self._renewed(value, jacobian, first))
         raise ModelError(
             f"The fit found no minimum in {MOST_ITERATIONS} iterations: chi-square {cost:.4g} of "
             f"{self.target.size} observations. Leave one of them out of the fit: "
             f"{', '.join(unknowns.names)}."
         )
+
+    def _secant(self, jacobian: Array, change: Array, moved: Array) -> Array:
+        """Derivatives that agree with a change of the prediction (Broyden 1965).
+
+        A step shorter than those of the derivatives leaves them, because cells that change to
+        cavities make the prediction jump.
+        """
+        scaled = moved / self.unknowns.step
+        if not (np.abs(scaled).max() > 1 and np.isfinite(jacobian).all()):
+            return jacobian
+        missing = change - jacobian @ moved
+        return np.asarray(
+            jacobian + np.outer(missing, scaled / self.unknowns.step) / (scaled @ scaled)
+        )
+
+    def _renewed(self, value: Array, jacobian: Array, first: Array) -> Array:
+        """Derivatives at a set of unknowns, computed anew where secants have corrected them."""
+        if not self.secants or jacobian is first:
+            return jacobian
+        ((_, jacobian),) = self._evaluate(value)
+        return jacobian
 
     def _evaluate(self, *values: Array) -> list[tuple[Array, Array]]:
         """Differences at sets of unknowns, and the derivatives of the prediction there."""

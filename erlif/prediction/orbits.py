@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -128,6 +128,8 @@ class HeldOrbits:
     lead : Motion or None
         What precedes the motion, with times below its own: there the cavities form. The start of
         the pin is that of the lead.
+    followed : dict
+        Orbits of these settings that are known, by cells, stride and unknowns.
     """
 
     journal: Journal
@@ -136,12 +138,13 @@ class HeldOrbits:
     cells: tuple[int, int] = CELLS
     shift: Array | None = None
     lead: Motion | None = None
+    followed: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
 
     def follow(self, unknowns: dict[str, Array]) -> Array:
         """As `Orbits.follow`, one transient film for each case, in every other step of time."""
         cases = len(unknowns["fluidity"])
         one = ({name: float(column[k]) for name, column in unknowns.items()} for k in range(cases))
-        found = np.stack([self.follow_one(self.cells, 2, **case) for case in one])
+        found = np.stack([self._known(self.cells, 2, case) for case in one])
         return found if self.shift is None else found + self.shift
 
     def corrected(self, unknowns: dict[str, float]) -> HeldOrbits:
@@ -150,13 +153,24 @@ class HeldOrbits:
         Richardson's extrapolation, in each direction by itself.
         """
         fine = FINE_CELLS if self.motion.time.size <= _LONG else LONG_CELLS
-        (around, across), steps = fine, self.follow_one(fine, 2, **unknowns)
-        shift = steps - self.follow_one(self.cells, 2, **unknowns)
-        shift = shift + _FIRST_ORDER * (self.follow_one(fine, 1, **unknowns) - steps)
+        (around, across), steps = fine, self._known(fine, 2, unknowns)
+        shift = steps - self._known(self.cells, 2, unknowns)
+        shift = shift + _FIRST_ORDER * (self._known(fine, 1, unknowns) - steps)
         finer = [(2 * around, across)] + ([] if self.journal.long else [(around, 2 * across)])
         for cells in finer:
-            shift = shift + _SECOND_ORDER * (self.follow_one(cells, 2, **unknowns) - steps)
-        return self if np.isnan(shift).any() else replace(self, shift=shift)
+            shift = shift + _SECOND_ORDER * (self._known(cells, 2, unknowns) - steps)
+        if np.isnan(shift).any():
+            return self
+        found = replace(self, shift=shift)
+        found.followed.update(self.followed)  # without the shift
+        return found
+
+    def _known(self, cells: tuple[int, int], stride: int, unknowns: dict[str, float]) -> Array:
+        """`follow_one`, once for each set of unknowns."""
+        key = (cells, stride, *sorted(unknowns.items()))
+        if key not in self.followed:
+            self.followed[key] = self.follow_one(cells, stride, **unknowns)
+        return self.followed[key]
 
     def follow_one(
         self,
