@@ -26,7 +26,7 @@ _NEAR = 1.0  # degree from the angle of a film of one trigger
 
 @dataclass(frozen=True)
 class TriggerColumn:
-    """A number of each trigger.
+    """A number of each trigger, or a word.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class TriggerColumn:
 
 
 def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
-    """List all numbers that a film has for each trigger.
+    """List all numbers and words that a film has for each trigger.
 
     A variable with further dims gives one column for each of their entries.
 
@@ -78,7 +78,7 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
         variable = film[name]
         if variable.dims[:1] != ("trigger",) or variable.dims[1:3] == ("y", "x"):
             continue
-        if variable.dtype.kind not in "iufb":
+        if variable.dtype.kind not in "iufbOUST":
             continue
         values, unit = variable.values, str(variable.attrs.get("units", ""))
         labels = itertools.product(*(_labels(film, str(dim)) for dim in variable.dims[1:]))

@@ -62,14 +62,16 @@ def write_map_table(film: xr.Dataset, output: Path, *, trigger: int, progress: P
 
 
 def _digits(values: AnyArray) -> list[str]:
-    """Numbers with the digits that their type holds, so that reading them gives them back."""
+    """Numbers with the digits that their type holds, so that reading gives them back; words."""
+    if values.dtype.kind in "OUST":
+        return [_quoted(str(each)) for each in values]
     if values.dtype.kind in "iub":
         return [str(int(each)) for each in values]
     return [("NaN" if each == "nan" else each) for each in values.astype(str).tolist()]
 
 
 def _quoted(text: str) -> str:
-    """A heading with separators in quotation marks."""
+    """A text with separators in quotation marks."""
     if any(mark in text for mark in ',"\r\n'):
         return '"' + text.replace('"', '""') + '"'
     return text

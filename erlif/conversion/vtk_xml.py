@@ -55,7 +55,7 @@ def write_series(
         numbers = {
             column.heading: column.values[trigger : trigger + 1].astype(float)
             for column in columns
-            if column.name != "trigger"
+            if column.name != "trigger" and column.values.dtype.kind in "iufb"
         }
         text = _grid(film, trigger, points=points, numbers=numbers)
         (folder / file).write_text(text, encoding="ascii", errors="xmlcharrefreplace")

@@ -1,5 +1,7 @@
 """Runs compared, as one dataset."""
 
+from pathlib import Path
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -29,6 +31,17 @@ def test_equal_runs_do_not_differ_and_all_units_are_stated(film, tmp_path):
         for name in read.data_vars:
             if read[name].dtype.kind == "f":
                 assert "units" in read[name].attrs, name
+
+
+def test_the_page_lists_every_variable(film, other):
+    page = (Path(__file__).parents[2] / "docs" / "compare.md").read_text(encoding="utf-8")
+    later = film.attrs["calibration"].replace('"date": ""', '"date": "2026-05-01"')
+    later = later.replace("0.66", "0.67")
+    patch = {"reference_film": ("trigger", np.linspace(4.9, 5.1, 6), {"units": "um"})}
+    films = [film.assign(patch), other.assign(patch).assign_attrs(calibration=later)]
+    found = compare(films)
+    assert {"patch_ratio", "calibration_ratio", "duty", "film_theory"} <= set(found.data_vars)
+    assert not [name for name in found.data_vars if f"`{name}`" not in page]
 
 
 def test_films_are_read_from_files_and_the_map_is_that_of_the_angle(film, other, tmp_path):

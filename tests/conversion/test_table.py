@@ -23,6 +23,12 @@ def test_a_table_of_triggers_gives_every_number_back(film, tmp_path):
     assert [row["trigger"] for row in rows] == ["0", "1", "2", "3", "4", "5"]
 
 
+def test_words_of_triggers_stand_in_the_table(film, tmp_path):
+    words = np.array(["rigid", 'a "b", c', "", "d", "e", "f"], object)
+    write_trigger_table(film.assign(regime=("trigger", words)), tmp_path / "film.csv")
+    assert [row["regime"] for row in read(tmp_path / "film.csv")] == words.tolist()
+
+
 def test_a_column_with_a_comma_in_its_name_stays_one_column(film, tmp_path):
     named = film.assign({'laser, "raw"': ("trigger", np.arange(6.0))})
     write_trigger_table(named, tmp_path / "film.csv")
