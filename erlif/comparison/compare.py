@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -26,7 +26,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.files import fastest_trigger, open_film, reading_film
+from erlif.files import fastest_trigger, open_film, reading_film, take
 
 SIGNIFICANT = 0.05
 """Corrected probability below which two runs are stated to differ."""
@@ -113,7 +113,7 @@ def compare(
 def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
     """A film, closed with the stack where it is a file."""
     if isinstance(film, xr.Dataset):
-        return film
+        return cast(xr.Dataset, take(film, "film", where="films"))
     opened = stack.enter_context(open_film(film))
     stack.enter_context(reading_film(film))
     return opened

@@ -17,7 +17,7 @@ from erlif.conversion.table import write_map_table, write_trigger_table
 from erlif.conversion.vtk_xml import write_series
 from erlif.core.errors import OutputError
 from erlif.core.progress import Progress, silent
-from erlif.files import open_film, reading_film, refuse_existing, replacing
+from erlif.files import open_film, reading_film, refuse_existing, replacing, take
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def format_of(output: Path, to: str | None) -> str:
 def _opened(film: xr.Dataset | str | Path) -> Iterator[xr.Dataset]:
     """The film, opened and closed again where it is a file."""
     if isinstance(film, xr.Dataset):
-        yield film
+        yield take(film, "film", where="film")
         return
     with open_film(film) as opened, reading_film(film):
         yield opened

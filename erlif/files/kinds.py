@@ -8,6 +8,7 @@ from typing import Any
 import xarray as xr
 
 _MARKS = (
+    ("comparison", "difference_at"),
     ("pressure", "peak_pressure"),
     ("prediction", "film_predicted"),
     ("film", "thickness"),
@@ -25,6 +26,7 @@ KIND_NAMES = {
     "frames": "the group frames of a film",
     "registration": "the group registration of a film",
     "images": "the images of one trigger",
+    "comparison": "a comparison of runs",
     "pressure": "a pressure",
     "prediction": "a prediction",
     "budget": "an uncertainty budget",

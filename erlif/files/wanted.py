@@ -26,6 +26,7 @@ _WAYS = {
     "frames": "film.erlif.frames has it",
     "registration": "film.erlif.registration has it",
     "images": 'erlif.pipeline.restore_images("film.nc", RUN_DIR, trigger=3) computes them',
+    "comparison": "erlif.compare(films) makes one",
     "pressure": "erlif.pressure_from_film(film) finds it",
     "prediction": "erlif.predict(RUN_DIR) makes one",
     "calibration": 'erlif.open_calibration("calibration.nc") opens one, '
@@ -50,6 +51,7 @@ PRODUCTS = {
     "registration": "registration",
     "images": "images",
     "found": "pressure",
+    "comparison": "comparison",
     "calibration": "calibration",
 }
 """Kind of an argument of a figure by its name."""
@@ -104,7 +106,7 @@ erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     raise ErlifError(f"Expected {KIND_NAMES[kind]}{argument}, got {given}. {hint}")
 
 
-_DATASETS = ("film", "frames", "registration", "images", "pressure", "prediction")
+_DATASETS = ("film", "frames", "registration", "images", "comparison", "pressure", "prediction")
 
 
 def _describe(value: Any, kind: str) -> str:

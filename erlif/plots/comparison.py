@@ -47,13 +47,13 @@ _LEAST_LIMIT = 1e-3  # um, of the colours of a difference
 
 @styled
 def film_against_duty(
-    found: xr.Dataset, *, statistic: str = "film_min", ax: Axes | None = None
+    comparison: xr.Dataset, *, statistic: str = "film_min", ax: Axes | None = None
 ) -> list[Artist | Container]:
     """Draw a film statistic of all runs against the duty parameter, with powers and theory.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
     statistic : str
         "film_min" or "film_mean".
@@ -76,22 +76,22 @@ def film_against_duty(
     >>> import erlif
     >>> from erlif.plots import example_film
     >>> film = example_film()
-    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
-    >>> first, *_ = film_against_duty(found)
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> first, *_ = film_against_duty(comparison)
     >>> first.get_label()
     'example (1), n = 0.600 ± 0.004'
     """
-    if "duty" not in found:
+    if "duty" not in comparison:
         raise ErlifError(
             "Expected runs with speed and load; one of them has none. Compare runs whose log has "
             "them."
         )
     ax = given_or_new(ax)
     ax.set(xscale="log", yscale="log")
-    scale, unit = _prefixed(found.duty.values, str(found.duty.attrs["units"]))
+    scale, unit = _prefixed(comparison.duty.values, str(comparison.duty.attrs["units"]))
     artists: list[Artist | Container] = []
-    for k, name in enumerate(found.run.values):
-        run = found.isel(run=k)
+    for k, name in enumerate(comparison.run.values):
+        run = comparison.isel(run=k)
         value, duty = run[statistic].values, run.duty.values
         use = np.isfinite(value) & (value > 0) & (duty > 0)
         exponent = run.sel(statistic=statistic)
@@ -108,16 +108,16 @@ def film_against_duty(
         )
         artists.append(bars)
 
-    joint = found.sel(statistic=statistic)
+    joint = comparison.sel(statistic=statistic)
     power, std = float(joint.joint_exponent), float(joint.joint_exponent_std)
     if np.isfinite(power):
-        ends = np.geomspace(*_range_of_fit(found), 50)
+        ends = np.geomspace(*_range_of_fit(comparison), 50)
         label = f"all runs{_power(power, std)}"
         film = np.exp(float(joint.joint_log_scale)) * ends**power
         artists += ax.plot(scale * ends, film, color="black", linewidth=0.8, label=label, zorder=4)
-    if statistic == "film_min" and "film_theory" in found:
-        artists += _draw_theory(ax, found, scale)
-    meaning = str(found.duty.attrs["long_name"])
+    if statistic == "film_min" and "film_theory" in comparison:
+        artists += _draw_theory(ax, comparison, scale)
+    meaning = str(comparison.duty.attrs["long_name"])
     for name in ("|rocker_speed|", "|sliding_speed|"):
         meaning = meaning.replace(name, "speed")
     ax.set_xlabel(f"{meaning} [{unit}]".replace("-1", "⁻¹"))
@@ -143,18 +143,18 @@ def _power(value: float, std: float) -> str:
     return f", n = {value:.3f} ± {std:.3f}".replace("-", "−")
 
 
-def _range_of_fit(found: xr.Dataset) -> tuple[float, float]:
+def _range_of_fit(comparison: xr.Dataset) -> tuple[float, float]:
     """Smallest and largest duty parameter of the triggers of the fits."""
-    speed, duty = found.speed.values, found.duty.values
+    speed, duty = comparison.speed.values, comparison.duty.values
     fast = speed >= SLOWEST * np.nanmax(speed, axis=1)[:, None]
     return float(np.nanmin(duty[fast])), float(np.nanmax(duty[fast]))
 
 
-def _draw_theory(ax: Axes, found: xr.Dataset, scale: float) -> list[Line2D]:
+def _draw_theory(ax: Axes, comparison: xr.Dataset, scale: float) -> list[Line2D]:
     """Predicted minimum film of each run, as points: a transient film is no function of duty."""
     lines: list[Line2D] = []
-    for k in range(found.sizes["run"]):
-        run = found.isel(run=k)
+    for k in range(comparison.sizes["run"]):
+        run = comparison.isel(run=k)
         lines += ax.plot(
             scale * run.duty.values,
             run.film_theory.values,
@@ -178,12 +178,12 @@ def _prefixed(values: Array, unit: str) -> tuple[float, str]:
 
 
 @styled
-def difference_map_of_runs(found: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
+def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) -> AxesImage:
     """Draw the difference map of two runs, with the outline of what is significant.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
     ax : Axes, optional
         Default: those of a new figure, one column wide.
@@ -198,11 +198,11 @@ def difference_map_of_runs(found: xr.Dataset, *, ax: Axes | None = None) -> Axes
     >>> import erlif
     >>> from erlif.plots import example_film
     >>> film = example_film()
-    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
-    >>> difference_map_of_runs(found).axes.get_xlabel()
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> difference_map_of_runs(comparison).axes.get_xlabel()
     'x [mm]'
     """
-    cells = found[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
+    cells = comparison[["map_difference", "map_differs"]].rename(map_x="x", map_y="y")
     ax = given_or_new(ax, height=image_height(cells, _MAP_WIDTH * ONE_COLUMN) + _LABELS)
     values = cells.map_difference.values
     known = np.abs(values[np.isfinite(values)])
@@ -219,7 +219,7 @@ def difference_map_of_runs(found: xr.Dataset, *, ax: Axes | None = None) -> Axes
     _outline(ax, cells)
     add_colour_bar(image, ax, "difference [µm]")
     bare_image(ax)
-    attrs = found.attrs
+    attrs = comparison.attrs
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title(
         f"{attrs['map_second_run']} less {attrs['map_first_run']}\n{attrs['map_first']}",
@@ -251,13 +251,13 @@ def _outline(ax: Axes, cells: xr.Dataset) -> None:
 
 @styled
 def control_chart_of(
-    found: xr.Dataset, quantity: str, *, ax: Axes | None = None
+    comparison: xr.Dataset, quantity: str, *, ax: Axes | None = None
 ) -> list[Artist | Container]:
     """Draw a control chart: values with their bars, centre and limits.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
     quantity : str
         "patch", the ratio of the reference patch run by run, or "calibration", the ratio of a film
@@ -285,14 +285,14 @@ def control_chart_of(
     >>> len(control_chart_of(chart, "calibration"))
     2
     """
-    if f"{quantity}_ratio" not in found:
+    if f"{quantity}_ratio" not in comparison:
         raise ErlifError(
             f"Expected a comparison with a control chart of the {quantity}; this one has none. "
             "Compare runs with a reference patch, or name several calibrations."
         )
     ax = given_or_new(ax)
-    value, std = found[f"{quantity}_ratio"].values, found[f"{quantity}_ratio_std"].values
-    centre, limit = float(found[f"{quantity}_centre"]), float(found[f"{quantity}_limit"])
+    value, std = comparison[f"{quantity}_ratio"].values, comparison[f"{quantity}_ratio_std"].values
+    centre, limit = float(comparison[f"{quantity}_centre"]), float(comparison[f"{quantity}_limit"])
     place = np.arange(value.size)
     artists: list[Artist | Container] = [
         ax.errorbar(place, value, std, fmt="o", color=OUTWARD, elinewidth=0.7)
@@ -317,24 +317,24 @@ def control_chart_of(
             markersize=7,
             label="beyond the limits",
         )
-    names = found.run.values if quantity == "patch" else found.calibration_date.values
+    names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
     ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
     if quantity == "patch":
         ax.set_ylabel("ratio on the reference patch [1]")
     else:
-        ax.set_ylabel(f"ratio of a film of {float(found.calibration_film):.1f} µm [1]")
+        ax.set_ylabel(f"ratio of a film of {float(comparison.calibration_film):.1f} µm [1]")
     ax.margins(x=0.1)
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return artists
 
 
 @styled
-def comparison_figure(found: xr.Dataset) -> Figure:
+def comparison_figure(comparison: xr.Dataset) -> Figure:
     """Draw film against duty parameter and the differences of all pairs.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
 
     Returns
@@ -347,32 +347,32 @@ def comparison_figure(found: xr.Dataset) -> Figure:
     >>> import erlif
     >>> from erlif.plots import example_film
     >>> film = example_film()
-    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
-    >>> [ax.get_ylabel() for ax in comparison_figure(found).axes]
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> [ax.get_ylabel() for ax in comparison_figure(comparison).axes]
     ['minimum film thickness [µm]', 'difference [µm]']
     """
     height = 0.55 * TWO_COLUMNS
-    if "duty" not in found:
+    if "duty" not in comparison:
         figure = new_figure(height=height)
-        _draw_differences(figure.add_subplot(), found)
+        _draw_differences(figure.add_subplot(), comparison)
         return figure
     figure = new_figure(TWO_COLUMNS, height)
     left, right = figure.subplots(1, 2)
-    film_against_duty(found, ax=left)
-    _draw_differences(right, found)
+    film_against_duty(comparison, ax=left)
+    _draw_differences(right, comparison)
     letter(left, "a")
     letter(right, "b")
     return figure
 
 
-def _draw_differences(ax: Axes, found: xr.Dataset) -> None:
+def _draw_differences(ax: Axes, comparison: xr.Dataset) -> None:
     """Differences of all pairs with their 95 % bars."""
-    place = np.arange(found.sizes["pair"])
+    place = np.arange(comparison.sizes["pair"])
     for shift, name, colour, marker, label in (
         (-0.12, "film_min", MINIMUM, "o", "minimum film"),
         (0.12, "film_mean", MEAN, "s", "mean film"),
     ):
-        one = found.sel(statistic=name)
+        one = comparison.sel(statistic=name)
         ax.errorbar(
             place + shift,
             one.difference.values,
@@ -392,7 +392,8 @@ def _draw_differences(ax: Axes, found: xr.Dataset) -> None:
             )
     ax.axhline(0, color=MUTED, linewidth=0.6)
     names = [
-        f"{b}\nless {a}" for a, b in zip(found["first"].values, found.second.values, strict=True)
+        f"{b}\nless {a}"
+        for a, b in zip(comparison["first"].values, comparison.second.values, strict=True)
     ]
     ax.set_xticks(place, names, rotation=30 if place.size > 2 else 0)
     ax.set_xlim(-0.6, place.size - 0.4)
@@ -406,12 +407,12 @@ def _draw_differences(ax: Axes, found: xr.Dataset) -> None:
     )
 
 
-def write_comparison_figures(found: xr.Dataset, folder: Path) -> list[Path]:
+def write_comparison_figures(comparison: xr.Dataset, folder: Path) -> list[Path]:
     """Write the figures of a comparison as PNG.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    comparison : xarray.Dataset
         As `erlif.compare` returns it.
     folder : Path
         Where to write them.
@@ -431,19 +432,19 @@ def write_comparison_figures(found: xr.Dataset, folder: Path) -> list[Path]:
     >>> from tempfile import TemporaryDirectory
     >>> from erlif.plots import example_film
     >>> film = example_film()
-    >>> found = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
+    >>> comparison = erlif.compare([film, film.assign(film_min=film.film_min + 0.5)])
     >>> with TemporaryDirectory() as directory:
-    ...     [path.name for path in write_comparison_figures(found, Path(directory))]
+    ...     [path.name for path in write_comparison_figures(comparison, Path(directory))]
     ['films.png', 'difference_map.png']
     """
-    figures = {"films": comparison_figure(found)}
-    image = difference_map_of_runs(found)
+    figures = {"films": comparison_figure(comparison)}
+    image = difference_map_of_runs(comparison)
     drawn = image.axes.get_figure(root=True)
     assert drawn is not None
     figures["difference_map"] = drawn
     for quantity in ("patch", "calibration"):
-        if f"{quantity}_ratio" in found:
+        if f"{quantity}_ratio" in comparison:
             figure = new_figure()
-            control_chart_of(found, quantity, ax=figure.add_subplot())
+            control_chart_of(comparison, quantity, ax=figure.add_subplot())
             figures[f"control_{quantity}"] = figure
     return [save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]

@@ -57,6 +57,8 @@ def test_what_is_no_pair_of_runs_is_refused(film, other, tmp_path):
         compare([film])
     with pytest.raises(ErlifError, match="two different films from 0 to 1"):
         compare([film, other], pair=(0, 2))
+    with pytest.raises(ErlifError, match="a film as films=, got a pressure"):
+        compare([film, erlif.plots.example_pressure()])
     calibration = tmp_path / "calibration.nc"
     erlif.save_calibration(erlif.plots.example_calibration(), calibration)
     with pytest.raises(OutputError, match="damaged or something else"):

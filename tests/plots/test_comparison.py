@@ -25,6 +25,11 @@ def found():
     return erlif.compare([film, thicker])
 
 
+def test_a_film_in_place_of_a_comparison_is_refused():
+    with pytest.raises(ErlifError, match=r"a comparison of runs as comparison=, got a film\."):
+        comparison_figure(example_film())
+
+
 def test_points_are_film_and_duty_parameter(found):
     first, *_ = film_against_duty(found)
     x, y = first.lines[0].get_data()
