@@ -26,7 +26,7 @@ _NEAR = 1.0  # degree from the angle of a film of one trigger
 
 @dataclass(frozen=True)
 class TriggerColumn:
-    """A number of each trigger, or a word.
+    """A number or a text of each trigger.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class TriggerColumn:
 
 
 def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
-    """List all numbers and words that a film has for each trigger.
+    """List all numbers and texts that a film has for each trigger.
 
     A variable with further dims gives one column for each of their entries.
 
