@@ -254,7 +254,7 @@ def _figure_options(width: float, height: float, text: float) -> dict[str, Any]:
 @styled
 def given_or_new(
     given: Axes | None,
-    film: xr.Dataset | None = None,
+    named: xr.Dataset | None = None,
     *,
     height: float = 0.72 * ONE_COLUMN,
     text: float = 0.0,
@@ -268,8 +268,8 @@ def given_or_new(
     from matplotlib import pyplot
 
     figure = pyplot.figure(FigureClass=Picture, **_figure_options(ONE_COLUMN, height, text))
-    if film is not None:
-        name_film(figure, film)
+    if named is not None:
+        name_film(figure, named)
     return figure.add_subplot()
 
 
