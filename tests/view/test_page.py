@@ -120,7 +120,7 @@ def at(page, x, y, panel="a"):
     return page.evaluate(
         """([panel, x, y]) => {
           const box = document.querySelector(`#panel-${panel} canvas`).getBoundingClientRect();
-          const [left, right, top, bottom] = [50, 74, 8, 38];
+          const [left, right, top, bottom] = [50, 82, 8, 38];
           return [box.left + left + (x / 16) * (box.width - left - right),
                   box.top + top + (y / 12.8) * (box.height - top - bottom)];
         }""",
@@ -225,7 +225,7 @@ def test_everything_with_the_focus_has_a_name(page):
         )
     assert all(names)
     assert [name.split("\n")[0].strip() for name in names[:8]] == [
-        *("Play", "Previous", "Trigger", "Next", "Trigger", "Play every", "Show", "Side by side"),
+        *("Play", "Previous", "Next", "Trigger", "Trigger", "Play every", "Show", "Side by side"),
     ]
 
 

@@ -104,13 +104,14 @@ export class ProfileChart extends Chart {
   }
 }
 
+// blue for means, orange for minima; lines are theory, and their dashes distinguish them
 const LOOKS = {
   film_mean: { colour: "--first", mark: true },
   film_min: { colour: "--second", mark: true },
-  film_theory: { colour: "--theory", dash: [] },
-  film_hamrock_dowson: { colour: "--theory", dash: [2, 3] },
-  film_predicted_min: { colour: "--theory", dash: [8, 4] },
-  film_predicted_mean: { colour: "--theory", dash: [8, 3, 2, 3] },
+  film_theory: { colour: "--second", dash: [], border: "solid" },
+  film_hamrock_dowson: { colour: "--second", dash: [2, 3], border: "dotted" },
+  film_predicted_min: { colour: "--second", dash: [8, 4], border: "dashed" },
+  film_predicted_mean: { colour: "--first", dash: [8, 4], border: "dashed" },
 };
 
 export class CycleChart extends Chart {
@@ -133,6 +134,8 @@ export class CycleChart extends Chart {
     }
     const rows = [];
     const columns = [];
+    const strokesOf = ({ number }) =>
+      [...new Set(cycles.get(number).stroke)].sort((one, two) => two - one);
     numbers.forEach((number, second) => {
       const cycle = cycles.get(number);
       const places = cycle.columns[name];
@@ -140,10 +143,10 @@ export class CycleChart extends Chart {
       places.forEach((place, trigger) => {
         if (place !== null) rows.push({ place, number, trigger, stroke: cycle.stroke[trigger] });
       });
-      const strokes = [...new Set(cycle.stroke)].sort((one, two) => two - one);
+      const strokes = strokesOf({ number });
       for (const [film, title] of Object.entries(cycle.films)) {
         if (second && !LOOKS[film].mark) continue; // the second film is shown by its data
-        for (const stroke of LOOKS[film].mark ? strokes : [null]) {
+        for (const stroke of strokes) {
           columns.push({ number, film, stroke, title, second });
         }
       }
@@ -154,7 +157,7 @@ export class CycleChart extends Chart {
     for (const one of columns) {
       const values = cycles.get(one.number).columns[one.film];
       data.push(rows.map((row) => (row.number === one.number
-        && (one.stroke === null || row.stroke === one.stroke) ? values[row.trigger] : null)));
+        && row.stroke === one.stroke ? values[row.trigger] : null)));
     }
     this.make({
       scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(0, low ?? 0),
@@ -163,9 +166,14 @@ export class CycleChart extends Chart {
       axes: [{ ...axis(cycles.get(state.a.film).axes[name] ?? name), size: 34 },
         { ...axis("film thickness [µm]"), size: 48 }],
       cursor: { drag: { x: true, y: false }, points: { show: false } },
-      legend: { live: false },
+      legend: { live: false,
+        markers: { dash: (u, k) => LOOKS[columns[k - 1]?.film]?.border ?? "solid" } },
       hooks: { draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
+    // one entry for the lines of a theory on both strokes
+    [...this.plot.root.querySelectorAll(".u-series")].slice(-columns.length).forEach((row, k) => {
+      row.hidden = !LOOKS[columns[k].film].mark && columns[k].stroke !== strokesOf(columns[k])[0];
+    });
     this.here = ["a", "b"].map((which) => {
       const line = document.createElement("div");
       line.className = `here ${which}`;
@@ -209,7 +217,7 @@ export class CycleChart extends Chart {
 
 function look({ film, stroke, title, second }, size) {
   const { colour, mark, dash } = LOOKS[film];
-  const name = stroke ? `${title}, ${stroke > 0 ? "outward" : "return"}` : title;
+  const name = stroke && mark ? `${title}, ${stroke > 0 ? "outward" : "return"}` : title;
   const label = second ? `${name}, second film` : name;
   if (!mark) {
     return { label, stroke: ink(colour), width: 1.5, dash, spanGaps: true,

@@ -1,7 +1,7 @@
 // A map on a canvas: colours, axes, colour bar, and what is drawn over it.
 export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 
-const EDGE = { left: 50, right: 74, top: 8, bottom: 38 }; // for axes and colour bar
+const EDGE = { left: 50, right: 82, top: 8, bottom: 38 }; // for axes and colour bar
 const LOW_SCREEN = 300; // pixels that a map may always have in height
 
 export function ticks(low, high, most) {
@@ -277,10 +277,10 @@ export class MapPanel {
     pen.strokeStyle = css("--ink");
     pen.lineWidth = 1;
     pen.strokeRect(EDGE.left - 0.5, EDGE.top - 0.5, this.width + 1, this.height + 1);
-    for (const x of ticks(at("x", l), at("x", r), Math.max(2, this.width / 70))) {
+    for (const x of ticks(at("x", l), at("x", r), Math.max(2, this.width / 48))) {
       this.write(pen, `${x}`, this.toScreen(x, 0)[0], EDGE.top + this.height + 11, "center");
     }
-    for (const y of ticks(at("y", t), at("y", b), Math.max(2, this.height / 45))) {
+    for (const y of ticks(at("y", t), at("y", b), Math.max(2, this.height / 32))) {
       this.write(pen, `${y}`, EDGE.left - 5, this.toScreen(0, y)[1], "right");
     }
     this.write(pen, film.labels[0], EDGE.left + this.width / 2, EDGE.top + this.height + 28,
@@ -298,12 +298,12 @@ export class MapPanel {
       pen.fillStyle = `#${text.slice(6 * n, 6 * n + 6)}`;
       pen.fillRect(left, EDGE.top + this.height * (1 - (n + 1) / 256), 12, this.height / 256 + 1);
     }
-    for (const v of ticks(low, high, Math.max(2, this.height / 45))) {
+    for (const v of ticks(low, high, Math.max(2, this.height / 32))) {
       const place = EDGE.top + this.height * (1 - (v - low) / (high - low));
       this.write(pen, `${v}`, left + 16, place, "left");
     }
     const title = this.height > 220 ? `${layer.title} [${layer.unit}]` : `[${layer.unit}]`;
-    this.writeUpwards(pen, title, left + 56, EDGE.top + this.height / 2);
+    this.writeUpwards(pen, title, left + 63, EDGE.top + this.height / 2);
   }
 
   // pointer: one finger or the mouse draws or moves, the wheel and two fingers zoom
