@@ -118,6 +118,7 @@ SINGLE_PAGES = (
     "export",
     "matlab",
     "shell_completion",
+    "viewer",
     "bibliography",
 )
 html_sidebars = {page: [] for page in SINGLE_PAGES}  # they have no section to navigate
