@@ -304,7 +304,7 @@ def control_chart_of(
             color=MUTED,
             linewidth=0.8,
             linestyle=(0, (3, 1.5)),
-            label="_limit" if k else "3 standard deviations of a value",
+            label="_limit" if k else "limits, 3 std",
         )
     beyond = np.abs(value - centre) > limit
     if beyond.any():
@@ -315,7 +315,7 @@ def control_chart_of(
             color=RETURN,
             markerfacecolor="none",
             markersize=7,
-            label="beyond the limits",
+            label="beyond",
         )
     names = comparison.run.values if quantity == "patch" else comparison.calibration_date.values
     ax.set_xticks(place, [str(name) or "no date" for name in names], rotation=30, ha="right")
@@ -324,7 +324,7 @@ def control_chart_of(
     else:
         ax.set_ylabel(f"ratio of a film of {float(comparison.calibration_film):.1f} µm [1]")
     ax.margins(x=0.1)
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2)
     return artists
 
 
