@@ -12,7 +12,7 @@ import click
 from erlif.commands.ending import echo_aside
 from erlif.core.progress import Progress
 
-_UNITS = {"figures": "figure", "movie": "frame"}
+_UNITS = {"figures": "figure", "movie": "frame", "maps": "map", "films": "film"}
 """What is counted, where it is not frame pairs."""
 
 

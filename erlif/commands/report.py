@@ -8,6 +8,7 @@ import click
 
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
+from erlif.commands.progress import show_progress
 
 
 @click.command()
@@ -26,6 +27,8 @@ def report(film: Path, output: Path | None, allow_outside: bool, overwrite: bool
 
     output = output or film.parent / "report.html"
     expect_suffix(output, ".html")
-    with announced_compiling():
-        page = write_report(film, output, overwrite=overwrite, allow_outside=allow_outside)
+    with announced_compiling(), show_progress() as progress:
+        page = write_report(
+            film, output, overwrite=overwrite, allow_outside=allow_outside, progress=progress
+        )
     click.echo(str(page))

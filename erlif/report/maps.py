@@ -8,9 +8,10 @@ import zlib
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import Array, FlagImage
+from erlif.core.arrays import Array, FlagImage, Image
 
 _BLOCK = 4  # pixels on a side that share one pair of standard deviations
 _LEAST_STD = 1e-4  # um, the standard deviation of code 1
@@ -52,12 +53,15 @@ class DecodedMap:
         (block row, block column): random standard deviation, NaN without valid pixels. [um]
     std_shared : Array
         (block row, block column): shared standard deviation, as `std`. [um]
+    predicted : Array | None
+        (row, column): predicted film, NaN beyond 16 bits; None where the page has none. [um]
     """
 
     thickness: Array
     flags: FlagImage
     std: Array
     std_shared: Array
+    predicted: Array | None = None
 
 
 def choose_coding(film: xr.Dataset, *, thickest: float) -> MapCoding:
@@ -67,12 +71,15 @@ def choose_coding(film: xr.Dataset, *, thickest: float) -> MapCoding:
     return MapCoding(stride, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
 
 
-def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
+def embed_map(
+    film: xr.Dataset, *, trigger: int, coding: MapCoding, predicted: Array | Image | None = None
+) -> str:
     """Write the map of one trigger as base64 text.
 
     The deflated bytes are: high bytes of the thickness counts of all pixels, low bytes, flags, then
     for blocks of 4 x 4 kept pixels one byte for the random and one for the shared standard
-    deviation (median of the valid pixels; 0 without any, else 1 + 12 log2(std / 0.1 nm)).
+    deviation (median of the valid pixels; 0 without any, else 1 + 12 log2(std / 0.1 nm)), and with
+    a prediction high and low bytes of its counts (65535 where there is none).
 
     Parameters
     ----------
@@ -82,6 +89,8 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
         Number of the trigger, counted from 0.
     coding : MapCoding
         Kept pixels, and the thickness of one count.
+    predicted : array, (y, x), optional
+        The predicted film at all pixels. [um]
 
     Returns
     -------
@@ -112,13 +121,24 @@ def embed_map(film: xr.Dataset, *, trigger: int, coding: MapCoding) -> str:
     counts[valid] = np.clip(whole, 0, _FULL_SCALE).astype(np.uint16)
 
     # bytes of one kind follow each other, because the high ones hardly change and deflate well
-    planes = [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8), flags]
+    planes = [*_split_bytes(counts), flags]
     planes += [
         _encode_std(np.where(valid, one[name].values, np.nan))
         for name in ("thickness_std", "thickness_std_shared")
     ]
+    if predicted is not None:
+        kept = predicted[:: coding.stride, :: coding.stride]
+        # NaN compares as false
+        known = (kept >= 0) & (kept < _FULL_SCALE * coding.step)
+        whole = np.rint(np.where(known, kept, 0.0) / coding.step)
+        planes += _split_bytes(np.where(known, whole, _FULL_SCALE).astype(np.uint16))
     packed = zlib.compress(b"".join(plane.tobytes() for plane in planes), 9)
     return base64.b64encode(packed).decode("ascii")
+
+
+def _split_bytes(counts: npt.NDArray[np.uint16]) -> list[FlagImage]:
+    """High and low bytes."""
+    return [(counts >> 8).astype(np.uint8), (counts & 255).astype(np.uint8)]
 
 
 def _encode_std(std: Array) -> FlagImage:
@@ -165,7 +185,7 @@ def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> Decod
     Returns
     -------
     DecodedMap
-        Thickness, flags and standard deviations.
+        Thickness, flags, standard deviations and, where the page has it, the prediction.
 
     Examples
     --------
@@ -181,9 +201,16 @@ def decode_map(text: str, *, shape: tuple[int, int], coding: MapCoding) -> Decod
     high, low, flags = (data[n * pixels : (n + 1) * pixels].reshape(shape) for n in range(3))
     thickness = np.where(flags == 0, (high.astype(float) * 256 + low) * coding.step, np.nan)
 
-    codes = data[3 * pixels :].reshape(2, *blocks).astype(float)
+    end = 3 * pixels + 2 * blocks[0] * blocks[1]
+    codes = data[3 * pixels : end].reshape(2, *blocks).astype(float)
     std = np.where(codes > 0, _LEAST_STD * 2 ** ((codes - 1) / _PER_OCTAVE), np.nan)
-    return DecodedMap(thickness, flags, std[0], std[1])
+    if data.size == end:
+        return DecodedMap(thickness, flags, std[0], std[1])
+
+    high, low = (data[end:][n * pixels : (n + 1) * pixels].reshape(shape) for n in range(2))
+    counts = high.astype(float) * 256 + low
+    predicted = np.where(counts < _FULL_SCALE, counts * coding.step, np.nan)
+    return DecodedMap(thickness, flags, std[0], std[1], predicted)
 
 
 def describe_coding(coding: MapCoding) -> dict[str, float]:
@@ -194,4 +221,5 @@ def describe_coding(coding: MapCoding) -> dict[str, float]:
         "block": _BLOCK,
         "leastStd": _LEAST_STD,
         "perOctave": _PER_OCTAVE,
+        "fullScale": _FULL_SCALE,
     }

@@ -21,6 +21,7 @@ from erlif.files import (
     takes,
 )
 from erlif.plots.files import FigureSource, find_source
+from erlif.plots.prediction import has_prediction, predicted_map
 from erlif.report.figures import figures_section
 from erlif.report.layout import compose_page, read_resource
 from erlif.report.maps import MapCoding, choose_coding, embed_map
@@ -106,7 +107,7 @@ def _make_page(source: FigureSource, progress: Progress) -> str:
     shares = flag_shares(film)
     sections = [
         ("summary", "Summary", _summary_section(source, shares)),
-        ("viewer", "Film maps", viewer_section(film, coding)),
+        ("viewer", "Film maps", viewer_section(film, coding, opening=source.trigger)),
         ("figures", "Figures", figures_section(source, progress)),
         ("triggers", "Triggers", trigger_table(film, shares[:, 0])),
         ("provenance", "Settings and inputs", provenance_section(film)),
@@ -132,7 +133,8 @@ def _embedded_maps(film: xr.Dataset, coding: MapCoding, progress: Progress) -> s
     """Write every map as text in a script element of its own."""
     scripts = []
     for trigger in range(film.sizes["trigger"]):
-        text = embed_map(film, trigger=trigger, coding=coding)
+        predicted = predicted_map(film, trigger=trigger) if has_prediction(film) else None
+        text = embed_map(film, trigger=trigger, coding=coding, predicted=predicted)
         scripts.append(f'<script type="text/plain" id="map-{trigger}">{text}</script>')
         progress("maps", trigger + 1, film.sizes["trigger"])
     return "\n".join(scripts)

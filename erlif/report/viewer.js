@@ -1,16 +1,20 @@
 "use strict";
-// Viewer of the thickness maps of the page: the map of one trigger, film thickness and standard
-// deviations under the pointer, and the profile of the row that was clicked.
+// Viewer of the maps of the page: the map of one trigger, the values under the pointer, and the
+// profile of the row that was clicked.
 (() => {
   const film = JSON.parse(document.getElementById("film-data").textContent);
   const canvas = document.getElementById("map");
   const chart = document.getElementById("profile");
   const slider = document.getElementById("trigger");
+  const chooser = document.getElementById("layer");
   const readout = document.getElementById("readout");
   const title = document.getElementById("trigger-title");
   const { width, height, coding } = film;
   const blockColumns = Math.ceil(width / coding.block);
-  const palette = parseColours(film.palette);
+  const palettes = {
+    even: parseColours(film.palettes.even),
+    signed: parseColours(film.palettes.signed),
+  };
   const cache = new Map();
   const place = { column: Math.floor(width / 2), row: Math.floor(height / 2) };
   let shown = null; // bytes of the map on screen
@@ -38,9 +42,9 @@
 
   const pixels = width * height;
   const blocks = blockColumns * Math.ceil(height / coding.block);
+  const prediction = 3 * pixels + 2 * blocks; // where its bytes begin
   const flagsAt = (n) => shown[2 * pixels + n];
-  const countAt = (n) => shown[n] * 256 + shown[pixels + n];
-  const thicknessAt = (n) => (flagsAt(n) ? NaN : countAt(n) * coding.step);
+  const thicknessAt = (n) => (flagsAt(n) ? NaN : (shown[n] * 256 + shown[pixels + n]) * coding.step);
 
   function stdAt(column, row, which) {
     const block = Math.floor(row / coding.block) * blockColumns + Math.floor(column / coding.block);
@@ -48,16 +52,33 @@
     return code ? coding.leastStd * 2 ** ((code - 1) / coding.perOctave) : NaN;
   }
 
+  function predictedAt(n) {
+    if (shown.length === prediction) return NaN;
+    const count = shown[prediction + n] * 256 + shown[prediction + pixels + n];
+    return count < coding.fullScale ? count * coding.step : NaN;
+  }
+
+  const valueAt = {
+    thickness: (column, row) => thicknessAt(row * width + column),
+    std: (column, row) => (flagsAt(row * width + column) ? NaN : stdAt(column, row, 0)),
+    std_shared: (column, row) => (flagsAt(row * width + column) ? NaN : stdAt(column, row, 1)),
+    predicted: (column, row) => predictedAt(row * width + column),
+    difference: (column, row) =>
+      thicknessAt(row * width + column) - predictedAt(row * width + column),
+  };
   const flagsIn = (flags) => film.flags.filter((flag) => flags & flag.bit);
+  const colours = () => palettes[chooser.value === "difference" ? "signed" : "even"];
 
   function paint() {
     const small = new ImageData(width, height);
-    const [low, high] = film.limits;
+    const [low, high] = film.limits[chooser.value];
+    const value = valueAt[chooser.value];
+    const palette = colours();
     for (let n = 0; n < pixels; n++) {
-      const flags = flagsAt(n);
-      const share = (thicknessAt(n) - low) / (high - low);
+      const flags = chooser.value === "predicted" ? 0 : flagsAt(n);
+      const share = (value(n % width, Math.floor(n / width)) - low) / (high - low);
       const step = Math.max(0, Math.min(255, Math.floor(share * 256)));
-      const colour = flags ? flagsIn(flags)[0].rgb : palette[step];
+      const colour = flags ? flagsIn(flags)[0].rgb : palette[step] || [128, 128, 128];
       small.data.set([colour[0], colour[1], colour[2], 255], 4 * n);
     }
     picture = document.createElement("canvas");
@@ -66,18 +87,26 @@
     picture.getContext("2d").putImageData(small, 0, 0);
   }
 
-  const edge = { left: 52, right: 78, top: 8, bottom: 40 };
-  const scale = Math.max(1, Math.round((640 / width) * 2) / 2);
-  canvas.width = Math.round(width * scale) + edge.left + edge.right;
-  canvas.height = Math.round(height * scale * film.pixelAspect) + edge.top + edge.bottom;
-  chart.width = 480;
-  chart.height = 360;
-  const mapWidth = canvas.width - edge.left - edge.right;
-  const mapHeight = canvas.height - edge.top - edge.bottom;
+  // lengths are those of the page, so that text has one size at every width and resolution
+  const edge = { left: 52, right: 74, top: 8, bottom: 40 };
+  const frame = { left: 52, right: 12, bottom: 40 };
+  let mapWidth = 1;
+  let mapHeight = 1;
   const xAt = (column) => film.x[0] + column * film.x[1];
   const yAt = (row) => film.y[0] + row * film.y[1];
   const toLeft = (x) => edge.left + ((x - film.x[0]) / film.x[1] + 0.5) * (mapWidth / width);
   const toTop = (y) => edge.top + ((y - film.y[0]) / film.y[1] + 0.5) * (mapHeight / height);
+  const ink = () => getComputedStyle(document.body).color;
+
+  function prepare(surface, wide, tall) {
+    const ratio = window.devicePixelRatio || 1;
+    surface.style.height = `${tall}px`;
+    surface.width = Math.round(wide * ratio);
+    surface.height = Math.round(tall * ratio);
+    const pen = surface.getContext("2d");
+    pen.scale(ratio, ratio);
+    return pen;
+  }
 
   function ticks(low, high, most) {
     const raw = (high - low) / most;
@@ -90,8 +119,10 @@
     return found;
   }
 
+  const signed = (value) => `${value}`.replace("-", "\u2212");
+
   function write(pen, text, x, y, align, baseline = "middle") {
-    pen.fillStyle = "#1a1a1a";
+    pen.fillStyle = ink();
     pen.font = "13px system-ui, 'DejaVu Sans', sans-serif";
     pen.textAlign = align;
     pen.textBaseline = baseline;
@@ -107,20 +138,23 @@
   }
 
   function drawMap() {
-    const pen = canvas.getContext("2d");
-    pen.clearRect(0, 0, canvas.width, canvas.height);
+    const wide = Math.max(240, canvas.parentElement.clientWidth);
+    mapWidth = wide - edge.left - edge.right;
+    mapHeight = mapWidth * (height / width) * film.pixelAspect;
+    const tall = mapHeight + edge.top + edge.bottom;
+    const pen = prepare(canvas, wide, tall);
     pen.imageSmoothingEnabled = false; // a map pixel is a rectangle of one colour
     pen.drawImage(picture, edge.left, edge.top, mapWidth, mapHeight);
-    pen.strokeStyle = "#1a1a1a";
+    pen.strokeStyle = ink();
     pen.lineWidth = 1;
     pen.strokeRect(edge.left - 0.5, edge.top - 0.5, mapWidth + 1, mapHeight + 1);
-    for (const x of ticks(xAt(0), xAt(width - 1), 8)) {
-      write(pen, `${x}`, toLeft(x), edge.top + mapHeight + 12, "center");
+    for (const x of ticks(xAt(0), xAt(width - 1), Math.min(8, mapWidth / 40))) {
+      write(pen, signed(x), toLeft(x), edge.top + mapHeight + 12, "center");
     }
-    for (const y of ticks(yAt(0), yAt(height - 1), 8)) {
-      write(pen, `${y}`, edge.left - 6, toTop(y), "right");
+    for (const y of ticks(yAt(0), yAt(height - 1), Math.min(8, mapHeight / 25))) {
+      write(pen, signed(y), edge.left - 6, toTop(y), "right");
     }
-    write(pen, film.xLabel, edge.left + mapWidth / 2, canvas.height - 8, "center");
+    write(pen, film.xLabel, edge.left + mapWidth / 2, tall - 8, "center");
     writeUpwards(pen, film.yLabel, 12, edge.top + mapHeight / 2);
 
     // region of interest, black on white to be visible on every colour
@@ -147,65 +181,95 @@
     }
 
     // colour bar
-    const [low, high] = film.limits;
-    const left = edge.left + mapWidth + 12;
+    const [low, high] = film.limits[chooser.value];
+    const palette = colours();
+    const left = edge.left + mapWidth + 10;
     for (let n = 0; n < 256; n++) {
       pen.fillStyle = `rgb(${palette[n].join(",")})`;
       pen.fillRect(left, edge.top + mapHeight * (1 - (n + 1) / 256), 14, mapHeight / 256 + 1);
     }
-    for (const t of ticks(low, high, 7)) {
-      write(pen, `${t}`, left + 19, edge.top + mapHeight * (1 - (t - low) / (high - low)), "left");
+    for (const t of ticks(low, high, Math.min(7, mapHeight / 25))) {
+      const at = edge.top + mapHeight * (1 - (t - low) / (high - low));
+      write(pen, signed(t), left + 18, at, "left");
     }
-    writeUpwards(pen, "film thickness [µm]", canvas.width - 9, edge.top + mapHeight / 2);
+    const brief = mapHeight < 220 && chooser.value.startsWith("std");
+    writeUpwards(pen, `${brief ? "s.d." : film.layers[chooser.value]} [µm]`, wide - 8, edge.top + mapHeight / 2);
   }
 
   function drawProfile() {
-    const pen = chart.getContext("2d");
-    const frame = { left: 52, right: 12, top: 26, bottom: 40 };
-    const wide = chart.width - frame.left - frame.right;
-    const tall = chart.height - frame.top - frame.bottom;
+    const name = chooser.value;
+    const full = Math.max(240, chart.parentElement.clientWidth);
+    const pen = prepare(chart, full, Math.min(360, 0.75 * full));
+    frame.top = full > 400 ? 26 : 56; // lines above the profile
+    const wide = full - frame.left - frame.right;
+    const tall = Math.min(360, 0.75 * full) - frame.top - frame.bottom;
 
+    // film and difference have the random standard deviation, drawn as a band
+    const banded = name === "thickness" || name === "difference";
+    const beside = name === "thickness" || name === "predicted";
     const points = [];
     for (let column = 0; column < width; column++) {
-      const value = thicknessAt(place.row * width + column);
-      points.push({ x: xAt(column), value, std: stdAt(column, place.row, 0) });
+      points.push({
+        x: xAt(column),
+        value: valueAt[name](column, place.row),
+        std: banded ? stdAt(column, place.row, 0) : 0,
+        other: beside ? valueAt.predicted(column, place.row) : NaN,
+      });
     }
-    const [low, high] = film.limits;
+
+    // the axis follows the data: neither values nor bands are cut
+    const ends = name === "difference" || name.startsWith("std") ? [0] : [];
+    for (const { value, std, other } of points) {
+      ends.push(...[value - (std || 0), value + (std || 0), other].filter(Number.isFinite));
+    }
+    let [low, high] = ends.length > 1 ? [Math.min(...ends), Math.max(...ends)] : film.limits[name];
+    const room = 0.04 * (high - low || 1);
+    [low, high] = [low === 0 ? 0 : low - room, high + room];
+    chart.dataset.low = low;
+    chart.dataset.high = high;
     const left = (x) => frame.left + ((x - xAt(0)) / (xAt(width - 1) - xAt(0))) * wide;
     const top = (t) => frame.top + (1 - (t - low) / (high - low)) * tall;
 
-    pen.clearRect(0, 0, chart.width, chart.height);
-    const heading = `row at y = ${yAt(place.row).toFixed(2)} mm; band: ± 1 s.d., random`;
-    write(pen, heading, frame.left, 11, "left");
+    const notes = [`y = ${yAt(place.row).toFixed(2)} mm`];
+    if (banded) notes.push("band: ± 1 s.d., random");
+    if (beside && points.some(({ other }) => Number.isFinite(other))) notes.push("dashed: predicted");
+    if (full > 400) notes.splice(0, 3, notes.join("; "));
+    notes.forEach((note, n) => write(pen, note, frame.left, 11 + 16 * n, "left"));
     pen.save();
     pen.beginPath();
     pen.rect(frame.left, frame.top, wide, tall);
     pen.clip();
-    pen.fillStyle = "rgba(0, 114, 178, 0.25)";
+    pen.fillStyle = "rgba(0, 114, 178, 0.3)";
     const step = wide / width;
     for (const { x, value, std } of points) {
-      if (!(value + std > 0)) continue; // false for NaN too
+      if (!(std > 0) || Number.isNaN(value)) continue;
       pen.fillRect(left(x) - step / 2, top(value + std), step, top(value - std) - top(value + std));
     }
 
-    // the line is interrupted at flagged pixels
-    pen.strokeStyle = "#0072b2";
-    pen.lineWidth = 1.2;
-    pen.beginPath();
-    let drawing = false;
-    for (const { x, value } of points) {
-      if (Number.isNaN(value)) drawing = false;
-      else if (drawing) pen.lineTo(left(x), top(value));
-      else {
-        pen.moveTo(left(x), top(value));
-        drawing = true;
+    // lines are interrupted where there is no value
+    function draw(key, colour, dash) {
+      pen.strokeStyle = colour;
+      pen.setLineDash(dash);
+      pen.lineWidth = 1.3;
+      pen.beginPath();
+      let drawing = false;
+      for (const point of points) {
+        if (Number.isNaN(point[key])) drawing = false;
+        else if (drawing) pen.lineTo(left(point.x), top(point[key]));
+        else {
+          pen.moveTo(left(point.x), top(point[key]));
+          drawing = true;
+        }
       }
+      pen.stroke();
     }
-    pen.stroke();
+    if (name === "thickness") draw("other", ink(), [6, 4]);
+    draw("value", name === "predicted" ? ink() : "#1a86cc", name === "predicted" ? [6, 4] : []);
 
     // chosen column
-    pen.strokeStyle = "#000000";
-    pen.setLineDash([3, 3]);
+    pen.strokeStyle = ink();
+    pen.lineWidth = 1;
+    pen.setLineDash([2, 3]);
     pen.beginPath();
     pen.moveTo(left(xAt(place.column)), frame.top);
     pen.lineTo(left(xAt(place.column)), frame.top + tall);
@@ -213,7 +277,7 @@
     pen.restore();
 
     // axes
-    pen.strokeStyle = "#1a1a1a";
+    pen.strokeStyle = ink();
     pen.lineWidth = 1;
     pen.beginPath();
     pen.moveTo(frame.left - 0.5, frame.top);
@@ -221,42 +285,50 @@
     pen.lineTo(frame.left + wide, frame.top + tall + 0.5);
     pen.stroke();
     for (const x of ticks(xAt(0), xAt(width - 1), 7)) {
-      write(pen, `${x}`, left(x), frame.top + tall + 13, "center");
+      write(pen, signed(x), left(x), frame.top + tall + 13, "center");
     }
-    for (const t of ticks(low, high, 7)) write(pen, `${t}`, frame.left - 7, top(t), "right");
-    write(pen, film.xLabel, frame.left + wide / 2, chart.height - 8, "center");
-    writeUpwards(pen, "film thickness [µm]", 12, frame.top + tall / 2);
+    for (const t of ticks(low, high, 7)) write(pen, signed(t), frame.left - 7, top(t), "right");
+    write(pen, film.xLabel, frame.left + wide / 2, frame.top + tall + 32, "center");
+    writeUpwards(pen, `${film.layers[name]} [µm]`, 12, frame.top + tall / 2);
   }
 
   function showValue(column, row) {
     const n = row * width + column;
     const where = `x = ${xAt(column).toFixed(2)} mm, y = ${yAt(row).toFixed(2)} mm: `;
+    const digits = (value) => signed(value.toFixed(3));
+    const predicted = predictedAt(n);
+    const known = Number.isFinite(predicted);
+    const theory = known ? `; predicted ${digits(predicted)} µm` : "";
     const flags = flagsAt(n);
     if (flags) {
       const names = flagsIn(flags).map((flag) => flag.name);
-      readout.textContent = `${where}flagged: ${names.join(", ")}`;
+      readout.textContent = `${where}flagged: ${names.join(", ")}${theory}`;
       return;
     }
-    const digits = (value) => value.toFixed(3);
+    const less = known ? `, difference ${digits(thicknessAt(n) - predicted)} µm` : "";
     readout.textContent =
       `${where}${digits(thicknessAt(n))} µm ± ${digits(stdAt(column, row, 0))} µm random` +
-      ` ± ${digits(stdAt(column, row, 1))} µm shared`;
+      ` ± ${digits(stdAt(column, row, 1))} µm shared${theory}${less}`;
   }
 
   function under(event) {
     const box = canvas.getBoundingClientRect();
-    const x = ((event.clientX - box.left) * canvas.width) / box.width - edge.left;
-    const y = ((event.clientY - box.top) * canvas.height) / box.height - edge.top;
+    const x = event.clientX - box.left - edge.left;
+    const y = event.clientY - box.top - edge.top;
     const column = Math.floor((x / mapWidth) * width);
     const row = Math.floor((y / mapHeight) * height);
     return column >= 0 && column < width && row >= 0 && row < height ? { column, row } : null;
   }
 
+  function draw() {
+    drawMap();
+    drawProfile();
+  }
+
   function choose(column, row) {
     place.column = Math.max(0, Math.min(width - 1, column));
     place.row = Math.max(0, Math.min(height - 1, row));
-    drawMap();
-    drawProfile();
+    draw();
     showValue(place.column, place.row);
   }
 
@@ -267,6 +339,7 @@
     shown = bytes;
     title.textContent = film.triggers[trigger];
     slider.setAttribute("aria-valuetext", film.triggers[trigger]);
+    canvas.dataset.shown = trigger;
     paint();
     choose(place.column, place.row);
   }
@@ -277,6 +350,11 @@
   }
 
   slider.addEventListener("input", () => show(Number(slider.value)));
+  chooser.addEventListener("change", () => {
+    if (!shown) return;
+    paint();
+    draw();
+  });
   document.getElementById("previous").addEventListener("click", () => step(-1));
   document.getElementById("next").addEventListener("click", () => step(1));
   canvas.addEventListener("pointermove", (event) => {
@@ -297,6 +375,17 @@
     event.preventDefault();
     const far = event.shiftKey ? 10 : 1;
     choose(place.column + far * move[0], place.row + far * move[1]);
+  });
+
+  // another width of the window or another theme needs another drawing
+  let drawnWidth = 0;
+  new ResizeObserver(() => {
+    const wide = canvas.parentElement.clientWidth;
+    if (shown && wide !== drawnWidth) draw();
+    drawnWidth = wide;
+  }).observe(canvas.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    if (shown) draw();
   });
   if (typeof DecompressionStream === "undefined") {
     readout.textContent = "This browser cannot unpack the maps; browsers of 2023 or later can.";

@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from erlif.core.arrays import Array
 from erlif.files import describe_trigger, region_of
 from erlif.plots.maps import axis_labels, common_limits, flag_swatch, flag_title
+from erlif.plots.prediction import has_prediction, predicted_map
 from erlif.plots.style import FLAG_COLOURS, colour_map
 from erlif.report.maps import MapCoding, describe_coding
 from erlif.report.tables import flag_key
 
 _COLOURS = 256  # of the palette
-_SAMPLES = 12  # maps that the limits of the colour scale are taken from
+_SAMPLES = 12  # maps that the limits of the colour scales are taken from
+_WITHIN = 98.0  # percent of the pixels of a sample whose values have colours of their own
+_LEAST_REACH = 1e-3  # um, of a colour scale
+_OF_PREDICTION = ("predicted", "difference")
+
+LAYERS = {
+    "thickness": "film thickness",
+    "std": "standard deviation, random",
+    "std_shared": "standard deviation, shared",
+    "predicted": "predicted film",
+    "difference": "measured − predicted",
+}
+"""Maps of the viewer by the names of viewer.js, with their titles."""
 
 
-def viewer_section(film: xr.Dataset, coding: MapCoding) -> str:
-    """Write the controls of the viewer as HTML."""
+def viewer_section(film: xr.Dataset, coding: MapCoding, *, opening: int = 0) -> str:
+    """Write the controls of the viewer as HTML; it opens at the trigger `opening`."""
     last = film.sizes["trigger"] - 1
-    return f"""<p>Move over the map to read the film thickness; click, or use the arrow keys
+    layers = "".join(
+        f'<option value="{name}">{title}</option>'
+        for name, title in LAYERS.items()
+        if name not in _OF_PREDICTION or has_prediction(film)
+    )
+    return f"""<p>Move over the map to read its values; click, or use the arrow keys
 (with Shift ten at a time), to draw the profile of a row. The dashed box is the region of interest.
 {_describe_thinning(coding)}Thickness is rounded to {1e3 * coding.step:g} nm; standard deviations
 are those of single pixels, medians of 4 × 4.</p>
@@ -29,15 +49,19 @@ are those of single pixels, medians of 4 × 4.</p>
 <div class="controls">
 <label for="trigger">Trigger</label>
 <button type="button" id="previous">Previous</button>
-<input type="range" id="trigger" min="0" max="{last}" step="1" value="0">
+<input type="range" id="trigger" min="0" max="{last}" step="1" value="{opening}">
 <button type="button" id="next">Next</button>
 </div>
+<div class="controls">
+<label for="layer">Map</label>
+<select id="layer">{layers}</select>
+</div>
 <div class="viewer">
-<div class="wide"><canvas id="map" tabindex="0" role="img"
- aria-label="Map of film thickness at the chosen trigger"></canvas></div>
-<div><div class="wide"><canvas id="profile" role="img"
- aria-label="Film thickness along the chosen row"></canvas></div>
-<output id="readout" for="trigger"></output></div>
+<div><canvas id="map" tabindex="0" role="img"
+ aria-label="Map of the chosen quantity at the chosen trigger"></canvas></div>
+<div><canvas id="profile" role="img"
+ aria-label="The chosen quantity along the chosen row"></canvas>
+<output id="readout" for="trigger layer"></output></div>
 </div>
 <ul class="key" aria-label="Colours of flagged pixels">{flag_key()}</ul>
 <noscript><p>The viewer needs JavaScript; the figures below do not.</p></noscript>"""
@@ -58,10 +82,7 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     region = region_of(film)
     x_label, y_label = axis_labels(film)
 
-    # a sample of maps is enough for one colour scale of all
     count = film.sizes["trigger"]
-    limits = common_limits(film, range(0, count, max(1, count // _SAMPLES)))
-
     data: dict[str, Any] = {
         "width": int(x.size),
         "height": int(y.size),
@@ -72,8 +93,9 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
         "xLabel": x_label,
         "yLabel": y_label,
         "region": [*region.x, *region.y],
-        "limits": [round(limit, 3) for limit in limits],
-        "palette": _palette(),
+        "limits": _layer_limits(film),
+        "layers": LAYERS,
+        "palettes": {"even": _palette("batlow"), "signed": _palette("vik")},
         "flags": [
             {
                 "bit": int(flag),
@@ -90,9 +112,35 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     return text.replace("<", "\\u003c")
 
 
-def _palette() -> str:
-    """Colours of the map in six hexadecimal digits each."""
+def _layer_limits(film: xr.Dataset) -> dict[str, list[float]]:
+    """Colour limits of the maps that the film has, each common to all triggers."""
+    # a sample of maps is enough for one colour scale of all
+    count = film.sizes["trigger"]
+    sample = range(0, count, max(1, count // _SAMPLES))
+    low, high = common_limits(film, sample)
+    limits = {"thickness": [low, high]}
+    for layer, name in (("std", "thickness_std"), ("std_shared", "thickness_std_shared")):
+        limits[layer] = [0.0, _reach(film[name].isel(trigger=k).values for k in sample)]
+
+    if has_prediction(film):
+        predicted = {k: predicted_map(film, trigger=k) for k in sample}
+        ends = [float(end) for one in predicted.values() for end in (one.min(), one.max())]
+        limits["predicted"] = [min(low, *ends), max(high, *ends)]
+        reach = _reach(film.thickness.isel(trigger=k).values - predicted[k] for k in sample)
+        limits["difference"] = [-reach, reach]
+    return {name: [round(limit, 3) for limit in both] for name, both in limits.items()}
+
+
+def _reach(maps: Iterable[Array]) -> float:
+    """Largest size among all but the largest 2 % of each map."""
+    known = [np.abs(each[np.isfinite(each)]) for each in maps]
+    ends = [float(np.percentile(each, _WITHIN)) for each in known if each.size]
+    return max([*ends, _LEAST_REACH])
+
+
+def _palette(name: str) -> str:
+    """Colours of a map in six hexadecimal digits each."""
     # the figures have the same colours
-    colours = np.asarray(colour_map("batlow")(np.linspace(0, 1, _COLOURS)))[:, :3]
+    colours = np.asarray(colour_map(name)(np.linspace(0, 1, _COLOURS)))[:, :3]
     whole = (255 * colours).round().astype(int)
     return "".join(f"{red:02x}{green:02x}{blue:02x}" for red, green, blue in whole.tolist())

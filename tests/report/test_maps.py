@@ -33,6 +33,27 @@ def test_maps_of_the_page_read_back_as_the_film(page, film):
         npt.assert_allclose(found.thickness, film.thickness.values[k], atol=0.5001e-3)
 
 
+def test_prediction_of_the_page_has_the_predicted_minimum(page):
+    """Circles of the joint are thinnest at the attitude, which lies on a column of the scene."""
+    data = json.loads(page.texts["film-data"])
+    for k, least in enumerate(scene.sunken_film()):
+        found = decode_map(
+            page.texts[f"map-{k}"], shape=(data["height"], data["width"]), coding=FINE
+        )
+        npt.assert_allclose(found.predicted.min(), least, atol=2e-3)
+
+
+def test_prediction_that_is_not_known_stays_unknown(film):
+    predicted = np.full(film.thickness.shape[1:], 5.0)
+    predicted[3, 4], predicted[5, 6] = np.nan, 70.0  # beyond the counts of 16 bits
+    text = embed_map(film, trigger=0, coding=FINE, predicted=predicted)
+    found = decode_map(text, shape=predicted.shape, coding=FINE).predicted
+    assert np.isnan(found[[3, 5], [4, 6]]).all()
+    assert np.isfinite(found).sum() == found.size - 2
+    npt.assert_allclose(found[0, 0], 5.0)
+    assert decoded(film, 0).predicted is None
+
+
 def test_standard_deviations_are_medians_of_blocks(film):
     """Codes keep a standard deviation to 3 %."""
     found = decoded(film, 0)

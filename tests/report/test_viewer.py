@@ -46,7 +46,7 @@ def test_triggers_are_named(data):
 
 
 def test_palette_is_the_colour_map_of_the_figures(data):
-    colours = re.findall("......", data["palette"])
+    colours = re.findall("......", data["palettes"]["even"])
     assert len(colours) == 256
     for n in (0, 100, 255):
         expected = np.round(255 * np.array(colour_map("batlow")(n / 255))[:3])
@@ -55,7 +55,7 @@ def test_palette_is_the_colour_map_of_the_figures(data):
 
 
 def test_colour_scale_is_that_of_the_maps(data, film):
-    npt.assert_allclose(data["limits"], common_limits(film), atol=6e-4)
+    npt.assert_allclose(data["limits"]["thickness"], common_limits(film), atol=6e-4)
 
 
 def test_all_flags_have_name_bit_and_colour(data):
@@ -70,9 +70,38 @@ def test_data_cannot_end_its_element(film):
 
 def test_controls_have_labels_and_the_range_of_the_triggers(film, read_page):
     page = read_page(viewer_section(film, EVERY))
-    (slider,) = page.all("input")
+    (slider,), (layer,) = page.all("input"), page.all("select")
     assert (slider["min"], slider["max"]) == ("0", f"{scene.TRIGGERS - 1}")
-    assert {label["for"] for label in page.all("label")} == {slider["id"]}
+    assert {label["for"] for label in page.all("label")} == {slider["id"], layer["id"]}
+
+
+def test_viewer_opens_at_the_trigger_of_the_figures(page, film):
+    """The fastest of the outward stroke: crank angles of the scene, speed by differences."""
+    speed = np.where(scene.rocker_speed(scene.CRANK) > 0, scene.rocker_speed(scene.CRANK), 0)
+    (slider,) = page.all("input")
+    assert int(slider["value"]) == int(np.argmax(speed)) > 0
+    assert f"Trigger {slider['value']}, " in page.texts["figures"]
+
+
+def test_maps_of_standard_deviation_have_scales_from_zero(data):
+    """The shared one of the scene is 0.02 um at every pixel."""
+    assert data["limits"]["std_shared"] == [0.0, 0.02]
+    assert data["limits"]["std"][0] == 0.0
+
+
+def test_scale_of_the_difference_has_its_zero_in_the_middle(data):
+    low, high = data["limits"]["difference"]
+    assert low == -high
+    vik = re.findall("......", data["palettes"]["signed"])
+    assert len(vik) == 256
+
+
+def test_maps_of_the_prediction_are_offered_where_the_film_has_one(film, read_page):
+    def offered(film):
+        return [each["value"] for each in read_page(viewer_section(film, EVERY)).all("option")]
+
+    assert offered(film) == ["thickness", "std", "std_shared", "predicted", "difference"]
+    assert offered(film.drop_vars("film_predicted_min")) == ["thickness", "std", "std_shared"]
 
 
 @pytest.mark.parametrize(("stride", "ordinal"), [(2, "2nd"), (3, "3rd"), (5, "5th")])
@@ -92,11 +121,6 @@ def test_script_finds_its_elements_on_the_page(page):
     wanted = set(re.findall(r'getElementById\("([^"]+)"\)', script))
     assert len(wanted) >= 7
     assert wanted <= {attrs["id"] for _, attrs in page.elements if "id" in attrs}
-
-
-def test_map_and_profile_scroll_in_narrow_windows(film):
-    text = viewer_section(film, EVERY)
-    assert len(re.findall(r'<div class="wide"><canvas [^>]*></canvas></div>', text)) == 2
 
 
 def test_controls_of_the_viewer_stay_in_one_row():
