@@ -128,27 +128,29 @@ def reduce_map(values: Image, flags: FlagImage, *, step: int) -> tuple[Image, Fl
     """
     if step == 1:
         return values, flags
-    rows, columns = -(-values.shape[0] // step), -(-values.shape[1] // step)
-    total = np.zeros((rows, columns), np.float32)
-    valid = np.zeros((rows, columns), np.int32)
-    seen = np.zeros((rows, columns), np.int32)
-    found = np.zeros((rows, columns), np.uint8)
-
-    # one pixel of every square at a time: whole arrays, whatever the size of the squares
     good = (flags == 0) & np.isfinite(values)
-    plain = np.where(good, values, np.float32(0))
-    for row in range(step):
-        for column in range(step):
-            part = (slice(row, None, step), slice(column, None, step))
-            there = plain[part].shape
-            place = (slice(there[0]), slice(there[1]))
-            total[place] += plain[part]
-            valid[place] += good[part]
-            seen[place] += 1
-            found[place] |= flags[part]
+    total = _fold(np.where(good, values, np.float32(0)), step, np.add)
+    valid = _fold(good.astype(np.uint32), step, np.add)
+    seen = _fold(np.ones(flags.shape[0], np.uint32), step, np.add)[:, None] * _fold(
+        np.ones(flags.shape[1], np.uint32), step, np.add
+    )
+    found = _fold(flags, step, np.bitwise_or)
 
     enough = 2 * valid > seen
-    mean = np.full((rows, columns), np.nan, np.float32)
+    mean = np.full(total.shape, np.nan, np.float32)
     np.divide(total, valid, out=mean, where=enough)
     found[enough] = 0
     return mean, found
+
+
+def _fold(values: AnyArray, step: int, combine: np.ufunc) -> AnyArray:
+    """Combine the elements of each square, or of each piece of a line."""
+    # whole rows first: they lie in one piece, and leave little for the columns
+    for axis in range(values.ndim):
+        pieces = [values[(slice(None),) * axis + (slice(k, None, step),)] for k in range(step)]
+        folded = pieces[0].copy()
+        for piece in pieces[1:]:
+            there = folded[tuple(slice(length) for length in piece.shape)]
+            combine(there, piece, out=there)
+        values = folded
+    return values

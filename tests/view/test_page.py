@@ -335,6 +335,26 @@ def test_two_triggers_stand_side_by_side_with_their_difference(page):
     shows(page, 4999, "b")
 
 
+def test_two_films_stand_side_by_side_where_their_pixels_match(
+    visit, serve, long_film, example_path
+):
+    page = visit(serve(long_film, long_film, example_path).address)
+    page.check("#two")
+    assert page.input_value("#film-b") == "1"
+    assert page.is_checked("#linked")
+    page.keyboard.press("ArrowRight")
+    shows(page, FIRST + 1, "b")
+    page.wait_for_selector(f'#panel-d canvas[data-text*="− trigger {FIRST + 1},"]')
+    assert "mean, outward, second film" in page.inner_text("#cycle .u-legend")
+
+    page.select_option("#film-b", "2")
+    until(page, lambda: "example has another size" in page.inner_text("#status"), True)
+    assert page.input_value("#film-b") == "0"
+    page.select_option("#film-a", "2")
+    shows(page, 5)  # the last of the example
+    assert page.inner_text("#run") == "example"
+
+
 def test_colours_layers_and_flags(page):
     page.fill("#high", "9.5")
     page.press("#high", "Enter")

@@ -112,8 +112,11 @@ function showLimits() {
   byId("high").value = high;
 }
 
-const refreshMaps = guarded(() => Promise.all(
-  (state.two ? ["a", "b", "d"] : ["a"]).map((name) => panels[name].refresh())));
+const refreshMaps = guarded(async () => {
+  const shown = state.two ? ["a", "b", "d"] : ["a"];
+  await Promise.all(shown.map((name) => panels[name].refresh()));
+  if (byId("status").classList.contains("bad")) report(""); // the reason has gone
+});
 
 const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
 
@@ -274,14 +277,37 @@ function readForm(form, names) {
 
 // the second map
 
-function showTwo(yes) {
+function isOneGrid() {
+  const place = (one) => [one.width, one.height, ...one.x, ...one.y];
+  const other = place(film("b"));
+  return place(film("a")).every((value, n) => Math.abs(value - other[n]) <= 1e-6 * Math.abs(value));
+}
+
+// Maps share axes, line and region, so that both films must lie on one grid.
+function matchGrids() {
+  if (isOneGrid()) return "";
+  const name = film("b").name || film("b").file;
+  state.b = { ...state.a };
+  fillOther();
+  return `${name} has another size or pitch of pixels. Open it in a viewer of its own.`;
+}
+
+function fillOther() {
+  byId("film-b").value = state.b.film;
+  byId("trigger-b").max = film("b").triggers - 1;
+  byId("trigger-b").value = state.b.trigger;
+}
+
+async function showTwo(yes) {
+  const refused = yes ? matchGrids() : "";
   state.two = yes;
   document.body.classList.toggle("two", yes);
   for (const id of ["other", "panel-b", "panel-d"]) byId(id).hidden = !yes;
   fillExports();
   cycleChart?.build();
   profileChart.build(which().length);
-  refreshAll();
+  await refreshAll();
+  if (refused) report(refused, true);
 }
 
 // export
@@ -407,7 +433,7 @@ function fillFilm() {
   const one = film();
   document.title = byId("run").textContent = one.name || one.file;
   byId("trigger").max = byId("trigger-number").max = one.triggers - 1;
-  byId("trigger-b").max = film("b").triggers - 1;
+  fillOther();
   byId("stride").value = Math.max(1, Math.round(one.triggers / 250)); // a cycle in half a minute
   state.window = [0, 0, one.width, one.height];
   state.region = [...one.region];
@@ -426,8 +452,11 @@ async function chooseFilm(which, number) {
       && !about.layers.find((one) => one.name === state.layer).stored) state.layer = "thickness";
     fillLayers();
   }
+  const refused = state.two ? matchGrids() : "";
+  fillOther();
   await loadCycles();
-  setTrigger(state.a.trigger);
+  await setTrigger(state.a.trigger);
+  if (refused) report(refused, true);
 }
 
 const cycles = new Map();
