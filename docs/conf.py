@@ -101,6 +101,7 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 SINGLE_PAGES = (
+    "figures",
     "index",
     "your_data",
     "formats",

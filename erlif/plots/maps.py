@@ -15,6 +15,7 @@ from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
 
 from erlif.core.arrays import Array, FlagImage, Mask
 from erlif.core.flags import Flag
@@ -32,6 +33,7 @@ from erlif.plots.style import (
     AnyFigure,
     add_colour_bar,
     colour_map,
+    figure_of,
     given_or_new,
     letter,
     new_figure,
@@ -55,6 +57,7 @@ _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones ar
 _SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
 _WIDE = 0.43  # of two columns, for a map beside its profile
 _AROUND = 1.05  # inch above and below it, for title, labels and legend
+_X_LABEL = 24.0  # point, height of ticks and label of an x axis
 _LABELS = 0.75  # inch above and below a single map
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
@@ -170,7 +173,8 @@ def thickness_map(
         ax.legend(
             handles=handles,
             loc="upper center",
-            bbox_to_anchor=(0.5, -0.17),  # below the label of the x axis
+            bbox_to_anchor=(0.5, 0.0),
+            bbox_transform=ax.transAxes + _below_label(ax),
             ncols=2,
             handlelength=1.8,
             handleheight=1.0,
@@ -182,6 +186,11 @@ def thickness_map(
     bare_image(ax)
     ax.set_title(describe_trigger(film, trigger))
     return image
+
+
+def _below_label(ax: Axes) -> ScaledTranslation:
+    """The way from the edge of an image to below the label of its x axis."""
+    return ScaledTranslation(0.0, -pt(_X_LABEL) / 72, figure_of(ax).dpi_scale_trans)
 
 
 def first_flag(flags: FlagImage) -> FlagImage:
