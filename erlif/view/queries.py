@@ -27,6 +27,9 @@ from erlif.view.run_settings import propose_region, write_region
 _WITHIN = (0.5, 99.5)
 """Percentiles of the valid pixels at the ends of a colour scale."""
 
+_LEAST_REACH = 1e-3
+"""Half of the colour scale of a difference, at least: equal maps have one colour. [um]"""
+
 _EVERY = 7
 """A colour scale needs no more than every seventh pixel."""
 
@@ -317,7 +320,7 @@ def colour_limits(
         return (-1.0, 1.0) if symmetric else (0.0, 1.0)
     low, high = (float(one) for one in np.percentile(sample, _WITHIN))
     if symmetric:
-        reach = max(abs(low), abs(high), 1e-9)
+        reach = max(abs(low), abs(high), _LEAST_REACH)
         return -reach, reach
     return low, max(high, low + 1e-6 * max(abs(low), 1e-3))
 
