@@ -9,19 +9,56 @@ import click
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.options import ALLOW_OUTSIDE, OVERWRITE, PATH, expect_suffix
 from erlif.commands.progress import show_progress
+from erlif.core.errors import ErlifError
+
+
+def first_and_last(
+    ctx: click.Context, option: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """Split a range of triggers at its hyphen."""
+    if value is None:
+        return None
+    first, hyphen, last = value.partition("-")
+    if not (hyphen and first.strip().isdecimal() and last.strip().isdecimal()):
+        raise ErlifError(
+            f"Expected triggers FROM-TO as in 100-149; got {value}. Give the first and the last "
+            "with --triggers."
+        )
+    return int(first), int(last)
 
 
 @click.command()
 @click.argument("film", type=PATH)
 @click.option("-o", "--output", type=PATH, help="Default: report.html beside FILM.")
+@click.option(
+    "--triggers",
+    callback=first_and_last,
+    metavar="FROM-TO",
+    help="Triggers whose maps the page holds, counted from 0; default: all that fit.",
+)
+@click.option(
+    "--max-size",
+    type=float,
+    default=10.0,
+    show_default=True,
+    help="Largest size of the page in MB; it states what was left out.",
+)
 @ALLOW_OUTSIDE
 @OVERWRITE
-def report(film: Path, output: Path | None, allow_outside: bool, overwrite: bool) -> None:
+def report(
+    film: Path,
+    output: Path | None,
+    triggers: tuple[int, int] | None,
+    max_size: float,
+    allow_outside: bool,
+    overwrite: bool,
+) -> None:
     """Write one self-contained HTML page about a film.
 
     \b
     Example:
       erlif report data_samples/straight_bushing/film.nc
+      erlif report film.nc --triggers 100-149 -o some.html
     """
     from erlif.report import write_report
 
@@ -29,6 +66,12 @@ def report(film: Path, output: Path | None, allow_outside: bool, overwrite: bool
     expect_suffix(output, ".html")
     with announced_compiling(), show_progress() as progress:
         page = write_report(
-            film, output, overwrite=overwrite, allow_outside=allow_outside, progress=progress
+            film,
+            output,
+            triggers=triggers,
+            max_size=max_size,
+            overwrite=overwrite,
+            allow_outside=allow_outside,
+            progress=progress,
         )
     click.echo(str(page))

@@ -14,8 +14,13 @@ from erlif.report.layout import arrange_figures, embed_figure
 _OF_ONE_TRIGGER = ("processed_images", "ratio_image", "thickness_map", "prediction_map")
 
 
-def figures_section(source: FigureSource, progress: Progress = silent) -> str:
-    """Draw all figures of a film as HTML, and list those that are left out with the reason."""
+def figures_section(
+    source: FigureSource, progress: Progress = silent, *, room: float = float("inf")
+) -> str:
+    """Draw all figures of a film as HTML, and list those that are left out with the reason.
+
+    The largest are left out until the rest has at most `room` characters.
+    """
     parts, missing = [], []
     for done, (name, draw) in enumerate(DRAWN.items()):
         progress("figures", done, len(DRAWN))
@@ -32,5 +37,13 @@ def figures_section(source: FigureSource, progress: Progress = silent) -> str:
             parts.append(embed_figure(name, draw(source), caption, text))
 
     progress("figures", len(DRAWN), len(DRAWN))
+    while sum(len(one.image) for one in parts) > room:
+        largest = max(parts, key=lambda one: len(one.image))
+        parts.remove(largest)
+        title = caption_of(largest.name, source.film).title
+        missing.append(
+            f"<li>{title}: too large for this page; <code>erlif figures</code> draws it, "
+            "<code>--max-size</code> allows a larger page</li>"
+        )
     left_out = f"<h3>Left out</h3><ul>{''.join(missing)}</ul>" if missing else ""
     return arrange_figures(parts) + left_out

@@ -13,6 +13,7 @@ from erlif.plots.style import ONE_COLUMN, AnyFigure, figure_bytes
 from erlif.report.captions import Caption
 
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
+_LARGE = 400_000  # bytes of a drawing that is kept as an image of pixels
 
 
 def compose_page(
@@ -101,13 +102,17 @@ class PageFigure(NamedTuple):
 
 def embed_figure(name: str, figure: AnyFigure, caption: Caption, text: str) -> PageFigure:
     """Embed one figure, its image as base64 text."""
-    # lines stay sharp as SVG; an image of many pixels is much smaller as PNG
-    image = figure_bytes(figure, kind=caption.kind, dpi=caption.dpi)
+    # lines stay sharp as SVG; an image of many pixels, or many points, is much smaller as PNG
+    kind = caption.kind
+    image = figure_bytes(figure, kind=kind, dpi=caption.dpi)
+    if kind == "svg" and len(image) > _LARGE:
+        kind = "png"
+        image = figure_bytes(figure, kind=kind, dpi=caption.dpi)
     encoded = base64.b64encode(image).decode("ascii")
     title, text = escape(caption.title), escape(text)
     return PageFigure(
         name,
-        f'<img src="data:{_MEDIA[caption.kind]};base64,{encoded}" alt="{title}. {text}">',
+        f'<img src="data:{_MEDIA[kind]};base64,{encoded}" alt="{title}. {text}">',
         f"<figcaption><strong>{title}.</strong> {text}</figcaption>",
         figure.bbox.width > 1.5 * ONE_COLUMN * figure.dpi,
     )

@@ -16,8 +16,6 @@ from erlif.core.arrays import Array, FlagImage, Image
 _BLOCK = 4  # pixels on a side that share one pair of standard deviations
 _LEAST_STD = 1e-4  # um, the standard deviation of code 1
 _PER_OCTAVE = 12  # codes for a factor of two: standard deviations are kept to 3 %
-_BUDGET = 11e6  # characters of the page for all maps
-_PER_PIXEL = 2.2  # characters of the page for one pixel
 _FINEST_STEP = 1e-3  # um
 _FULL_SCALE = 65535  # counts of 16 bits
 _REACH = 65.0  # um of the finest step that 16 bits reach, with some room
@@ -64,11 +62,9 @@ class DecodedMap:
     predicted: Array | None = None
 
 
-def choose_coding(film: xr.Dataset, *, thickest: float) -> MapCoding:
-    """Keep every pixel if the page has room, and steps of 1 nm if 16 bits reach `thickest` [um]."""
-    pixels = film.sizes["trigger"] * film.sizes["y"] * film.sizes["x"]
-    stride = max(1, math.ceil(math.sqrt(pixels * _PER_PIXEL / _BUDGET)))
-    return MapCoding(stride, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
+def finest_coding(thickest: float) -> MapCoding:
+    """Keep every pixel, in steps of 1 nm if 16 bits reach `thickest` [um]."""
+    return MapCoding(1, _FINEST_STEP * max(1, math.ceil(thickest / _REACH)))
 
 
 def embed_map(

@@ -12,10 +12,11 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.flags import Flag
-from erlif.files import motion_of
+from erlif.files import motion_of, settings_of
 from erlif.plots.files import FigureSource
 from erlif.plots.maps import flag_swatch, flag_title
 from erlif.plots.style import FLAG_COLOURS
+from erlif.report.download import download_link, file_name, trigger_csv
 from erlif.report.prediction import carrying_sentences, compare_correlations
 
 _REASONS = {
@@ -305,26 +306,44 @@ _COLUMNS = (
 )
 
 
+_ROWS = 500  # triggers of the table at most
+
 _ANGLES = {"rotation": "Disc [°]", "sinusoidal": "Drive [°]"}
 """Title of the column of the crank angle by the kind of motion."""
 
 
-def trigger_table(film: xr.Dataset, valid: Array) -> str:
-    """Make the table of the triggers; `valid` (trigger,) is the share of valid pixels."""
+def trigger_table(film: xr.Dataset, valid: Array, *, most: float = float("inf")) -> str:
+    """Make the table of the triggers, with a link that saves their numbers as CSV.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    valid : array, (trigger,)
+        Share of valid pixels. [1]
+    most : float
+        Characters of the file; of a longer one, triggers are left out evenly.
+
+    Returns
+    -------
+    str
+        HTML. A long table has evenly chosen rows.
+    """
     columns = [column for column in _COLUMNS if all(name in film for name in column.needs)]
     titles = [column.title for column in columns]
     if "Crank [°]" in titles:
         titles[titles.index("Crank [°]")] = _ANGLES.get(motion_of(film), "Crank [°]")
 
     # columns of text from the log are not part of the table
-    shown = [
-        str(name)
+    shown = {
+        str(name): film[name].values
         for name in film.variables
         if film[name].dims == ("trigger",) and film[name].dtype.kind in "fiu"
-    ]
+    }
+    count = film.sizes["trigger"]
     rows = []
-    for k in range(film.sizes["trigger"]):
-        one = {name: float(film[name].values[k]) for name in shown}
+    every = -(-count // _ROWS)
+    for k in range(0, count, every):
+        one = {name: float(values[k]) for name, values in shown.items()}
         cells = [column.write(one) for column in columns]
         rows.append([f"{k}", *cells, f"{100 * valid[k]:.1f} %"])
 
@@ -332,4 +351,23 @@ def trigger_table(film: xr.Dataset, valid: Array) -> str:
     numbers = [n for n, title in enumerate(head) if title != "Stroke"]
     table = make_table(rows, head=head, numbers=numbers)
     look = 'class="wide" tabindex="0" role="region" aria-label="Table of the triggers"'
-    return f"<div {look}>{table}</div>"
+    return f"{_download(film, valid, every, most)}<div {look}>{table}</div>"
+
+
+def _download(film: xr.Dataset, valid: Array, every: int, most: float) -> str:
+    """The link, and what of the triggers table and file hold."""
+    count = film.sizes["trigger"]
+    text = trigger_csv(film, valid, np.arange(count))
+    held = 1
+    if len(text) > most:
+        held = int(-(-len(text) // most))
+        text = trigger_csv(film, valid, np.arange(0, count, held))
+    link = download_link(
+        text, name=file_name(settings_of(film).name, "triggers.csv"), label="Save as CSV"
+    )
+    notes = [f"The table holds one of {every} triggers."] if every > 1 else []
+    if held > 1:
+        notes.append(f"The CSV file holds one of {held}; <code>erlif export</code> writes all.")
+    elif every > 1:
+        notes.append(f"The CSV file holds all {count}.")
+    return f"<p>{link}. {' '.join(notes)}</p>".replace(". </p>", "</p>")

@@ -30,7 +30,7 @@
 
   async function readMap(trigger) {
     if (!cache.has(trigger)) {
-      const text = document.getElementById(`map-${trigger}`).textContent.trim();
+      const text = document.getElementById(`map-${film.numbers[trigger]}`).textContent.trim();
       const packed = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
       const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
       const bytes = new Uint8Array(await new Response(plain).arrayBuffer());
@@ -339,7 +339,7 @@
     shown = bytes;
     title.textContent = film.triggers[trigger];
     slider.setAttribute("aria-valuetext", film.triggers[trigger]);
-    canvas.dataset.shown = trigger;
+    canvas.dataset.shown = film.numbers[trigger];
     paint();
     choose(place.column, place.row);
   }

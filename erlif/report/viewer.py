@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,9 +33,33 @@ LAYERS = {
 """Maps of the viewer by the names of viewer.js, with their titles."""
 
 
-def viewer_section(film: xr.Dataset, coding: MapCoding, *, opening: int = 0) -> str:
-    """Write the controls of the viewer as HTML; it opens at the trigger `opening`."""
-    last = film.sizes["trigger"] - 1
+def viewer_section(
+    film: xr.Dataset,
+    coding: MapCoding,
+    *,
+    triggers: Sequence[int] | None = None,
+    opening: int = 0,
+    limit: float | None = None,
+) -> str:
+    """Write the controls of the viewer as HTML.
+
+    Parameters
+    ----------
+    film : xarray.Dataset
+    coding : MapCoding
+        How the maps are kept.
+    triggers : sequence of int, optional
+        Triggers whose maps the page holds, rising; default: all.
+    opening : int
+        The one that is shown first.
+    limit : float, optional
+        Largest size of the page, as it is stated where something was thinned. [MB]
+
+    Returns
+    -------
+    str
+    """
+    kept = range(film.sizes["trigger"]) if triggers is None else triggers
     layers = "".join(
         f'<option value="{name}">{title}</option>'
         for name, title in LAYERS.items()
@@ -43,13 +67,14 @@ def viewer_section(film: xr.Dataset, coding: MapCoding, *, opening: int = 0) -> 
     )
     return f"""<p>Move over the map to read its values; click, or use the arrow keys
 (with Shift ten at a time), to draw the profile of a row. The dashed box is the region of interest.
-{_describe_thinning(coding)}Thickness is rounded to {1e3 * coding.step:g} nm; standard deviations
-are those of single pixels, medians of 4 × 4.</p>
+{_describe_thinning(film, coding, len(kept), limit)}Thickness is rounded
+to {1e3 * coding.step:g} nm; standard deviations are those of single pixels, medians of 4 × 4.</p>
 <p><strong id="trigger-title" aria-live="polite"></strong></p>
 <div class="controls">
 <label for="trigger">Trigger</label>
 <button type="button" id="previous">Previous</button>
-<input type="range" id="trigger" min="0" max="{last}" step="1" value="{opening}">
+<input type="range" id="trigger" min="0" max="{len(kept) - 1}" step="1"
+ value="{list(kept).index(opening)}">
 <button type="button" id="next">Next</button>
 </div>
 <div class="controls">
@@ -67,22 +92,35 @@ are those of single pixels, medians of 4 × 4.</p>
 <noscript><p>The viewer needs JavaScript; the figures below do not.</p></noscript>"""
 
 
-def _describe_thinning(coding: MapCoding) -> str:
-    """One sentence where the page does not hold every pixel."""
-    if coding.stride == 1:
+def _describe_thinning(film: xr.Dataset, coding: MapCoding, kept: int, limit: float | None) -> str:
+    """What the page does not hold, and how to see it; empty where it holds all."""
+    held, count = [], film.sizes["trigger"]
+    if kept < count:
+        held.append(f"the maps of {kept} of {count} triggers")
+    if coding.stride > 1:
+        ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
+        held.append(f"every {ordinal} pixel along each axis")
+    if not held:
         return ""
-    ordinal = {2: "2nd", 3: "3rd"}.get(coding.stride, f"{coding.stride}th")
-    return f"The page holds every {ordinal} pixel along each axis; the film file holds all. "
+    size = "" if limit is None else f", to be at most {limit:g} MB"
+    return (
+        f"<strong>The page holds {' and '.join(held)}{size}; the film file holds all.</strong> "
+        "<code>erlif view FILM</code> shows all of them; <code>erlif report FILM --triggers "
+        "100-149</code> makes a page of some triggers, <code>--max-size</code> a larger one. "
+    )
 
 
-def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
+def viewer_data(
+    film: xr.Dataset, coding: MapCoding, *, triggers: Sequence[int] | None = None
+) -> str:
     """Write the data of viewer.js as JSON that can stand in a script element."""
     x, y = film.x.values[:: coding.stride], film.y.values[:: coding.stride]
     pitch = (float(x[1] - x[0]), float(y[1] - y[0]))
     region = region_of(film)
     x_label, y_label = axis_labels(film)
 
-    count = film.sizes["trigger"]
+    kept = range(film.sizes["trigger"]) if triggers is None else triggers
+    numbers = film.drop_dims(["y", "x"]).load()  # read once, not for each trigger
     data: dict[str, Any] = {
         "width": int(x.size),
         "height": int(y.size),
@@ -93,7 +131,7 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
         "xLabel": x_label,
         "yLabel": y_label,
         "region": [*region.x, *region.y],
-        "limits": _layer_limits(film),
+        "limits": _layer_limits(film, kept),
         "layers": LAYERS,
         "palettes": {"even": _palette("batlow"), "signed": _palette("vik")},
         "flags": [
@@ -104,7 +142,8 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
             }
             for flag in FLAG_COLOURS
         ],
-        "triggers": [describe_trigger(film, k).capitalize() for k in range(count)],
+        "numbers": list(kept),
+        "triggers": [describe_trigger(numbers, k).capitalize() for k in kept],
     }
 
     # "</script>" in a name must not end the element
@@ -112,11 +151,10 @@ def viewer_data(film: xr.Dataset, coding: MapCoding) -> str:
     return text.replace("<", "\\u003c")
 
 
-def _layer_limits(film: xr.Dataset) -> dict[str, list[float]]:
+def _layer_limits(film: xr.Dataset, kept: Sequence[int]) -> dict[str, list[float]]:
     """Colour limits of the maps that the film has, each common to all triggers."""
     # a sample of maps is enough for one colour scale of all
-    count = film.sizes["trigger"]
-    sample = range(0, count, max(1, count // _SAMPLES))
+    sample = kept[:: max(1, len(kept) // _SAMPLES)]
     low, high = common_limits(film, sample)
     limits = {"thickness": [low, high]}
     for layer, name in (("std", "thickness_std"), ("std_shared", "thickness_std_shared")):

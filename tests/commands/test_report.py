@@ -8,3 +8,8 @@ def test_a_file_that_is_not_a_film_is_refused(lab, refused):
 
 def test_an_output_name_of_another_format_is_refused(lab, refused):
     assert "Expected a name in .html" in refused("report", lab.film, "-o", lab.run / "page.pdf")
+
+
+def test_triggers_and_size_that_are_none_are_refused(lab, refused):
+    assert "Expected triggers FROM-TO as in 100-149" in refused("report", lab.film, "--triggers", "5")
+    assert "0.5 MB or more" in refused("report", lab.film, "--max-size", "0")

@@ -9,8 +9,8 @@ import numpy.testing as npt
 import pytest
 from scenes import film as scene
 
-from erlif.report import MapCoding, decode_map, embed_map, maps, write_report
-from erlif.report.maps import block_shape, choose_coding, describe_coding
+from erlif.report import MapCoding, decode_map, embed_map
+from erlif.report.maps import block_shape, describe_coding, finest_coding
 
 FINE = MapCoding(1, 1e-3)
 
@@ -88,20 +88,9 @@ def test_standard_deviations_are_kept_over_six_decades(film, std):
     npt.assert_allclose(decoded(changed, 0).std[5, 5], std, rtol=0.03)
 
 
-def test_large_film_is_thinned(film, film_path, tmp_path, monkeypatch, without_figures, read_page):
-    monkeypatch.setattr(maps, "_BUDGET", 20_000)
-    page = read_page(write_report(film_path, tmp_path / "thin.html").read_text(encoding="utf-8"))
-    data = json.loads(page.texts["film-data"])
-    coding = MapCoding(data["coding"]["stride"], data["coding"]["step"])
-    assert coding.stride == 2
-    assert "every 2nd pixel" in page.texts["viewer"]
-    found = decode_map(page.texts["map-4"], shape=(data["height"], data["width"]), coding=coding)
-    npt.assert_allclose(found.thickness, film.thickness.values[4, ::2, ::2], atol=0.5001e-3)
-
-
-def test_steps_grow_where_sixteen_bits_would_not_reach(film):
-    assert choose_coding(film, thickest=60.0).step == 1e-3
-    coding = choose_coding(film, thickest=400.0)
+def test_steps_grow_where_sixteen_bits_would_not_reach():
+    assert finest_coding(60.0) == FINE
+    coding = finest_coding(400.0)
     assert 65535 * coding.step > 400.0
     assert 65535 * (coding.step - 1e-3) < 400.0 * 1.01
 
@@ -109,7 +98,7 @@ def test_steps_grow_where_sixteen_bits_would_not_reach(film):
 def test_thick_film_reads_back_in_its_coarser_steps(film):
     changed = film.load().copy(deep=True)
     changed.thickness.values[:] = 399.9
-    coding = choose_coding(changed, thickest=400.0)
+    coding = finest_coding(400.0)
     found = decoded(changed, 0, coding).thickness
     npt.assert_allclose(found[np.isfinite(found)], 399.9, atol=0.51 * coding.step)
 

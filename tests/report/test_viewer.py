@@ -111,7 +111,7 @@ def test_thinning_is_named_beside_the_viewer(film, stride, ordinal):
 
 def test_rounding_is_named_beside_the_viewer(film):
     section = viewer_section(film, MapCoding(1, 2e-3))
-    assert "rounded to 2 nm" in section
+    assert "rounded\nto 2 nm" in section
     assert "The page holds every" not in section
 
 
