@@ -448,6 +448,7 @@ FILM_ATTRIBUTES = (
         "format_version", "Version of the file format, 1. An earlier erlif refuses a later one."
     ),
     Attribute("settings", "All settings, defaults included, as TOML."),
+    Attribute("settings_stated", "Keys that run.toml states, with commas; others are defaults."),
     Attribute("input_hashes", "SHA-256 of every input by its relative name, as JSON."),
     Attribute(
         "identity",
@@ -552,6 +553,28 @@ PRESSURE = (
     Variable(
         "peak_of_load", T, "float64", "kPa", "Peak of pure squeeze of a long joint under the load."
     ),
+    Variable("peak_std_settings", T, "float64", "kPa", "Part of it by viscosity and clearance."),
+    Variable(
+        "peak_by_viscosity",
+        T,
+        "float64",
+        "1",
+        "Relative change of the peak over that of the viscosity, d ln p/d ln eta.",
+    ),
+    Variable(
+        "peak_by_clearance",
+        T,
+        "float64",
+        "1",
+        "Relative change of the peak over that of the clearance, d ln p/d ln c.",
+    ),
+    Variable(
+        "load_cov",
+        ("trigger", "trigger_other"),
+        "float64",
+        "N2",
+        "Covariance of load_from_pressure over the triggers.",
+    ),
     Variable("pressure_measured", T, "float64", "1", "1 where the pressure is known, else 0."),
     Variable("cavity", T, "float64", "1", "Share of the image without a full film."),
     Variable(
@@ -568,11 +591,12 @@ PRESSURE_ATTRIBUTES = (
     *(
         one
         for one in FILM_ATTRIBUTES
-        if one.name in ("title", "history", "erlif_version", "settings")
+        if one.name in ("title", "history", "erlif_version", "settings", "settings_stated")
     ),
     Attribute("film_identity", "Identity of the film."),
     Attribute("statement", "What the pressure is good for, and what would make it better."),
     Attribute("balance", "The load that it makes, beside the logged one."),
+    Attribute("given", "The errors of viscosity and clearance, or that none is stated."),
 )
 
 VARIABLE_ATTRIBUTES = (

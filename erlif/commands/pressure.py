@@ -43,5 +43,6 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     written = [output]
     if found.pressure_measured.values.any():
         click.echo(found.attrs["balance"])
+        click.echo(found.attrs["given"])
         written.append(write_pressure_figure(found, picture))
     click.echo(f"written: {', '.join(str(path) for path in written)}")

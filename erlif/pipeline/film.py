@@ -33,7 +33,7 @@ from erlif.pipeline.pulses import read_energies
 from erlif.pipeline.results import TriggerResult
 from erlif.ratio import BlurDifference
 from erlif.registration import CameraMap, describe_map
-from erlif.settings import RunSettings, to_toml
+from erlif.settings import RunSettings, stated_keys, to_toml
 from erlif.trend import (
     Exponent,
     Region,
@@ -272,6 +272,7 @@ def describe_film(
         erlif_version=__version__,
         **{ATTRIBUTE: FORMAT_VERSION},
         settings=to_toml(settings),
+        settings_stated=stated_keys(settings),
         input_hashes=describe_hashes(hashes),
         calibration=record_calibration(calibration),
         **_describe_smoothing(settings.thickness.smoothing),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,12 +30,9 @@ from erlif.trend import PinView, viscosity_at
 GRID = (48, 12)
 """Places along sliding and along the axis at which the pressure is given."""
 
-UNBALANCED = 3.0
-"""Difference of the load from that of the pressure, over its standard deviation, that is no chance
-(1 of 400)."""
-
-UNLIKELY = 1.96
-"""Difference of the median load, over its standard deviation, above which it is not balanced."""
+FALSE_ALARM = 0.05
+"""Share of recordings whose load counts as not balanced by chance. It is divided between three
+tests: the median, the sum over all triggers, and the single trigger."""
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
 _NUMBER_UNITS = np.array([1e-6, 1e-6, 1e-3, 1e-3])  # of a position in SI: um, and um/mm
@@ -62,11 +60,13 @@ def pressure_from_film(
         pressure and pressure_std (trigger, y, x) and pressure_profile and pressure_profile_std
         (trigger, place) [kPa]; by trigger peak_pressure [kPa], its place peak_place [mm] along
         sliding, load_from_pressure and side_from_pressure [N], each with its _std;
-        peak_std_random and peak_std_shared [kPa], by noise and by errors that all triggers share;
-        pressure_measured, 1 or 0; film_rate and film_rate_std [um s-1] at the load line; cavity
-        and cavity_change [1]; load [N]. NaN where the noise forbids the pressure. Attributes:
-        statement, what the pressure is good for and what would make it better; balance, the load in
-        comparison.
+        peak_std_random, peak_std_shared and peak_std_settings [kPa], by noise, by errors that all
+        triggers share, and by viscosity and clearance; peak_by_viscosity and peak_by_clearance [1];
+        load_cov (trigger, trigger_other) [N2]; pressure_measured, 1 or 0; film_rate and
+        film_rate_std [um s-1] at the load line; cavity and cavity_change [1]; load [N]. NaN where
+        the noise forbids the pressure. Attributes: statement, what the pressure is good for and
+        what would make it better; balance, the load in comparison; given, whether errors of
+        viscosity and clearance are part of the stated ones.
 
     Raises
     ------
@@ -96,6 +96,7 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
     conditions = film[[name for name in ("temperature", "load") if name in film]].load()
     viscosity = viscosity_at(conditions, joint.viscosity)[order]
     x, y = _grid(film)
+    line = settings.prediction.load_line_std
     along, across = (x, y) if view.sliding_along_x else (y, x)
     found = find_pressures(
         build_journal(settings, 1.0),
@@ -103,9 +104,23 @@ def _find(film: xr.Dataset, progress: Progress) -> xr.Dataset:
         viscosity=viscosity,
         place=(along - view.load_line) / _MILLI,
         axial=(across - view.axial_origin) / _MILLI,
+        settings_std=_settings_std(settings, viscosity),
+        load_line_std=0.0 if line is None else float(line),
         progress=progress,
     )
     return _describe(film, settings, view, found, motion, order, (x, y))
+
+
+def _settings_std(settings: RunSettings, viscosity: Array) -> tuple[float, float]:
+    """Standard deviations of viscosity and clearance over their values; 0 where none is stated."""
+    joint, oil = settings.joint, settings.oil
+    assert joint is not None  # `_view` refuses a film without them
+    assert oil is not None
+    clearance = joint.bushing_radius - joint.pin_radius
+    return (
+        float(oil.viscosity_std or 0.0) / float(np.mean(viscosity)),
+        float(joint.clearance_std or 0.0) / clearance,
+    )
 
 
 def _view(film: xr.Dataset, settings: RunSettings) -> PinView:
@@ -234,10 +249,17 @@ def _describe(
         if name == "peak_place":
             values = values + view.load_line
         columns[name] = (dims, values, {"units": unit, "long_name": meaning})
+    load_cov = np.full((total, total), np.nan)
+    load_cov[np.ix_(order, order)] = found["load_cov"].values
+    columns["load_cov"] = (
+        ("trigger", "trigger_other"),
+        load_cov,
+        {"units": "N2", "long_name": "covariance of load_from_pressure"},
+    )
     columns["pressure_measured"][1][np.isnan(columns["pressure_measured"][1])] = 0
 
     rate = -motion.rate[:, 0] * _MICRO
-    rate_std = np.sqrt(motion.covariance[:, 4, 4]) * _MICRO
+    rate_std = np.sqrt((motion.random_cov + motion.shared_cov)[:, 4, 4]) * _MICRO
     along = "rate of the film at the load line, in the axial middle of the image"
     columns["film_rate"] = (("trigger",), spread(rate), {"units": "um s-1", "long_name": along})
     columns["film_rate_std"] = (
@@ -271,7 +293,9 @@ def _describe(
         },
     )
     result = set_coordinates(result)
-    result.attrs["settings"] = film.attrs["settings"]  # names the mount
+    for name in ("settings", "settings_stated"):  # name the mount
+        if name in film.attrs:
+            result.attrs[name] = film.attrs[name]
     return result.assign_attrs(
         title=f"pressure from the film, {settings.name}",
         history=f"erlif {__version__}: pressure {settings.name}",
@@ -279,7 +303,50 @@ def _describe(
         film_identity=str(film.attrs.get("identity", "")),
         statement=state_limits(result),
         balance=state_balance(result),
+        given=state_given(result),
     )
+
+
+def state_given(found: xr.Dataset) -> str:
+    """Which errors of viscosity and clearance the pressure has, in words; as `state_limits`."""
+    settings = settings_of(found)
+    assert settings.joint is not None  # the pressure of another film is refused
+    assert settings.oil is not None
+    viscosity, clearance = settings.oil.viscosity_std, settings.joint.clearance_std
+    parts = [
+        f"viscosity ± {float(viscosity):.2g} Pa s ([oil])" if viscosity else "",
+        f"clearance ± {_MICRO * float(clearance):.2g} um ([joint])" if clearance else "",
+    ]
+    lines = []
+    if any(parts):
+        lines.append(f"The errors hold those of {' and '.join(part for part in parts if part)}.")
+    absent = [
+        name
+        for name, stated in (
+            ("viscosity_std in [oil]", viscosity),
+            ("clearance_std in [joint]", clearance),
+        )
+        if not stated
+    ]
+    if absent:
+        given = ["viscosity"] * (not viscosity) + ["clearance"] * (not clearance)
+        lines.append(
+            f"The pressure is that of the given {' and '.join(given)}, without an error of "
+            f"{'it' if len(given) == 1 else 'them'}; {' and '.join(absent)} would be part of it."
+        )
+
+    # the peak moves with both, whether or not an error is stated
+    changes = [
+        float(np.nanmedian(found[f"peak_by_{name}"].values))
+        for name in ("viscosity", "clearance")
+        if np.isfinite(found[f"peak_by_{name}"].values).any()
+    ]
+    if len(changes) == 2:
+        lines.append(
+            f"One per cent more viscosity changes the peak by {changes[0]:+.2g} %, one per cent "
+            f"more clearance by {changes[1]:+.2g} % (medians)."
+        )
+    return " ".join(lines)
 
 
 def state_limits(found: xr.Dataset) -> str:
@@ -344,12 +411,17 @@ def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
     )
 
     # the peak that the load makes is what has to be resolved
-    goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2
+    settings = found.peak_std_settings.values[refused]
+    goal = (CLEAR * found.peak_of_load.values[refused]) ** 2 - shared**2 - settings**2
     if not (goal > 0).any():
+        if np.nanmedian(settings) > np.nanmedian(shared):
+            helps = "viscosity and clearance that are known better do"
+        else:
+            helps = "a better calibration does"
         return (
-            start + reason + "Errors that all triggers share, those of calibration and surfaces, "
-            "are too large by themselves: more light or cycles do not help, a better calibration "
-            "does."
+            start + reason + "Errors that all triggers share, those of calibration, surfaces, "
+            "viscosity and clearance, are too large by themselves: more light or cycles do not "
+            f"help, {helps}."
         )
     factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
     return (
@@ -368,34 +440,93 @@ def state_balance(found: xr.Dataset) -> str:
     if not measured.any():
         return "No load to compare with."
 
-    # errors of triggers are correlated, so that the median has the error of a single one
-    ratio, error = load[measured] / logged[measured], std[measured] / np.abs(logged[measured])
-    good = error <= np.median(error)
-    middle, reach = float(np.median(ratio[good])), float(np.median(error[good]))
+    logged = logged[measured]
+    ratio = load[measured] / logged
+    cov = found.load_cov.values[np.ix_(measured, measured)] / np.outer(logged, logged)
+    tests = weigh_loads(ratio, cov)
     text = (
-        f"The pressure carries {100 * middle:.1f} ± {100 * reach:.1f} % of the load (median of the "
-        f"{good.sum()} triggers where it is known best; one standard deviation)"
+        f"The pressure carries {100 * tests.ratio:.1f} ± {100 * tests.std:.1f} % of the load "
+        f"(median of the {tests.used} triggers where it is known best; one standard deviation)"
     )
-    off = np.zeros(measured.size, bool)
-    off[measured] = np.abs(ratio - 1) > UNBALANCED * error
-    shifted = abs(middle - 1) > UNLIKELY * reach
-    if not shifted and not off.any():
-        return text + ": the load is balanced."
-    if off.any():
-        text += (
-            f"; it differs from the load by more than three standard deviations at {off.sum()} of "
-            f"{measured.sum()} triggers ({_list_triggers(off)})"
+    if not tests.shifted and not tests.differs and not tests.off.any():
+        return (
+            f"{text}: the load is balanced (all triggers with their correlations: p = "
+            f"{tests.chance:.2g})."
         )
-    causes = _name_causes(settings_of(found), middle, shifted=shifted)
+    off = np.zeros(measured.size, bool)
+    off[measured] = tests.off
+    if tests.off.any():
+        text += (
+            f"; it differs from the load by more than {tests.limit:.1f} standard deviations at "
+            f"{off.sum()} of {measured.sum()} triggers ({_list_triggers(off)})"
+        )
+    elif tests.differs and not tests.shifted:
+        text += (
+            "; over all triggers it differs from the load by more than its correlated errors allow "
+            f"(p = {tests.chance:.1g})"
+        )
+    causes = _name_causes(found, tests.ratio, shifted=tests.shifted)
     return f"{text}. What fits: {'; '.join(causes)}."
 
 
-def _name_causes(settings: RunSettings, ratio: float, *, shifted: bool) -> list[str]:
+class _Balance(NamedTuple):
+    """Tests of the load of all triggers against the logged one."""
+
+    ratio: float  # median of the better known half, over the logged load
+    std: float  # its standard deviation
+    used: int  # triggers of that half
+    shifted: bool  # whether the median differs
+    chance: float  # of a larger sum of squares over all triggers
+    differs: bool  # whether that is too small
+    off: Mask  # single triggers that differ, (trigger,)
+    limit: float  # standard deviations from which they do
+
+
+def weigh_loads(ratio: Array, cov: Array) -> _Balance:
+    """Test loads over the logged ones, with their covariance, against 1.
+
+    The sum of squared deviations over their variances is a weighted sum of chi-squares, whose mean
+    and variance follow from the correlations (Satterthwaite 1946). It is not the chi-square of the
+    inverse covariance: that is made of differences which the smooth path leaves almost without an
+    error.
+    """
+    from scipy.special import chdtrc, ndtri
+
+    error = np.sqrt(np.diag(cov))
+    one = float(-ndtri(FALSE_ALARM / 6))  # a third of the alarms, two sides
+    good = error <= np.median(error)
+    middle = float(np.median(ratio[good]))
+
+    # a median of independent values is known worse than their mean, but no worse than a single one
+    mean_std = float(np.sqrt(cov[np.ix_(good, good)].mean() * np.pi / 2))
+    std = min(mean_std, float(np.median(error[good])))
+
+    count = ratio.size
+    pull = (ratio - 1) / error
+    correlation = cov / np.outer(error, error)
+    freedom = count**2 / float((correlation**2).sum())
+    chance = float(chdtrc(freedom, freedom / count * float(pull @ pull)))
+    limit = float(-ndtri(FALSE_ALARM / (6 * count)))
+    return _Balance(
+        ratio=middle,
+        std=std,
+        used=int(good.sum()),
+        shifted=abs(middle - 1) > one * std,
+        chance=chance,
+        differs=chance < FALSE_ALARM / 3,
+        off=np.abs(pull) > limit,
+        limit=limit,
+    )
+
+
+def _name_causes(found: xr.Dataset, ratio: float, *, shifted: bool) -> list[str]:
     """Everything that makes a load differ by this ratio, or at single triggers alone."""
-    # a film holds all settings, so that a default cannot be separated from a statement
+    settings = settings_of(found)
     mount = f"the mount: {describe_sideways(settings.prediction)} in [prediction]"
-    if settings.prediction.sideways == "free":
-        mount = "the mount: free sideways is assumed, also where [prediction] states no mount"
+    if "prediction.sideways" not in str(found.attrs.get("settings_stated", "")).split(", "):
+        mount = "the mount: free sideways is assumed, as [prediction] states no mount"
+        if "settings_stated" not in found.attrs:  # a film of an earlier version
+            mount = f"the mount: {describe_sideways(settings.prediction)}, stated or by default"
     causes = [
         mount + " (free and guided pins have different load lines and cavities)",
         "load line or direction of the motion in [prediction]",
@@ -427,6 +558,9 @@ _MEANINGS: dict[str, tuple[str, float, str]] = {
     "load_from_pressure_std": ("N", 1.0, "its standard deviation"),
     "side_from_pressure": ("N", 1.0, "force of the pressure sideways, positive along sliding"),
     "side_from_pressure_std": ("N", 1.0, "its standard deviation"),
+    "peak_std_settings": ("kPa", _KILO, "part of it by viscosity and clearance"),
+    "peak_by_viscosity": ("1", 1.0, "relative change of the peak over that of the viscosity"),
+    "peak_by_clearance": ("1", 1.0, "relative change of the peak over that of the clearance"),
     "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
     "cavity": ("1", 1.0, "share of the image without a full film"),
     "cavity_change": ("1", 1.0, "change of the cavities about the trigger, over their sum"),

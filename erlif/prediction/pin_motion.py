@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.prediction.smoothing import SmoothPath, smooth_path
+from erlif.prediction.smoothing import smooth_path
 
 NUMBERS = 4
 """Numbers of a position: two displacements, then two tilts, towards the load and sideways."""
@@ -33,10 +33,11 @@ class PinMotion:
     turning : Array
         Speed of rotation of the bushing, positive where its surface moves along sliding,
         (trigger,). [rad/s]
-    random_cov : Array
-        Covariance of position and rate by noise, (trigger, 2 number, 2 number).
-    shared_cov : Array
-        By what all triggers share: surfaces and calibration, the same shape.
+    random_root : Array
+        Root of the covariance of position and rate by noise, (trigger, 2 number, cause): causes are
+        independent, of unit variance, and the same at all triggers.
+    shared_root : Array
+        By what all triggers share, surfaces and calibration; as random_root.
     noise_scale : Array
         Scatter of the positions about a smooth path over the stated one, (number,).
     """
@@ -46,14 +47,19 @@ class PinMotion:
     position: Array
     rate: Array
     turning: Array
-    random_cov: Array
-    shared_cov: Array
+    random_root: Array
+    shared_root: Array
     noise_scale: Array
 
     @property
-    def covariance(self) -> Array:
-        """Both parts of the covariance together."""
-        return np.asarray(self.random_cov + self.shared_cov)
+    def random_cov(self) -> Array:
+        """Covariance of position and rate by noise, (trigger, 2 number, 2 number)."""
+        return np.asarray(self.random_root @ np.swapaxes(self.random_root, 1, 2))
+
+    @property
+    def shared_cov(self) -> Array:
+        """Covariance by what all triggers share, the same shape."""
+        return np.asarray(self.shared_root @ np.swapaxes(self.shared_root, 1, 2))
 
 
 def find_pin_motion(
@@ -124,21 +130,22 @@ def find_pin_motion(
     spin = share * turning[:, None, None] / 2 * (turn @ _QUARTER)
     whole = np.block([[turn, np.zeros_like(turn)], [spin, turn]])
     both = _on(whole, np.concatenate([path.value, path.rate], axis=1))
-    random = whole @ path.covariance @ np.swapaxes(whole, 1, 2)
-
-    shared = np.zeros_like(random)
+    shared = [np.zeros((time.size, 2 * NUMBERS, 0))]
     if surface_cov is not None:
-        shared[:, :NUMBERS, :NUMBERS] += surface_cov
+        # the marks are the same at all triggers, each of which shows how large they are
+        marks = np.zeros((time.size, 2 * NUMBERS, NUMBERS))
+        marks[:, :NUMBERS] = _root(surface_cov.mean(axis=0))
+        shared.append(marks)
     if gradient is not None and calibration_cov is not None:
-        shared += _carry_calibration(path, whole, back @ gradient, calibration_cov)
+        shared.append(whole @ path.carry(back @ gradient) @ _root(calibration_cov))
     return PinMotion(
         time=time,
         angle=angle,
         position=both[:, :NUMBERS],
         rate=both[:, NUMBERS:],
         turning=turning,
-        random_cov=random,
-        shared_cov=shared,
+        random_root=whole @ path.root,
+        shared_root=np.concatenate(shared, axis=2),
         noise_scale=path.noise_scale,
     )
 
@@ -165,7 +172,8 @@ def _on(matrices: Array, vectors: Array) -> Array:
     return np.asarray(np.einsum("tij,tj->ti", matrices, vectors))
 
 
-def _carry_calibration(path: SmoothPath, whole: Array, gradient: Array, cov: Array) -> Array:
-    """Covariance of position and rate by the calibration."""
-    change = whole @ path.carry(gradient)
-    return np.asarray(change @ cov @ np.swapaxes(change, 1, 2))
+def _root(covariance: Array) -> Array:
+    """Root of a covariance, whose parameters may have any unit; (number, cause)."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    variance, axes = np.linalg.eigh(covariance / scale / scale[:, None])
+    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(variance, 0.0)))

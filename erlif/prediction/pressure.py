@@ -7,13 +7,13 @@ is solved on this gap and its rate. No load enters: the load that follows is a c
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from erlif.core.arrays import Array, Mask
+from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.core.progress import Progress, silent
 from erlif.models.reynolds import Journal, solve_film
@@ -36,11 +36,20 @@ GRID_ERROR = 0.005
 """Relative error of peak and load by the cells, for films of 2 to 100 um, by comparison with the
 series of the virtual rig."""
 
+PLACE_ERROR = 0.1
+"""Error of the place of the peak over the width of a cell, by the parabola through three cells."""
+
 CLEAR = 0.5
 """Standard deviation of a peak over the peak up to which the pressure counts as measured: of such a
 peak it is known with 95 % certainty that it is there, and errors are still nearly linear."""
 
 _STEP = 0.02  # largest relative change of the film for a derivative
+
+
+SETTINGS = ("viscosity", "clearance")
+"""What the pressure is computed with, and of which a relative change is carried to it."""
+
+_NUDGE = np.array([0.01, 1e-3])  # relative changes of the settings for the derivatives
 
 
 class OverlapError(ModelError):
@@ -239,16 +248,22 @@ def find_pressures(
     viscosity: Array,
     place: Array,
     axial: Array,
+    settings_std: tuple[float, float] = (0.0, 0.0),
+    load_line_std: float = 0.0,
     cells: tuple[int, int] = CELLS,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Find the pressure in the image at every trigger, with its standard deviation.
 
-    Errors of position and rate are carried to the pressure by its derivatives. Where the standard
-    deviation of the peak is above half the peak, the pressure is not known: all is NaN there but
-    the standard deviations. So it is where the gap closes outside the image, and where cavities
-    close or open so quickly that the path of the pin has a kink. Beside such triggers half the
-    change that the cavities of both neighbours make is added to the standard deviations.
+    Errors of position, rate, viscosity and clearance are carried to the pressure by its
+    derivatives. With another clearance the pin is displaced so that the film in the image stays as
+    it was measured. Where the film in the image is ruptured, two errors of its cavities are added:
+    half the change that the cavities of both neighbours make, and what coarser cells make, as its
+    mean square over five triggers.
+
+    Where the standard deviation of the peak is above half the peak, the pressure is not known: all
+    is NaN there but the standard deviations. So it is where the gap closes outside the image, and
+    where cavities close or open so quickly that the path of the pin has a kink.
 
     Parameters
     ----------
@@ -261,6 +276,12 @@ def find_pressures(
         Where the pressure is given, from the load line along sliding. [m]
     axial : array, (axial,)
         And from the middle of the length along the axis. [m]
+    settings_std : (float, float)
+        Standard deviations of viscosity and clearance over their values, in the order of
+        `SETTINGS`. [1]
+    load_line_std : float
+        Standard deviation of the place of the load line, which divides the force of the pressure
+        into load and side. [m]
     cells : (int, int)
         As for `solve_pin_motion`.
     progress : callable
@@ -272,9 +293,12 @@ def find_pressures(
         pressure and pressure_std (trigger, axial, place), pressure_profile and
         pressure_profile_std (trigger, place) at the axial place 0 [Pa]; by trigger peak_pressure
         [Pa], peak_place [m], load_from_pressure and side_from_pressure [N], each with _std;
-        peak_std_random and peak_std_shared, the parts of peak_pressure_std that noise and shared
-        errors make [Pa]; pressure_measured, 1 or 0; cavity, the share of the image without a full
-        film, and cavity_change, how much cavities change about the trigger [1].
+        peak_std_random, peak_std_shared and peak_std_settings, the parts of peak_pressure_std that
+        noise, shared errors, and viscosity and clearance make [Pa]; peak_by_viscosity and
+        peak_by_clearance, relative changes of the peak over those of the settings [1]; load_cov
+        (trigger, trigger_other), covariance of load_from_pressure [N2]; pressure_measured, 1 or 0;
+        cavity, the share of the image without a full film, and cavity_change, how much cavities
+        change about the trigger [1].
 
     Raises
     ------
@@ -284,7 +308,7 @@ def find_pressures(
     Examples
     --------
     >>> joint = Journal(0.0333, 0.0335, length=0.2, viscosity=0.1, long=True)
-    >>> still = np.diag([5e-9, 5e-9, 0, 0, 5e-7, 5e-7, 0, 0])[None] ** 2
+    >>> still = np.diag([5e-9, 5e-9, 0, 0, 5e-7, 5e-7, 0, 0])[None]
     >>> motion = PinMotion(np.zeros(1), np.zeros(1), np.array([[1e-4, 0, 0, 0]]),
     ...                    np.array([[1e-4, 0, 0, 0]]), np.zeros(1), still, 0 * still, np.ones(4))
     >>> found = find_pressures(joint, motion, viscosity=np.array([0.1]),
@@ -293,30 +317,29 @@ def find_pressures(
     True
     """
     view = _View(journal.radius, place, axial)
+    errors = _Errors(np.array(settings_std), load_line_std)
 
-    def find(
-        voids: dict[tuple[int, int], Array] | None, beside: Mask | None = None
-    ) -> list[dict[str, Array]]:
+    def find(voids: dict[tuple[int, int], Array]) -> list[dict[str, Array]]:
         rows = []
         for k in range(motion.turning.size):
             found = _find_one(
                 replace(journal, viscosity=float(viscosity[k])),
                 np.concatenate([motion.position[k], motion.rate[k]]),
                 float(motion.turning[k]),
-                motion.random_cov[k],
-                motion.shared_cov[k],
+                replace(errors, random=motion.random_root[k], shared=motion.shared_root[k]),
                 view,
                 cells,
                 0.5 * float(motion.angle[k]),
-                {grid: void[k] for grid, void in (voids or {}).items()},
-                _voids_about(voids, k) if beside is not None and beside[k] else None,
+                {grid: void[k] for grid, void in voids.items()},
+                _voids_about(voids, k),
             )
             rows.append(found)
-            what = "pressure" if voids is None else "pressure with cavities"
+            what = "pressure with cavities" if voids else "pressure"
             progress(what, k + 1, motion.turning.size)
         return rows
 
-    rows = find(None)
+    found_rows = find({})
+    rows = [_judge(row) for row in found_rows]
     # a cavity at a trigger without a pressure may be one of the noise
     if any(row["cavity"] > 0 and row["pressure_measured"] > 0 for row in rows):
         mean = replace(journal, viscosity=float(np.mean(viscosity)))
@@ -324,15 +347,12 @@ def find_pressures(
         try:
             voids = {grid: follow_cavities(mean, motion, cells=grid) for grid in grids}
         except OverlapError:
-            rows = [view.nothing() for _ in rows]
+            rows = [_judge(view.nothing()) for _ in rows]
         else:
-            # the kink of the path reaches the triggers beside it
             change = _change_of_cavities(voids[cells])
-            hidden = change > CHANGING
-            beside = np.roll(hidden, 1) | np.roll(hidden, -1)
             rows = [
                 row | {"cavity_change": moved} if moved <= CHANGING else _hide(row, moved)
-                for row, moved in zip(find(voids, beside), change, strict=True)
+                for row, moved in zip(_add_error_of_cells(find(voids)), change, strict=True)
             ]
     dims = {
         "pressure": ("trigger", "axial", "place"),
@@ -340,13 +360,56 @@ def find_pressures(
         "pressure_profile": ("trigger", "place"),
         "pressure_profile_std": ("trigger", "place"),
     }
-    return xr.Dataset(
+    found = xr.Dataset(
         {
             name: (dims.get(name, ("trigger",)), np.array([row[name] for row in rows]))
             for name in rows[0]
+            if name not in _LOAD_PARTS and not name.endswith(_CELLS)
         },
         {"place": place, "axial": axial},
     )
+    return found.assign(load_cov=(("trigger", "trigger_other"), _load_covariance(rows)))
+
+
+_LOAD_PARTS = ("load_root", "load_own")
+_CELLS = "_by_cells"  # what coarser cells change
+
+
+def _add_error_of_cells(rows: list[dict[str, Array]]) -> list[dict[str, Array]]:
+    """Rows whose errors hold what coarser cells change, and whose pressure is known or NaN.
+
+    The edge of a cavity moves through cells, so that the change alternates from one trigger to the
+    next: its mean square over five is the measure.
+    """
+    done = [dict(row) for row in rows]
+    for name in [name.removesuffix(_CELLS) for name in rows[0] if name.endswith(_CELLS)]:
+        square = np.array([row[name + _CELLS] for row in rows], float) ** 2
+        near = np.stack([np.roll(square, off, axis=0) for off in (-2, -1, 0, 1, 2)])
+        known = np.isfinite(near)
+        mean = np.where(known, near, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        for row, more in zip(done, mean, strict=True):
+            row[f"{name}_std"] = np.sqrt(row[f"{name}_std"] ** 2 + more)
+            if name == "load_from_pressure":
+                row["load_own"] = np.sqrt(row["load_own"] ** 2 + more)
+    return [_judge(row) for row in done]
+
+
+def _judge(row: dict[str, Array]) -> dict[str, Array]:
+    """The row with its verdict; a peak that may as well not be there is no measurement."""
+    measured = bool(row["peak_pressure_std"] <= CLEAR * row["peak_pressure"])
+    hidden = ("pressure", "pressure_profile", *_SINGLE, *_SENSITIVITIES)
+    nothing = {name: np.full_like(row[name], np.nan, float) for name in hidden}
+    return row | ({} if measured else nothing) | {"pressure_measured": np.array(int(measured))}
+
+
+def _load_covariance(rows: list[dict[str, Array]]) -> Array:
+    """Covariance of the loads of all triggers, (trigger, trigger); NaN where one is not known."""
+    width = max(row["load_root"].size for row in rows)
+    root = np.full((len(rows), width), np.nan)
+    for one, row in zip(root, rows, strict=True):
+        if row["load_root"].size == width:
+            one[:] = row["load_root"]
+    return np.asarray(root @ root.T + np.diag([float(row["load_own"]) ** 2 for row in rows]))
 
 
 def _change_of_cavities(void: Array) -> Array:
@@ -357,7 +420,7 @@ def _change_of_cavities(void: Array) -> Array:
     return np.asarray(np.divide(change, total, out=np.zeros_like(total), where=total > 0))
 
 
-def _voids_about(voids: dict[tuple[int, int], Array] | None, k: int) -> tuple[Array, Array] | None:
+def _voids_about(voids: dict[tuple[int, int], Array], k: int) -> tuple[Array, Array] | None:
     """Cavities of the triggers before and after one, on the coarsest cells; a turn is closed."""
     if not voids:
         return None
@@ -367,7 +430,7 @@ def _voids_about(voids: dict[tuple[int, int], Array] | None, k: int) -> tuple[Ar
 
 def _hide(row: dict[str, Array], change: float) -> dict[str, Array]:
     """The row of a trigger at which cavities change quickly: it has no pressure."""
-    kept = ("cavity", "peak_std_random", "peak_std_shared")
+    kept = ("cavity", *_PARTS)
     hidden = {
         name: value if name in kept else np.full_like(value, np.nan, float)
         for name, value in row.items()
@@ -414,18 +477,27 @@ class _View:
             "side_from_pressure": solved.reaction_side.values,
         }
 
+    def lift(self) -> Array:
+        """Change of a position with the clearance that leaves the film in the image, (number,)."""
+        angle = self.place / self.radius
+        shapes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        found = np.linalg.lstsq(shapes, np.ones_like(angle), rcond=None)[0]
+        return np.concatenate([found, np.zeros(NUMBERS - 2)])
+
     def nothing(self) -> dict[str, Array]:
         """A trigger at which the pressure is not known."""
         plane, line, one = (self.axial.size, self.place.size), (self.place.size,), ()
         shapes = {"pressure": plane, "pressure_profile": line} | dict.fromkeys(_SINGLE, one)
         rows = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        rows |= {f"{name}_std": value for name, value in rows.items()}
+        rows |= {name + end: value for name, value in rows.items() for end in ("_std", _CELLS)}
         parts = dict.fromkeys(
-            ("peak_std_random", "peak_std_shared", "cavity", "cavity_change"), np.array(np.nan)
+            (*_PARTS, *_SENSITIVITIES, *_LOAD_PARTS, "cavity", "cavity_change"), np.array(np.nan)
         )
         return rows | parts | {"pressure_measured": np.array(0)}
 
 
+_PARTS = ("peak_std_random", "peak_std_shared", "peak_std_settings")
+_SENSITIVITIES = tuple(f"peak_by_{name}" for name in SETTINGS)
 _SINGLE = ("peak_pressure", "peak_place", "load_from_pressure", "side_from_pressure")
 
 
@@ -452,12 +524,44 @@ def _peak(angle: Array, pressure: Array, seen: npt.NDArray[np.intp]) -> tuple[fl
     return float(here - 0.25 * (before - after) * off), float(angle[top]) + off * step
 
 
+@dataclass(frozen=True)
+class _Errors:
+    """What is not exactly known at one trigger.
+
+    Attributes
+    ----------
+    settings : Array
+        Standard deviations over the values, in the order of `SETTINGS`.
+    load_line : float
+        Of the place of the load line. [m]
+    random, shared : Array
+        Roots of the covariances of position and rate, (2 number, cause).
+    """
+
+    settings: Array
+    load_line: float
+    random: Array = field(default_factory=lambda: np.zeros((2 * NUMBERS, 0)))
+    shared: Array = field(default_factory=lambda: np.zeros((2 * NUMBERS, 0)))
+
+    def carry(self, slope: Array) -> dict[str, Array]:
+        """Changes of a result with every cause, (..., cause), by their kind.
+
+        `slope` are the derivatives with position, rate and settings, (number, ...).
+        """
+        motion, settings = np.moveaxis(slope, 0, -1)[..., None, :], slope[2 * NUMBERS :]
+        motion = motion[..., : 2 * NUMBERS]
+        return {
+            "random": (motion @ self.random)[..., 0, :],
+            "shared": (motion @ self.shared)[..., 0, :],
+            "settings": np.moveaxis(settings, 0, -1) * self.settings,
+        }
+
+
 def _find_one(
     journal: Journal,
     numbers: Array,
     turning: float,
-    random_cov: Array,
-    shared_cov: Array,
+    errors: _Errors,
     view: _View,
     cells: tuple[int, int],
     turned: float,
@@ -468,54 +572,71 @@ def _find_one(
 
     `about` are the cavities of the triggers before and after, where the own ones are uncertain.
     """
+    lift = view.lift()
 
     def solve(at: Array, cells: tuple[int, int], void: Array | None = None) -> xr.Dataset:
+        viscosity, clearance = at[2 * NUMBERS :]
+        wider = clearance * journal.clearance
         return solve_pin_motion(
-            journal,
-            at[:NUMBERS],
-            at[NUMBERS:],
+            replace(
+                journal,
+                viscosity=journal.viscosity * (1 + viscosity),
+                bushing_radius=journal.bushing_radius + wider,
+            ),
+            at[:NUMBERS] + wider * lift,
+            at[NUMBERS : 2 * NUMBERS],
             turning,
             turned=turned,
             void_fraction=voids.get(cells) if void is None else void,
             cells=cells,
         )
 
+    numbers = np.concatenate([numbers, np.zeros(len(SETTINGS))])
     try:
         solved = solve(numbers, cells)
     except OverlapError:
         return view.nothing()
     found = view.look(solved)
-    std = np.sqrt(np.diag(random_cov + shared_cov))
-    steps = _steps(std, float(solved.film.min()), journal)
+    std = np.sqrt((errors.random**2).sum(axis=1) + (errors.shared**2).sum(axis=1))
+    steps = np.concatenate([_steps(std, float(solved.film.min()), journal), _NUDGE])
     coarse = min(cells, SLOPE_CELLS)
-    slopes = _differentiate(lambda at: view.look(solve(at, coarse)), numbers, steps)
+    rough = view.look(solve(numbers, coarse))
+    slopes = _differentiate(lambda at: view.look(solve(at, coarse)), rough, numbers, steps)
 
-    # cavities beside a quick change are known to within half that of two triggers
+    # cavities are known to within half the change of two triggers
     other = dict.fromkeys(found, np.array(0.0))
     if about is not None:
         before, after = (view.look(solve(numbers, coarse, void)) for void in about)
         other = {name: 0.5 * (after[name] - before[name]) for name in found}
 
+    # what a turn of the load line by a small angle does to both forces, and the cells to the rest
+    line = errors.load_line / journal.radius
+    own = {
+        "load_from_pressure": line * found["side_from_pressure"],
+        "side_from_pressure": line * found["load_from_pressure"],
+    }
     rows: dict[str, Array] = {}
     for name, value in found.items():
-        slope = slopes[name]
-        spread = np.einsum("i...,ij,j...->...", slope, random_cov + shared_cov, slope)
-        spread = np.maximum(spread, 0.0) + other[name] ** 2
-        if name != "peak_place":
-            spread = spread + (GRID_ERROR * value) ** 2
-        rows[name], rows[f"{name}_std"] = value, np.sqrt(spread)
+        carried = np.concatenate(list(errors.carry(slopes[name]).values()), axis=-1)
+        cell = GRID_ERROR * value
+        if name == "peak_place":
+            cell = PLACE_ERROR * np.array(2 * np.pi * journal.radius / cells[0])
+        turn = own.get(name, np.zeros(()))
+        rows[name] = value
+        rows[f"{name}_std"] = np.sqrt(
+            (carried**2).sum(axis=-1) + other[name] ** 2 + cell**2 + turn**2
+        )
+        if name == "load_from_pressure":
+            rows["load_root"] = np.concatenate([carried, [cell, turn]])
+            rows["load_own"] = np.array(other[name])
     peak = slopes["peak_pressure"]
-    for name, part in (("random", random_cov), ("shared", shared_cov)):
-        rows[f"peak_std_{name}"] = np.sqrt(max(float(peak @ part @ peak), 0.0))
+    for name, part in errors.carry(peak).items():
+        rows[f"peak_std_{name}"] = np.sqrt((part**2).sum())
+    for name, slope in zip(_SENSITIVITIES, peak[2 * NUMBERS :], strict=True):
+        rows[name] = slope / found["peak_pressure"]
 
-    # a peak that may as well not be there is no measurement, nor is a map of it
-    measured = bool(rows["peak_pressure_std"] <= CLEAR * rows["peak_pressure"])
-    rows["pressure_measured"] = np.array(int(measured))
     rows["cavity"] = np.array((view.cut(solved.void_fraction) > 0).mean())
     rows["cavity_change"] = np.array(0.0)
-    if not measured:
-        for name in found:
-            rows[name] = np.full_like(rows[name], np.nan)
     return rows
 
 
@@ -527,10 +648,15 @@ def _steps(std: Array, film: float, journal: Journal) -> Array:
 
 
 def _differentiate(
-    look: Callable[[Array], dict[str, Array]], numbers: Array, steps: Array
+    look: Callable[[Array], dict[str, Array]],
+    found: dict[str, Array],
+    numbers: Array,
+    steps: Array,
 ) -> dict[str, Array]:
-    """Derivatives of everything with position and rate, (number, ...), by forward differences."""
-    found = look(numbers)
+    """Derivatives of everything with the numbers, (number, ...), by forward differences.
+
+    `found` is what `look` gives for the numbers themselves.
+    """
     slopes = {name: np.zeros((numbers.size, *np.shape(found[name]))) for name in found}
     for i in np.flatnonzero(steps > 0):
         there = numbers.copy()

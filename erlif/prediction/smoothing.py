@@ -1,8 +1,9 @@
 """A smooth path of the pin through its measured positions, with its rate and their covariance.
 
 The path is a spline whose third derivative is penalised. The penalty is that of the largest
-marginal likelihood: the posterior of a spline with a random third derivative (Wahba 1983), so that
-noise and what the path may do between the triggers both enter the covariance.
+posterior density: a spline with a random third derivative (Wahba 1983), whose standard deviation
+is not zero beforehand. So noise and what the path may do between the triggers and at its
+ends enter the covariance, also where the positions fit a parabola.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import cholesky, eigh, solve_triangular
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
@@ -29,6 +30,12 @@ _PENALTIES = np.logspace(-8, 8, 65)
 _SCALES = np.sqrt(2.0) ** np.arange(15)
 """Scatter over the stated standard deviation, up to 128, that is compared."""
 
+_EVEN = 0.25
+"""Power of 1/penalty in the prior of the penalty: half of that which is even in the standard
+deviation of the third derivative. With the likelihood alone, a parabola counts as certain where the noise
+hides the difference, and the rate at the ends is off by 1.4 of its standard deviations; of 0.1,
+0.25 and 0.5 this is the first with which it is within one (docs/theory/pressure.md)."""
+
 _DECISIVE = 3.0
 """Gain of log likelihood from which the scatter is taken to be larger than stated (e^3 to 1)."""
 
@@ -43,8 +50,9 @@ class SmoothPath:
         Position on the path, (time, parameter).
     rate : Array
         Its rate, (time, parameter).
-    covariance : Array
-        Of values and then rates at each time, (time, 2 parameter, 2 parameter).
+    root : Array
+        Root of the covariance of values and then rates at all times, (time, 2 parameter, cause):
+        causes are independent and of unit variance.
     weights : Array
         Change of values and then rates with each measured position, (time, 2 parameter, measured,
         parameter).
@@ -55,9 +63,14 @@ class SmoothPath:
 
     value: Array
     rate: Array
-    covariance: Array
+    root: Array
     weights: Array
     noise_scale: Array
+
+    @property
+    def covariance(self) -> Array:
+        """Of values and then rates at each time, (time, 2 parameter, 2 parameter)."""
+        return np.asarray(self.root @ np.swapaxes(self.root, 1, 2))
 
     def carry(self, columns: Array) -> Array:
         """Change of values and rates with something that changes all positions.
@@ -133,19 +146,19 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
 
     # unknowns of order one: a parameter in um and one in um/mm stand side by side
     unit = 1 / np.sqrt(np.diag(normal))
-    factor = cho_factor(normal * unit * unit[:, None])
-    spread = cho_solve(factor, np.eye(parameters * size)) * unit * unit[:, None]
-    gain = (spread @ pull).reshape(parameters, size, count, parameters)
-    block = spread.reshape(parameters, size, parameters, size)
+    factor = cholesky(normal * unit * unit[:, None], lower=True)
+    root = solve_triangular(factor, np.eye(parameters * size), lower=True).T * unit[:, None]
+    gain = (root @ (root.T @ pull)).reshape(parameters, size, count, parameters)
+    causes = root.reshape(parameters, size, -1)
 
     both = np.stack([basis, slope])  # value, rate
     weights = np.einsum("dti,kimn->tdkmn", both, gain)
     found = np.einsum("tdkmn,mn->dtk", weights, position - middle)
-    cov = np.einsum("dti,kilj,etj->tdkel", both, block, both, optimize=True)
+    spread = np.einsum("dti,kic->tdkc", both, causes)
     return SmoothPath(
         value=found[0] + middle,
         rate=found[1],
-        covariance=cov.reshape(count, 2 * parameters, 2 * parameters),
+        root=spread.reshape(count, 2 * parameters, -1),
         weights=weights.reshape(count, 2 * parameters, count, parameters),
         noise_scale=scale,
     )
@@ -185,7 +198,7 @@ def _lay_basis(time: Array) -> tuple[Array, Array]:
 def _choose_penalty(
     basis: Array, roughness: Array, values: Array, variance: Array
 ) -> tuple[float, float]:
-    """Penalty and scatter over the stated one, of the largest marginal likelihood."""
+    """Penalty of the largest posterior density, and scatter over the stated one."""
     weight = 1 / variance
     data = basis.T @ (weight[:, None] * basis)
     ratio = float(np.trace(data) / np.trace(roughness))
@@ -214,4 +227,5 @@ def _choose_penalty(
     chosen = int(best.argmax())
     if best[chosen] < best[0] + _DECISIVE:
         chosen = 0
-    return float(_PENALTIES[table[chosen].argmax()] * ratio), float(_SCALES[chosen])
+    density = table[chosen] - _EVEN * np.log(_PENALTIES)
+    return float(_PENALTIES[density.argmax()] * ratio), float(_SCALES[chosen])

@@ -48,7 +48,7 @@ from erlif.settings.tables import (
     Wavelength,
 )
 from erlif.settings.template import GAP, write_template
-from erlif.settings.toml import to_toml
+from erlif.settings.toml import stated_keys, to_toml
 
 __all__ = [
     "GAP",
@@ -103,6 +103,7 @@ __all__ = [
     "read_fixture_settings",
     "read_plan_settings",
     "read_run_settings",
+    "stated_keys",
     "tables_of",
     "to_toml",
     "write_template",

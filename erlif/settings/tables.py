@@ -575,6 +575,12 @@ class JointSettings(Settings):
     bushing_radius: Length = Field(
         description="Inner radius of the bushing, larger than pin_radius.", examples=["33.59 mm"]
     )
+    clearance_std: Length | None = Field(
+        None,
+        description="Standard deviation of the radial clearance, bushing_radius less pin_radius. "
+        "It enters the error of the pressure. Default: the clearance is exact.",
+        examples=["1 um"],
+    )
     length: Length = Field(
         description="Loaded length of the joint along its axis.", examples=["237 mm"]
     )
@@ -622,6 +628,12 @@ class OilSettings(Settings):
         description="Viscosity from the logged temperature by Vogel's law, a exp(b/(T - c)), in "
         "place of one value.",
         examples=[{"a": "0.05 mPa s", "b": "1100 K", "c": "-115 degC"}],
+    )
+    viscosity_std: Viscosity | None = Field(
+        None,
+        description="Standard deviation of the viscosity, with a vogel law at the mean temperature "
+        "of the run. It enters the error of the pressure. Default: the viscosity is exact.",
+        examples=["0.004 Pa s"],
     )
     pressure_viscosity: PressureViscosity = Field(
         description="Pressure-viscosity coefficient of Barus."
@@ -781,6 +793,12 @@ class PredictionOptions(Settings):
         description="Place of the load line along the sliding direction, from the centre of the "
         "first pixel: there the pin would touch the bushing at rest. Default: the middle of the "
         "image for the position, and for the prediction the place about which the pin swings.",
+    )
+    load_line_std: Length | None = Field(
+        None,
+        description="Standard deviation of the load line. It enters the error of the forces of the "
+        "pressure. Default: the load line is exact.",
+        examples=["0.2 mm"],
     )
     direction: Literal["along", "against"] = Field(
         "along",

@@ -69,3 +69,31 @@ def _write_table(table: dict[str, Any], path: tuple[str, ...], lines: list[str])
     for key, value in table.items():
         if isinstance(value, dict):
             _write_table(value, (*path, key), lines)
+
+
+def stated_keys(settings: Settings) -> str:
+    """List the keys that a user stated, in order, with commas between them.
+
+    Parameters
+    ----------
+    settings : Settings
+        As read; what is computed from defaults has no stated keys.
+
+    Returns
+    -------
+    str
+        Names with their tables, "prediction.sideways".
+
+    Examples
+    --------
+    >>> from erlif.settings import OpticsSettings
+    >>> stated_keys(OpticsSettings(pixel_pitch="60 um"))
+    'pixel_pitch'
+    """
+    names: list[str] = []
+    for key in type(settings).model_fields:
+        if key in settings.model_fields_set:
+            value = getattr(settings, key)
+            inner = stated_keys(value).split(", ") if isinstance(value, Settings) else [""]
+            names += [f"{key}.{name}" if name else key for name in inner]
+    return ", ".join(names)

@@ -9,7 +9,7 @@ import xarray as xr
 
 import erlif
 from erlif.core.errors import ConfigError, ErlifError, ModelError
-from erlif.pipeline.pressure import pressure_from_film, state_balance
+from erlif.pipeline.pressure import pressure_from_film, state_balance, weigh_loads
 from erlif.plots import example_film
 from erlif.rig.film import crank_at, rocker_speed
 from erlif.rig.journal import follow_pin
@@ -118,7 +118,13 @@ def test_oil_of_another_viscosity_leaves_the_load_unbalanced():
     assert "clearance and length in [joint]" in balance
 
 
-def state(load, error, mount=""):
+def correlated(error, correlation):
+    """Covariance of loads of one correlation."""
+    same = correlation + (1 - correlation) * np.eye(len(error))
+    return same * np.outer(error, error)
+
+
+def state(load, error, mount="", correlation=1.0):
     """The balance of triggers of given loads under 200 N, each in newtons."""
     count = len(load)
     settings = example_film().attrs["settings"].split("[prediction]")[0] + mount
@@ -127,11 +133,49 @@ def state(load, error, mount=""):
             "pressure_measured": ("trigger", np.ones(count)),
             "load_from_pressure": ("trigger", np.array(load, float)),
             "load_from_pressure_std": ("trigger", np.array(error, float)),
+            "load_cov": (("trigger", "trigger_other"), correlated(error, correlation)),
             "load": ("trigger", np.full(count, 200.0)),
         },
-        attrs={"settings": settings},
+        attrs={
+            "settings": settings,
+            "settings_stated": "prediction.sideways" if mount else "run.name",
+        },
     )
     return state_balance(found)
+
+
+def share_found(off, correlation, count):
+    """Share of recordings of 40 triggers, known to 4 %, whose load counts as not balanced."""
+    cov = correlated(np.full(40, 0.04), correlation)
+    ratios = np.random.default_rng(5).multivariate_normal(1 + off, cov, count)
+    tests = [weigh_loads(ratio, cov) for ratio in ratios]
+    return np.mean([one.shifted or one.differs or one.off.any() for one in tests])
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.5, 0.99])
+def test_a_balanced_load_is_called_so_in_19_of_20_recordings(correlation):
+    """0.05, and twice its error."""
+    assert share_found(np.zeros(40), correlation, 400) < 0.075
+
+
+@pytest.mark.parametrize(
+    ("off", "correlation"),
+    [
+        (np.full(40, 0.048), 0.0),  # all by 1.2 standard deviations, each of which looks harmless
+        (np.full(40, 0.2), 0.99),  # all by five, with one common error
+        (0.24 * (np.arange(40) == 7), 0.5),  # one by six
+        (0.16 * np.linspace(-1, 1, 40), 0.5),  # a slope of four at the ends
+    ],
+)
+def test_a_load_that_is_off_is_found(off, correlation):
+    assert share_found(off, correlation, 100) > 0.9
+
+
+def test_one_trigger_of_forty_may_be_three_standard_deviations_off():
+    """Of 40 independent values one in nine recordings has such a one."""
+    load = np.full(40, 200.0)
+    load[3] += 24.0
+    assert "is balanced" in state(load, np.full(40, 8.0), correlation=0.0)
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
@@ -163,9 +207,29 @@ def test_a_load_of_the_other_sign_is_no_matter_of_viscosity():
 
 def test_the_mount_is_named_as_stated_or_as_assumed():
     load, error = np.full(9, 400.0), np.full(9, 5.0)
-    assert "free sideways is assumed, also where [prediction] states no mount" in state(load, error)
+    assert "free sideways is assumed, as [prediction] states no mount" in state(load, error)
     stated = state(load, error, mount='[prediction]\nsideways = "guided"\n')
     assert "pin guided in [prediction]" in stated
+    stated = state(load, error, mount='[prediction]\nsideways = "free"\n')
+    assert "pin free sideways in [prediction]" in stated
+
+
+def test_the_errors_of_viscosity_and_clearance_are_named_or_missed():
+    film = make_film()
+    plain = pressure_from_film(film)
+    assert "viscosity_std in [oil] and clearance_std in [joint]" in plain.attrs["given"]
+    assert "One per cent more viscosity changes the peak by +1 %" in plain.attrs["given"]
+    film.attrs["settings"] = (
+        film.attrs["settings"]
+        .replace("[oil]", '[oil]\nviscosity_std = "0.012 Pa s"')
+        .replace("[joint]", '[joint]\nclearance_std = "1 um"')
+    )
+    known = pressure_from_film(film)
+    assert known.attrs["given"].startswith(
+        "The errors hold those of viscosity ± 0.012 Pa s ([oil]) and clearance ± 1 um ([joint])."
+    )
+    assert (known.peak_std_settings > 0.1 * known.peak_pressure * 0.99).all()
+    assert (known.peak_pressure_std > plain.peak_pressure_std).all()
 
 
 @pytest.mark.parametrize("noise", [50.0])

@@ -77,9 +77,13 @@ def test_a_pin_that_swings_with_half_the_bushing_meets_no_pressure():
 
 
 def test_peak_place_and_load_lie_within_their_errors(free_pin):
-    """Twenty runs with the noise of the sample; moments of a run are correlated."""
+    """Twelve runs with the noise of the sample; moments of a run are correlated.
+
+    Half of the derivatives with a tilt vanish where the tilt does, so that errors of the load are
+    stated too large rather than too small.
+    """
     pulls = {"peak": [], "place": [], "load": [], "side": []}
-    for seed in range(20):
+    for seed in range(12):
         noise = np.random.default_rng(seed).multivariate_normal(np.zeros(4), NOISE, 12)
         found = find(free_pin, free_pin.position + noise, NOISE)
         assert found.pressure_measured.values.all()
@@ -92,7 +96,7 @@ def test_peak_place_and_load_lie_within_their_errors(free_pin):
             pulls[name].append((found[variable] - truth) / found[f"{variable}_std"])
     for name, pull in pulls.items():
         inside = np.abs(pull) < 1, np.abs(pull) < 1.96
-        assert 0.55 < inside[0].mean() < 0.82, name
+        assert 0.55 < inside[0].mean() < 0.88, name
         assert inside[1].mean() > 0.90, name
 
 
@@ -130,28 +134,36 @@ def test_a_gap_that_closes_outside_the_image_has_no_pressure(free_pin):
     assert np.isnan(found.peak_pressure_std.values).all()
 
 
-def test_the_cavities_of_a_guided_pin_are_followed():
-    """Films of 9 to 16 um under 2 kN; the wedge alone would carry several times the load.
+@pytest.fixture(scope="module")
+def guided_pin():
+    """Films of 9 to 16 um under 2 kN; the wedge alone would carry several times the load."""
+    return follow_true_pin(24, sideways="guided", elapsed=1.5, load=2000.0)
 
-    Where one cavity closes and another opens the film falls by steps, and there is no pressure.
-    """
-    pin = follow_true_pin(24, sideways="guided", elapsed=1.5, load=2000.0)
+
+def find_guided(pin, noise, *, exact=False):
+    cov = np.diag([4e-9, 5e-8, 1e-10, 1e-10]) ** 2
     motion = find_pin_motion(
         pin.time,
         pin.angle,
         pin.turning,
-        pin.position,
-        random_cov=np.broadcast_to(np.diag([4e-9, 5e-8, 1e-10, 1e-10]) ** 2, (24, 4, 4)),
+        pin.position + noise * np.random.default_rng(0).multivariate_normal(np.zeros(4), cov, 24),
+        random_cov=np.broadcast_to(cov, (24, 4, 4)),
     )
-    exact = replace(motion, random_cov=0 * motion.random_cov)  # needs no derivatives
-    found = find_pressures(
+    if exact:  # needs no derivatives
+        motion = replace(motion, random_root=0 * motion.random_root)
+    return find_pressures(
         JOINT,
-        exact,
+        motion,
         viscosity=np.full(24, 0.12),
         place=PLACE,
         axial=np.zeros(1),
         cells=(128, 8),
     )
+
+
+def test_the_cavities_of_a_guided_pin_are_followed(guided_pin):
+    """Where one cavity closes and another opens the film falls by steps: no pressure there."""
+    found = find_guided(guided_pin, 0.0, exact=True)
     known = found.pressure_measured.values == 1
     assert known.sum() >= 8
     assert (found.cavity.values[known] > 0.05).all()
@@ -159,8 +171,80 @@ def test_the_cavities_of_a_guided_pin_are_followed():
     npt.assert_array_equal(known, found.cavity_change.values <= 0.4)
     assert np.isnan(found.load_from_pressure.values[~known]).all()
 
-    # the motion is exact: beside a kink the error is that of the cavities, elsewhere of the cells
+    # the motion is exact: the error is that of cells and cavities, largest beside a kink
     beside = known & (np.roll(~known, 1) | np.roll(~known, -1))
-    error = found.load_from_pressure_std / found.load_from_pressure
-    assert error.values[beside].max() > 0.01
-    npt.assert_allclose(error.values[known & ~beside], 0.005)
+    error = (found.load_from_pressure_std / found.load_from_pressure).values
+    assert error[beside].max() > 0.01
+    assert (error[known] > 0.005).all()
+
+
+def test_the_load_of_a_guided_pin_with_noise_lies_within_its_error(guided_pin):
+    found = find_guided(guided_pin, 1.0)
+    pull = ((found.load_from_pressure - 2000.0) / found.load_from_pressure_std).values
+    pull = np.abs(pull[np.isfinite(pull)])
+    assert pull.size >= 8
+    assert (pull < 1.96).mean() > 0.85
+    assert pull.max() < 4
+
+
+def test_viscosity_and_clearance_are_part_of_the_error(free_pin):
+    """Without cavities the pressure of a given motion is proportional to the viscosity."""
+    still = PinMotion(
+        free_pin.time[:1],
+        free_pin.angle[:1],
+        free_pin.position[:1],
+        free_pin.rate[:1],
+        free_pin.turning[:1],
+        *np.zeros((2, 1, 8, 1)),
+        np.ones(4),
+    )
+
+    def at(joint, position=still.position, **errors):
+        return find_pressures(
+            joint,
+            replace(still, position=position),
+            viscosity=np.array([0.12]),
+            place=PLACE,
+            axial=np.zeros(1),
+            cells=(192, 8),
+            **errors,
+        ).isel(trigger=0)
+
+    plain, wide = at(JOINT), at(JOINT, settings_std=(0.05, 0.02))
+    assert float(plain.peak_by_viscosity) == pytest.approx(1, abs=1e-3)
+    assert float(plain.peak_pressure_std / plain.peak_pressure) == pytest.approx(0.005, rel=1e-3)
+    by_clearance = 0.02 * float(plain.peak_by_clearance)
+    share = float(wide.peak_std_settings / wide.peak_pressure)
+    assert share == pytest.approx(np.hypot(0.05, by_clearance), rel=1e-6)
+
+    # a joint of 1 % more clearance whose film in the image is the same, in the mean of squares
+    wider = 0.01 * JOINT.clearance
+    seen = np.cos(PLACE / JOINT.radius)
+    moved = still.position + np.array([wider * seen.sum() / (seen @ seen), 0, 0, 0])
+    other = at(replace(JOINT, bushing_radius=JOINT.bushing_radius + wider), moved)
+    change = float(other.peak_pressure / plain.peak_pressure) - 1
+    assert 0.01 * float(plain.peak_by_clearance) == pytest.approx(change, abs=0.01)
+
+
+def test_the_load_line_divides_the_force_and_not_the_peak(free_pin):
+    motion = find_pin_motion(
+        free_pin.time,
+        free_pin.angle,
+        free_pin.turning,
+        free_pin.position,
+        random_cov=np.broadcast_to(1e-8 * NOISE, (12, 4, 4)),
+    )
+    one = {f.name: getattr(motion, f.name)[:1] for f in fields(motion) if f.name != "noise_scale"}
+    found = find_pressures(
+        JOINT,
+        PinMotion(**one, noise_scale=motion.noise_scale),
+        viscosity=np.array([0.12]),
+        place=PLACE,
+        axial=np.zeros(1),
+        load_line_std=1e-3,
+        cells=(192, 8),
+    )
+    force = 1e-3 / JOINT.radius * found.load_from_pressure  # of a small angle
+    assert float(found.side_from_pressure_std[0]) == pytest.approx(float(force[0]), rel=0.02)
+    share = found.peak_pressure_std / found.peak_pressure
+    assert float(share[0]) < 0.006

@@ -11,6 +11,8 @@ TIME = np.linspace(0.02, 0.52, 24)
 STD = np.array([5e-3, 5e-2])
 COV = np.array([[1, 0.4], [0.4, 1]]) * np.outer(STD, STD)
 
+CUBIC = 0.5
+
 
 def noisy(curve, seed, scale=1.0):
     noise = np.random.default_rng(seed).multivariate_normal(np.zeros(2), COV, TIME.size)
@@ -44,12 +46,27 @@ def test_values_and_rates_lie_within_their_errors(curve, rate):
     assert pulls.mean() > 0.5  # 0.80 of a normal distribution: errors are not stated far too large
 
 
-def test_the_rate_of_a_line_has_the_error_of_a_parabola_fit():
-    """Least squares of a parabola, whose rate in the middle is that of a line: 12 s^2/(n T^2)."""
+def test_the_rate_of_a_line_is_known_worse_than_that_of_a_parabola():
+    """Least squares of a parabola, whose rate in the middle is that of a line: 12 s^2/(n T^2).
+
+    The positions do not prove that the path is a parabola, and what they leave open is an error.
+    """
     path = smooth_path(TIME, noisy(5 - 0.6 * TIME, 3), np.broadcast_to(COV, (24, 2, 2)))
     line = STD[0] / np.sqrt(((TIME - TIME.mean()) ** 2).sum())
-    assert np.sqrt(path.covariance[12, 2, 2]) == pytest.approx(line, rel=0.6)
-    assert np.sqrt(path.covariance[12, 2, 2]) > 0.99 * line
+    assert 1 < np.sqrt(path.covariance[12, 2, 2]) / line < 3
+
+
+def test_the_rate_at_the_ends_of_a_path_that_the_noise_takes_for_a_parabola():
+    """A cubic of half the noise; with the penalty of the largest likelihood, 1.5 and 80 %."""
+    u = (TIME - TIME.mean()) / (0.5 * np.ptp(TIME))
+    curve = CUBIC * STD[0] * (5 * u**3 - 3 * u) / 2
+    rate = CUBIC * STD[0] * (15 * u**2 - 3) / np.ptp(TIME)
+    pulls = []
+    for seed in range(60):
+        path = smooth_path(TIME, noisy(curve, seed)[:, :1], np.full((24, 1, 1), COV[0, 0]))
+        pulls.append(((path.rate[:, 0] - rate) / np.sqrt(path.covariance[:, 1, 1]))[[0, 1, -2, -1]])
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.1
+    assert (np.abs(pulls) < 1.96).mean() > 0.93
 
 
 def test_an_error_that_all_positions_share_is_none_of_the_rate():
