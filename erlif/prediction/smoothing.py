@@ -32,9 +32,9 @@ _SCALES = np.sqrt(2.0) ** np.arange(15)
 
 _EVEN = 0.25
 """Power of 1/penalty in the prior of the penalty: half of that which is even in the standard
-deviation of the third derivative. With the likelihood alone, a parabola counts as certain where the noise
-hides the difference, and the rate at the ends is off by 1.4 of its standard deviations; of 0.1,
-0.25 and 0.5 this is the first with which it is within one (docs/theory/pressure.md)."""
+deviation of the third derivative. With the likelihood alone, a parabola counts as certain where the
+noise hides the difference, and the rate at the ends is off by 1.4 of its standard deviations; of
+0.1, 0.25 and 0.5 this is the first with which it is within one (docs/theory/pressure.md)."""
 
 _DECISIVE = 3.0
 """Gain of log likelihood from which the scatter is taken to be larger than stated (e^3 to 1)."""
