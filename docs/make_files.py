@@ -584,6 +584,14 @@ PRESSURE = (
         "1",
         "Change of the cavities about the trigger over their sum; above 0.4 there is no pressure.",
     ),
+    Variable(
+        "cavity_history",
+        T,
+        "float64",
+        "1",
+        "Relative change of the peak if the pin sank twice as far in the turn before the first "
+        "trigger; infinite where the recording covers no turn.",
+    ),
     *(one for one in FILM if one.name in ("encoder_angle", "crank_angle", "stroke", "load")),
 )
 

@@ -380,7 +380,20 @@ def state_limits(found: xr.Dataset) -> str:
             "changes more quickly than a smooth path can follow: no pressure there. "
             "More triggers in a cycle would help."
         )
-    refused = ~measured & ~closing
+    history = found.cavity_history.values
+    if np.isinf(history).any():
+        return (
+            "The film has cavities, whose extent depends on the motion before, and the recording "
+            "does not cover a turn of the crank: no pressure. Record the joint over its cycle."
+        )
+    old = ~measured & ~closing & (history > CLEAR)
+    if old.any():
+        lines.append(
+            f"Cavities at {int(old.sum())} triggers ({_list_triggers(old)}) are older than the "
+            "recording, and the pin sinks in it: no pressure there. Record a later turn, or the "
+            "turn before as well."
+        )
+    refused = ~measured & ~closing & ~old
     if refused.any():
         lines.append(_state_refusal(found, refused))
     return " ".join(lines)
@@ -564,4 +577,5 @@ _MEANINGS: dict[str, tuple[str, float, str]] = {
     "pressure_measured": ("1", 1.0, "1 where the peak is known to half of itself, else 0"),
     "cavity": ("1", 1.0, "share of the image without a full film"),
     "cavity_change": ("1", 1.0, "change of the cavities about the trigger, over their sum"),
+    "cavity_history": ("1", 1.0, "relative change of the peak by another turn before the first"),
 }

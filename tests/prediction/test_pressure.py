@@ -9,7 +9,12 @@ from scenes.pin import follow_true_pin
 
 from erlif.models.reynolds import Journal
 from erlif.prediction.pin_motion import PinMotion, find_pin_motion
-from erlif.prediction.pressure import OverlapError, find_pressures, solve_pin_motion
+from erlif.prediction.pressure import (
+    OverlapError,
+    find_pressures,
+    follow_cavities,
+    solve_pin_motion,
+)
 
 JOINT = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12)
 PLACE = np.linspace(-0.012, 0.012, 25)
@@ -77,13 +82,14 @@ def test_a_pin_that_swings_with_half_the_bushing_meets_no_pressure():
 
 
 def test_peak_place_and_load_lie_within_their_errors(free_pin):
-    """Twelve runs with the noise of the sample; moments of a run are correlated.
+    """Twenty runs with the noise of the sample; moments of a run are correlated.
 
-    Half of the derivatives with a tilt vanish where the tilt does, so that errors of the load are
-    stated too large rather than too small.
+    The load is even in the tilt, which is 0: a tilt t adds L'' t^2/2, and the stated error, with
+    the derivative at the measured tilt, is L'' |t| s. Where this part is all, 95 % of the loads
+    lie within one standard deviation, which is reached at a tilt of 2 s.
     """
     pulls = {"peak": [], "place": [], "load": [], "side": []}
-    for seed in range(12):
+    for seed in range(20):
         noise = np.random.default_rng(seed).multivariate_normal(np.zeros(4), NOISE, 12)
         found = find(free_pin, free_pin.position + noise, NOISE)
         assert found.pressure_measured.values.all()
@@ -96,7 +102,7 @@ def test_peak_place_and_load_lie_within_their_errors(free_pin):
             pulls[name].append((found[variable] - truth) / found[f"{variable}_std"])
     for name, pull in pulls.items():
         inside = np.abs(pull) < 1, np.abs(pull) < 1.96
-        assert 0.55 < inside[0].mean() < 0.88, name
+        assert 0.55 < inside[0].mean() < (0.95 if name == "load" else 0.82), name
         assert inside[1].mean() > 0.90, name
 
 
@@ -140,8 +146,9 @@ def guided_pin():
     return follow_true_pin(24, sideways="guided", elapsed=1.5, load=2000.0)
 
 
-def find_guided(pin, noise, *, exact=False):
-    cov = np.diag([4e-9, 5e-8, 1e-10, 1e-10]) ** 2
+def find_guided(pin, noise):
+    """Pressure with noise in the displacements; derivatives with tilts cost as much again."""
+    cov = np.diag([4e-9, 5e-8, 1e-12, 1e-12]) ** 2
     motion = find_pin_motion(
         pin.time,
         pin.angle,
@@ -149,11 +156,10 @@ def find_guided(pin, noise, *, exact=False):
         pin.position + noise * np.random.default_rng(0).multivariate_normal(np.zeros(4), cov, 24),
         random_cov=np.broadcast_to(cov, (24, 4, 4)),
     )
-    if exact:  # needs no derivatives
-        motion = replace(motion, random_root=0 * motion.random_root)
+    uncertain = np.tile([1, 1, 0, 0], 2)[:, None] * (noise > 0)
     return find_pressures(
         JOINT,
-        motion,
+        replace(motion, random_root=uncertain * motion.random_root),
         viscosity=np.full(24, 0.12),
         place=PLACE,
         axial=np.zeros(1),
@@ -163,7 +169,7 @@ def find_guided(pin, noise, *, exact=False):
 
 def test_the_cavities_of_a_guided_pin_are_followed(guided_pin):
     """Where one cavity closes and another opens the film falls by steps: no pressure there."""
-    found = find_guided(guided_pin, 0.0, exact=True)
+    found = find_guided(guided_pin, 0.0)
     known = found.pressure_measured.values == 1
     assert known.sum() >= 8
     assert (found.cavity.values[known] > 0.05).all()
@@ -174,8 +180,56 @@ def test_the_cavities_of_a_guided_pin_are_followed(guided_pin):
     # the motion is exact: the error is that of cells and cavities, largest beside a kink
     beside = known & (np.roll(~known, 1) | np.roll(~known, -1))
     error = (found.load_from_pressure_std / found.load_from_pressure).values
-    assert error[beside].max() > 0.01
-    assert (error[known] > 0.005).all()
+    cells = 0.005 * (24 / 8) ** 2
+    assert (error[known] > cells).all()
+    assert np.median(error[known & ~beside]) < 1.2 * cells
+    assert error[beside].max() > 1.2 * cells
+
+
+def test_the_load_of_a_guided_pin_with_noise_lies_within_its_error(guided_pin):
+    found = find_guided(guided_pin, 1.0)
+    pull = ((found.load_from_pressure - 2000.0) / found.load_from_pressure_std).values
+    pull = np.abs(pull[np.isfinite(pull)])
+    assert pull.size >= 8
+    assert (pull < 1.96).mean() > 0.85
+    assert pull.max() < 4
+
+
+def test_cavities_from_before_a_recording_leave_no_pressure(guided_pin):
+    """Half a turn after loading the film is full; a turn like the recorded one has cavities."""
+    motion = find_pin_motion(
+        guided_pin.time,
+        guided_pin.angle,
+        guided_pin.turning,
+        guided_pin.position,
+        random_cov=np.broadcast_to(1e-6 * NOISE, (24, 4, 4)),
+    )
+    turn, another = (
+        follow_cavities(JOINT, motion, sinking=sinking, cells=(128, 8)) for sinking in (1.0, 2.0)
+    )
+    assert turn[0].max() > 0.1 > another[0].max()
+    npt.assert_allclose(turn[12:], another[12:], atol=0.02)  # of this recording alone
+
+
+def test_a_part_of_a_turn_has_no_cavities_that_are_known(guided_pin):
+    motion = find_pin_motion(
+        guided_pin.time[:14],
+        guided_pin.angle[:14],
+        guided_pin.turning[:14],
+        guided_pin.position[:14],
+        random_cov=np.broadcast_to(1e-6 * NOISE, (14, 4, 4)),
+    )
+    found = find_pressures(
+        JOINT,
+        replace(motion, random_root=0 * motion.random_root),
+        viscosity=np.full(14, 0.12),
+        place=PLACE,
+        axial=np.zeros(1),
+        cells=(128, 8),
+    )
+    assert np.isinf(found.cavity_history.values).all()
+    assert not found.pressure_measured.values.any()
+    assert np.isnan(found.peak_pressure.values).all()
 
 
 def test_viscosity_and_clearance_are_part_of_the_error(free_pin):
@@ -203,7 +257,8 @@ def test_viscosity_and_clearance_are_part_of_the_error(free_pin):
 
     plain, wide = at(JOINT), at(JOINT, settings_std=(0.05, 0.02))
     assert float(plain.peak_by_viscosity) == pytest.approx(1, abs=1e-3)
-    assert float(plain.peak_pressure_std / plain.peak_pressure) == pytest.approx(0.005, rel=1e-3)
+    cells = 0.005 * (24 / 8) ** 2  # second order, 0.5 % of 24 cells over the length
+    assert float(plain.peak_pressure_std / plain.peak_pressure) == pytest.approx(cells, rel=1e-3)
     by_clearance = 0.02 * float(plain.peak_by_clearance)
     share = float(wide.peak_std_settings / wide.peak_pressure)
     assert share == pytest.approx(np.hypot(0.05, by_clearance), rel=1e-6)
@@ -233,9 +288,9 @@ def test_the_load_line_divides_the_force_and_not_the_peak(free_pin):
         place=PLACE,
         axial=np.zeros(1),
         load_line_std=1e-3,
-        cells=(192, 8),
+        cells=(192, 24),
     )
     force = 1e-3 / JOINT.radius * found.load_from_pressure  # of a small angle
     assert float(found.side_from_pressure_std[0]) == pytest.approx(float(force[0]), rel=0.02)
-    share = found.peak_pressure_std / found.peak_pressure
-    assert float(share[0]) < 0.006
+    share = found.peak_pressure_std / found.peak_pressure  # of the cells alone
+    assert float(share[0]) == pytest.approx(0.005 * (384 / 192) ** 2, rel=0.01)

@@ -46,14 +46,24 @@ def test_values_and_rates_lie_within_their_errors(curve, rate):
     assert pulls.mean() > 0.5  # 0.80 of a normal distribution: errors are not stated far too large
 
 
-def test_the_rate_of_a_line_is_known_worse_than_that_of_a_parabola():
-    """Least squares of a parabola, whose rate in the middle is that of a line: 12 s^2/(n T^2).
-
-    The positions do not prove that the path is a parabola, and what they leave open is an error.
-    """
-    path = smooth_path(TIME, noisy(5 - 0.6 * TIME, 3), np.broadcast_to(COV, (24, 2, 2)))
+def middle_rate_std(noise, seed):
+    """Of a line, over that of a parabola fit, 12 s^2/(n T^2) as for a line."""
+    path = smooth_path(TIME, noisy(5 - 0.6 * TIME, seed, noise), np.broadcast_to(COV, (24, 2, 2)))
     line = STD[0] / np.sqrt(((TIME - TIME.mean()) ** 2).sum())
-    assert 1 < np.sqrt(path.covariance[12, 2, 2]) / line < 3
+    return np.sqrt(path.covariance[12, 2, 2]) / line
+
+
+def test_the_rate_of_a_line_holds_half_a_cubic():
+    """Positions do not prove that a path is a parabola: the error is larger than that of one.
+
+    Where the data have no share in any order above two, the density is largest where the sum of
+    their freedoms is twice the power of its prior, 0.5. Of Legendre orders 1, 3 and 5 the rate in
+    the middle has the variances 3, 7 (3/2)^2 and 11 (15/8)^2.
+    """
+    cubic, fifth = 7 * 1.5**2 / 3, 11 * (15 / 8) ** 2 / 3
+    assert middle_rate_std(0.0, 0) == pytest.approx(np.sqrt(1 + 0.5 * cubic), rel=0.1)
+    noisy_ones = np.array([middle_rate_std(1.0, seed) for seed in range(20)])
+    assert (noisy_ones < np.sqrt(1 + cubic + fifth)).mean() >= 0.95
 
 
 def test_the_rate_at_the_ends_of_a_path_that_the_noise_takes_for_a_parabola():
