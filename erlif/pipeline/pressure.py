@@ -438,8 +438,10 @@ def _state_refusal(found: xr.Dataset, refused: Mask) -> str:
         )
     factor = float(np.nanmedian((random**2 / goal)[goal > 0]))
     return (
-        start + reason + f"It needs {factor:.2g} times the light, or as many times the cycles or "
-        "the triggers in a cycle; the path through the positions is as smooth already as they "
+        start
+        + reason
+        + f"It needs at least {factor:.2g} times the light, or as many times the cycles "
+        "or the triggers in a cycle; the path through the positions is as smooth already as they "
         "allow."
     )
 

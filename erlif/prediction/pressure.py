@@ -38,9 +38,9 @@ whose cavities are compared with those of 1: shortly after loading a pin sinks f
 and in the turn before it sank further."""
 
 GRID_ERROR = 0.005
-"""Relative error of peak and load by `CELLS`, for films of 2 to 100 um, by comparison with the series
-of the virtual rig. Of coarser cells it grows with the square of their width: 1.4 % of the load was
-found with 12 cells over the length, 0.6 % of the peak with 192 round the joint."""
+"""Relative error of peak and load by `CELLS`, for films of 2 to 100 um, by comparison with the
+series of the virtual rig. Of coarser cells it grows with the square of their width: 1.4 % of the
+load was found with 12 cells over the length, 0.6 % of the peak with 192 round the joint."""
 
 PLACE_ERROR = 0.1
 """Error of the place of the peak over the width of a cell, by the parabola through three cells."""
