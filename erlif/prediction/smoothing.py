@@ -119,7 +119,7 @@ def smooth_path(time: Array, position: Array, covariance: Array) -> SmoothPath:
     >>> time = np.linspace(0.0, 0.5, 11)
     >>> path = smooth_path(time, 3 * time[:, None], np.full((11, 1, 1), 1e-4))
     >>> path.rate[5].round(3), np.sqrt(path.covariance[5, 1, 1]).round(3)
-    (array([3.]), np.float64(0.019))
+    (array([3.]), np.float64(0.038))
     """
     count, parameters = position.shape
     _check(time, position, covariance)
