@@ -36,6 +36,7 @@ _GAIN = 3.0  # tolerances that a step gains, below which it counts as slow
 _SLOW = 3  # steps in turn that hardly gain, or fail alone, after which the search ends
 _STEEPER = 100.0  # factor of the damping after a trial alone that fails
 _LARGEST_DAMPING = 1e5
+_NEARLY_CLOSED = 0.8  # of the wanted root of the rise, from which the last point gives the end
 
 Predict = Callable[[Array], Array]
 """Sets of unknowns (case, unknown) to observations (case, observation)."""
@@ -499,6 +500,9 @@ def _solve(normal: Array, right: Array) -> Array:
 def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:
     """Where a profile crosses a level; infinite where it does not.
 
+    An end up to a quarter beyond the last point follows from the parabola through that point: cells
+    that change to cavities make a profile jump by as much.
+
     Parameters
     ----------
     value, rise : array, (point,)
@@ -523,8 +527,12 @@ def interval(value: Array, rise: Array, level: float) -> tuple[float, float]:
         place, at = root[inside], value[inside]
         order = np.argsort(place, kind="stable")
         place, at = place[order], at[order]
-        if not place[0] <= wanted <= place[-1]:
+        last, edge = (place[-1], at[-1]) if wanted > 0 else (place[0], at[0])
+        middle = float(value[int(np.argmin(rise))])
+        if last / wanted < _NEARLY_CLOSED:
             ends.append(float(np.copysign(np.inf, wanted)))
+        elif last / wanted < 1:
+            ends.append(middle + float((edge - middle) * wanted / last))
         else:
             ends.append(float(np.interp(wanted, place, at)))
     return ends[0], ends[1]

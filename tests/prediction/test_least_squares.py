@@ -122,3 +122,9 @@ def test_interval_without_an_end_is_open():
     low, high = interval(value, np.array([0.5, 0.5, 0.0, 2.0, 8.0]), 3.841)
     assert low == -np.inf
     assert 2.0 < high < 3.0
+
+
+def test_end_just_beyond_the_last_point_of_a_profile_follows_from_a_parabola():
+    place = np.array([-2.1, 0.0, 2.1])
+    low, high = interval(place, 0.8 * place**2, 3.841)
+    npt.assert_allclose([low, high], np.sqrt(3.841 / 0.8) * np.array([-1, 1]), rtol=1e-12)
