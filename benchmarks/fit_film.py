@@ -2,6 +2,8 @@
 
     pip install -e .
     python benchmarks/fit_film.py            # 20 seeds, free and guided; 100 free ones for coverage
+    python benchmarks/fit_film.py --guided   # the guided ones alone
+    python benchmarks/fit_film.py --held     # springs; cavitation pressure beside the viscosity
     python benchmarks/fit_film.py --time     # 200 cycles in one fit: free, folded, guided
 
 The orbits are those of `erlif.rig`: Chebyshev collocation for the free pin, projected
@@ -22,6 +24,7 @@ from erlif.models import Journal, crank_motion, solve_journal
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds.full_film import follow_full_film
 from erlif.prediction import MeasuredMotion, compare_models, fit_motion
+from erlif.rig import cavitation
 from erlif.rig.cavitation import follow_cavitated
 from erlif.rig.orbit import Bearing, follow_orbit
 
@@ -34,7 +37,8 @@ STD = np.array([5e-9, 20e-9])  # new at every trigger, along the load and sidewa
 SCALE = 0.005  # of all films
 MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
 CYCLES, FRAMES = 2, 50
-GUIDED = 5  # orbits, each photographed four times
+GUIDED = 6  # orbits, each photographed twice
+HELD = 6  # orbits of springs, and of cavitation pressures
 
 
 def bearing(viscosity):
@@ -55,18 +59,28 @@ def free_orbit(viscosity, start):
     )
 
 
-def guided_orbit(viscosity, film, elapsed=3):
-    """After some cycles, in which the cavities have formed."""
+def held_orbit(viscosity, film, *, along=12, steps=200, stiffness=np.inf, cavity=-1e5):
+    """After three cycles, in which the cavities have formed."""
+    cavitation.ALONG = along
     middle = float(np.mean(RIG.limits()))
     return follow_cavitated(
         bearing(viscosity),
-        np.append(-elapsed * PERIOD, times()),
+        np.append(-3 * PERIOD, times()),
         load=lambda _: LOAD,
         angle=lambda moment: float(RIG.rocker_angle(SPEED * moment)) - middle,
-        step=PERIOD / 200,
-        stiffness=np.inf,
+        step=PERIOD / steps,
+        stiffness=stiffness,
+        cavity=cavity,
         start=(STATED.clearance - film, 0.0),
     )[1:]
+
+
+def limit_orbit(viscosity, film, **options):
+    """Of infinitely many steps and nodes along the axis, of first and of second order."""
+    coarse = held_orbit(viscosity, film, **options)
+    fine = held_orbit(viscosity, film, steps=400, **options)
+    dense = held_orbit(viscosity, film, along=24, **options)
+    return coarse + 2 * (fine - coarse) + 4 / 3 * (dense - coarse)
 
 
 def photograph(orbit, line, rng):
@@ -145,8 +159,8 @@ def run_guided():
     for number in range(GUIDED):
         rng = np.random.default_rng(1000 + number)
         viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
-        orbit = guided_orbit(viscosity, film)
-        for _ in range(4):
+        orbit = limit_orbit(viscosity, film)
+        for _ in range(2):
             measured = photograph(orbit, 0.0, rng)
             truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
             found, pull, (motion, steps, crank) = study(
@@ -157,6 +171,34 @@ def run_guided():
             best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
             recognised += best.candidates[0].name == "a guided pin"
     report("guided pin", pulls, errors, recognised)
+
+
+def run_held():
+    """Stiffness of a spring, and a cavitation pressure beside the viscosity; an orbit each."""
+    for name, options in (
+        ("spring", {"sideways": "spring"}),
+        (
+            "cavitation pressure",
+            {"sideways": "guided", "fitted": ("viscosity", "cavitation_pressure")},
+        ),
+    ):
+        pulls, errors = [], []
+        for number in range(HELD):
+            rng = np.random.default_rng(2000 + number)
+            viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
+            truth = {"viscosity": viscosity}
+            if name == "spring":
+                truth["stiffness"] = 10 ** rng.uniform(7.0, 8.0)
+                orbit = limit_orbit(viscosity, film, stiffness=truth["stiffness"])
+            else:
+                truth["cavitation_pressure"] = -rng.uniform(2e4, 6e4)
+                orbit = limit_orbit(viscosity, film, cavity=truth["cavitation_pressure"])
+            measured = photograph(orbit, 0.0, rng)
+            found, pull, _ = study(measured, truth, load_line_std=1e-3, **options)
+            pulls.append(pull)
+            errors.append(found.estimates["viscosity"].value / viscosity - 1)
+            print({key: f"{value:+.2f}" for key, value in pull.items()}, flush=True)
+        report(name, pulls, errors, "not")
 
 
 def run_time(cycles=200):
@@ -189,10 +231,16 @@ def run_time(cycles=200):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("--time", action="store_true")
+    for name in ("time", "guided", "held"):
+        parser.add_argument(f"--{name}", action="store_true")
+    chosen = parser.parse_args()
     warnings.simplefilter("ignore")
-    if parser.parse_args().time:
+    if chosen.time:
         run_time()
+    elif chosen.guided:
+        run_guided()
+    elif chosen.held:
+        run_held()
     else:
         run_free(20, compared=True)
         run_free(100, compared=False)

@@ -40,11 +40,13 @@ MISFIT = 1.5
 _TRIALS = (0.03, 1.0, 30.0)  # dampings tried together where many orbits are quick
 
 _HELD_CONVERGED = 0.01  # of chi-square; cells that change to cavities make it jump by as much
+_HELD_NEAR = 1.0  # before its orbits are corrected
 _FEW = (-2.1, 2.1)  # standard deviations at which slow profiles are computed
 _ROUNDS = 3  # corrections of the orbits of a held pin
 _FIRST_STEPS = 1000  # of the motion, of which a long run is fitted first
 _FEWEST_FIRST = 50  # triggers in them
 _FIRST_CONVERGED = 0.1  # of chi-square, in that fit
+_MOST_TURNS = 8  # of the lead of a held pin
 _NEAR = 0.2  # change of a correction over the random errors, below which it is the last
 
 SIDEWAYS = ("free", "guided", "spring")
@@ -260,30 +262,41 @@ def _search(
     problem: Problem, unknowns: Unknowns, fixed: Mapping[str, float], profiles: bool
 ) -> MotionFit:
     """Fit, with the orbits of a held pin corrected where the fit ends."""
-    observed = problem.observations()
     free = isinstance(problem.orbits, FreeOrbits)
-    trials, tolerance = (_TRIALS, CONVERGED) if free else ((1.0,), _HELD_CONVERGED)
+    trials = _TRIALS if free else (1.0,)
 
-    def pose() -> LeastSquares:
+    def pose(tolerance: float) -> LeastSquares:
         model = problem.model(unknowns, fixed)
+        observed = problem.observations()
         return LeastSquares(observed, unknowns, model, trials, tolerance, secants=not free)
 
-    least = pose()
+    # a held pin is searched from coarse cells first, to a rough tolerance
+    least = pose(CONVERGED if free else _HELD_NEAR)
     found = (None if free else _begin(problem, unknowns, fixed)) or least.solve()
-    smallest = float(np.sqrt(np.diagonal(observed.random_cov, axis1=1, axis2=2).min()))
+    smallest = float(np.sqrt(np.diagonal(least.observed.random_cov, axis1=1, axis2=2).min()))
     orbits = problem.orbits
     for _ in range(_ROUNDS if isinstance(orbits, HeldOrbits) else 0):
         assert isinstance(orbits, HeldOrbits)
         columns = dict(zip(unknowns.names, found.value.tolist(), strict=True)) | dict(fixed)
         columns.pop("load_line")
+
+        # the lead is repeated until the film no longer depends on how its cavities began
+        start = found.value.copy()
+        for _ in range(_MOST_TURNS - orbits.turns):
+            longer, film, memory = orbits.lengthened(columns)
+            if memory < _NEAR * smallest:
+                break
+            orbits, columns["start_film"] = longer, film
+            start[unknowns.names.index("start_film")] = film
+
         before = 0.0 if orbits.shift is None else orbits.shift
         orbits = orbits.corrected(columns)
         change = 0.0 if orbits.shift is None else float(np.abs(orbits.shift - before).max())
 
         # the same search with the corrected model, from where it ended
         problem = replace(problem, orbits=orbits)
-        unknowns = replace(unknowns, start=found.value)
-        least = pose()
+        unknowns = replace(unknowns, start=start)
+        least = pose(_HELD_CONVERGED)
         found = least.solve()
         if change < _NEAR * smallest * found.inflation:
             break
@@ -476,6 +489,16 @@ def _notes(estimates: Mapping[str, Estimate], found: Minimum) -> list[Note]:
                 "The film does not change enough to determine the viscosity: it is at least "
                 f"{viscosity.low:.3g} Pa s (95 %). Record more cycles, or from the moment of "
                 "loading on.",
+            )
+        )
+    if {"viscosity", "cavitation_pressure"} <= set(estimates):
+        notes.append(
+            Note(
+                Level.WARNING,
+                "fit",
+                "Viscosity and cavitation pressure change the film in nearly the same way: 0.1 % "
+                "of the film is up to 3 % of both, which the standard deviations do not contain. "
+                "Fix one of the two.",
             )
         )
     if found.inflation > MISFIT:

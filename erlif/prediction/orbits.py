@@ -19,18 +19,34 @@ these, and every other step of time, leave out is extrapolated once for each fit
 FINE_CELLS, LONG_CELLS = (96, 6), (64, 4)
 """Cells from which is extrapolated, and those for long runs."""
 
-HELD_ERROR = 0.004
-"""Relative error of the extrapolated film of a held pin, against that of the virtual rig."""
+AXIAL_CELLS = (64, 24)
+"""Cells that resolve how cavities end at the ends of the joint; with fewer than a dozen along half
+of the length the film does not yet tend to its limit."""
 
-HELD_SCATTER = 0.0015
-"""Part of it that changes over the cycle."""
+HELD_ERROR = 0.003
+"""Relative error of the film of a held pin without extrapolation along the axis."""
 
+HELD_SCATTER = 0.0006
+"""Relative error of the extrapolated film beside its doubts, new at every trigger."""
+
+_STRIDE = 2  # steps of the motion in one of the film of a search
 _LONG = 2000  # steps of a long run
-_SECOND_ORDER = 4 / 3  # of the change by twice as many cells, that by infinitely many
-_FIRST_ORDER = 2.0  # and of the change by steps of half the length
+
+# Of the change by half the spacing, what leads to the limit: 4/3 at second order, 2 at first. The
+# edges of cavities move by whole cells, which leaves a part of first order; springs, which belong
+# to the end of a step, have it alone. Along the axis the finer of both is already counted.
+_HALF_STEPS = {"guided": 5 / 3, "free": 5 / 3, "spring": 2.0}
+_AROUND = 4 / 3
+_AXIAL = 0.5
+_UNEVEN = 0.4  # of the change by half the spacing, as a doubt: from one order to the other
 
 ATMOSPHERE = 1e5
 """Scale of the cavitation pressure. [Pa]"""
+
+_SECANTS = 5  # steps to the start of a longer lead
+_MET = 1e-6  # of the clearance, within which the film at the first step is the same
+_NUDGE = 0.02  # of the logarithm of the start film, for the first of them
+_THICKEST = 0.999  # of the clearance, of a start film
 
 _SMALLEST_FLUIDITY = 1e-3  # of a film with cavities, which a pin without load would never leave
 
@@ -125,9 +141,15 @@ class HeldOrbits:
         Cells round the joint and along half of its length.
     shift : Array or None
         What is added to the displacements, (step, axis). [m]
+    doubts : Array or None
+        Standard deviations of what is added, each an error of all steps together: the changes by
+        half the steps, by twice the cells round the joint and along the axis, and smooth courses,
+        (step, axis, source). Where there are none, the film is off by `HELD_ERROR`. [m]
     lead : Motion or None
-        What precedes the motion, with times below its own: there the cavities form. The start of
-        the pin is that of the lead.
+        The turn that precedes the motion, with times below its own: there the cavities form. The
+        start of the pin is that of the lead.
+    turns : int
+        How often the lead is repeated.
     followed : dict
         Orbits of these settings that are known, by cells, stride and unknowns.
     """
@@ -137,33 +159,69 @@ class HeldOrbits:
     sideways: str
     cells: tuple[int, int] = CELLS
     shift: Array | None = None
+    doubts: Array | None = None
     lead: Motion | None = None
+    turns: int = 1
     followed: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
 
     def follow(self, unknowns: dict[str, Array]) -> Array:
-        """As `Orbits.follow`, one transient film for each case, in every other step of time."""
+        """As `Orbits.follow`, one transient film for each case."""
         cases = len(unknowns["fluidity"])
         one = ({name: float(column[k]) for name, column in unknowns.items()} for k in range(cases))
-        found = np.stack([self._known(self.cells, 2, case) for case in one])
+        found = np.stack([self._known(self.cells, _STRIDE, case) for case in one])
         return found if self.shift is None else found + self.shift
 
     def corrected(self, unknowns: dict[str, float]) -> HeldOrbits:
         """These orbits, shifted by what cells and steps leave out at a set of unknowns.
 
-        Richardson's extrapolation, in each direction by itself.
+        Richardson's extrapolation, in each direction by itself. Along the axis it begins at
+        `AXIAL_CELLS`; long runs have none there.
         """
-        fine = FINE_CELLS if self.motion.time.size <= _LONG else LONG_CELLS
-        (around, across), steps = fine, self._known(fine, 2, unknowns)
-        shift = steps - self._known(self.cells, 2, unknowns)
-        shift = shift + _FIRST_ORDER * (self._known(fine, 1, unknowns) - steps)
-        finer = [(2 * around, across)] + ([] if self.journal.long else [(around, 2 * across)])
-        for cells in finer:
-            shift = shift + _SECOND_ORDER * (self._known(cells, 2, unknowns) - steps)
+
+        def follow(cells: tuple[int, int], stride: int = _STRIDE) -> Array:
+            return self._known(cells, stride, unknowns)
+
+        long = self.motion.time.size > _LONG
+        around, across = LONG_CELLS if long else FINE_CELLS
+        fine = follow((around, across))
+        shift = fine - follow(self.cells)
+        halved = follow((around, across), stride=1) - fine
+        twice = follow((2 * around, across)) - fine
+        shift = shift + _HALF_STEPS[self.sideways] * halved + _AROUND * twice
+
+        # the errors that remain are of the kind of the changes, and shared by all steps
+        changes = [halved, twice]
+        if long:
+            changes.append(film_change(fine, self.journal.clearance, HELD_ERROR))
+        elif not self.journal.long:
+            few, many = AXIAL_CELLS
+            limit = follow(AXIAL_CELLS)
+            along = limit - follow((few, many // 2))
+            shift = shift + limit - follow((few, across)) + _AXIAL * along
+            changes.append(along)
         if np.isnan(shift).any():
             return self
-        found = replace(self, shift=shift)
+        each = np.stack(changes, axis=-1)
+        doubts = np.concatenate([_UNEVEN * each, self._smooth(each)], axis=2)
+        found = replace(self, shift=shift, doubts=doubts)
         found.followed.update(self.followed)  # without the shift
         return found
+
+    def _smooth(self, changes: Array) -> Array:
+        """Errors of the size of some changes that are smooth, (step, axis, source).
+
+        Constant, linear in time, and once a turn. Cells that change to cavities make the changes
+        uneven. The measured positions determine how much of the uneven course there is; the smooth
+        errors need not be as much.
+        """
+        size = np.sqrt(np.mean(np.sum(changes**2, axis=2), axis=0))
+        time = self.motion.time - self.motion.time[0]
+        modes = [np.ones_like(time), np.sqrt(3) * (2 * time / time[-1] - 1)]
+        if self.lead is not None:
+            turn = 2 * np.pi * time / (self.motion.time[0] - self.lead.time[0])
+            modes += [np.sqrt(2) * np.cos(turn), np.sqrt(2) * np.sin(turn)]
+        found = np.stack(modes, axis=1)[:, np.newaxis, np.newaxis] * np.diag(size)[..., np.newaxis]
+        return np.asarray(found.reshape(*changes.shape[:2], -1))
 
     def _known(self, cells: tuple[int, int], stride: int, unknowns: dict[str, float]) -> Array:
         """`follow_one`, once for each set of unknowns."""
@@ -171,6 +229,47 @@ class HeldOrbits:
         if key not in self.followed:
             self.followed[key] = self.follow_one(cells, stride, **unknowns)
         return self.followed[key]
+
+    def lengthened(self, unknowns: dict[str, float]) -> tuple[HeldOrbits, float, float]:
+        """These orbits after one more turn of the lead, from the same film at the first step.
+
+        Parameters
+        ----------
+        unknowns : dict of str to float
+            As for `follow`, one case.
+
+        Returns
+        -------
+        orbits : HeldOrbits
+        start_film : float
+            The unknown of this name, at the start of the longer lead.
+        change : float
+            Largest change of a displacement: what the cavities of the shorter lead remember of how
+            they began. Zero without a lead. [m]
+        """
+        longer = replace(self, turns=self.turns + 1)
+        if self.lead is None:
+            return self, unknowns["start_film"], 0.0
+
+        def follow(film: float) -> Array:
+            return longer._known(self.cells, _STRIDE, {**unknowns, "start_film": film})
+
+        # by secants, the start that leads to the same film at the first step
+        known = self._known(self.cells, _STRIDE, unknowns)
+        aim, thickest = np.hypot(*known[0]), np.log(_THICKEST * self.journal.clearance)
+        start = unknowns["start_film"]
+        film, found = start + _NUDGE, follow(start)
+        off = np.hypot(*found[0]) - aim
+        for _ in range(_SECANTS):
+            before, last = off, start
+            start, found = film, follow(film)
+            off = np.hypot(*found[0]) - aim
+            if not np.isfinite(off) or off == before:
+                return self, unknowns["start_film"], 0.0
+            if abs(off) < _MET * self.journal.clearance:
+                break
+            film = min(start - off * (start - last) / (off - before), float(thickest))
+        return longer, start, float(np.abs(found - known).max())
 
     def follow_one(
         self,
@@ -203,7 +302,7 @@ class HeldOrbits:
             mount = Mount(np.inf, rest=rest * clearance, direction=0.0)
         elif self.sideways == "spring":
             mount = Mount(10**stiffness, rest=rest * clearance, direction=0.0)
-        motion = _thinned(_joined(self.lead, self.motion), stride)
+        motion = _thinned(_joined(self.lead, self.turns, self.motion), stride)
         try:
             solved = solve_journal(
                 journal,
@@ -217,6 +316,32 @@ class HeldOrbits:
             return np.full((self.motion.time.size, 2), np.nan)
         both = solved.displacement_load.values, solved.displacement_side.values
         return np.stack([np.interp(self.motion.time, motion.time, axis) for axis in both], axis=1)
+
+
+def film_change(place: Array, clearance: float, part: float) -> Array:
+    """Change of displacements by a part of their film, towards the middle.
+
+    Parameters
+    ----------
+    place : array, (..., axis)
+        Displacement along the load and sideways, or along the load alone. [m]
+    clearance : float
+        Radial clearance. [m]
+    part : float
+        Of the film.
+
+    Returns
+    -------
+    array, (..., axis)
+        [m]
+
+    Examples
+    --------
+    >>> film_change(np.array([[3.0, 4.0]]), 7.0, 0.1)
+    array([[-0.12, -0.16]])
+    """
+    distance = np.sqrt(np.sum(place**2, axis=-1, keepdims=True))
+    return np.asarray(-part * (clearance - distance) / np.maximum(distance, 1e-12) * place)
 
 
 def lead_of(motion: Motion, crank: Array) -> Motion | None:
@@ -253,12 +378,22 @@ def lead_of(motion: Motion, crank: Array) -> Motion | None:
     )
 
 
-def _joined(lead: Motion | None, motion: Motion) -> Motion:
-    """A motion after its lead."""
+def _joined(lead: Motion | None, turns: int, motion: Motion) -> Motion:
+    """A motion after some turns of its lead."""
     if lead is None:
         return motion
-    names = "time", "angle", "load", "load_direction"
-    return Motion(*(np.append(getattr(lead, name), getattr(motion, name)) for name in names))
+    period = motion.time[0] - lead.time[0]
+    before = [lead.time - k * period for k in range(turns - 1, -1, -1)]
+    repeated = (np.tile(one, turns) for one in (lead.angle, lead.load, lead.load_direction))
+    return Motion(
+        np.concatenate([*before, motion.time]),
+        *(
+            np.append(first, then)
+            for first, then in zip(
+                repeated, (motion.angle, motion.load, motion.load_direction), strict=True
+            )
+        ),
+    )
 
 
 def _thinned(motion: Motion, stride: int) -> Motion:

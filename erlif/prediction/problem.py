@@ -13,7 +13,14 @@ from erlif.core.arrays import Array
 from erlif.models.reynolds.full_film import FullFilm
 from erlif.prediction.least_squares import Observations, Predict, Unknowns
 from erlif.prediction.measured import MeasuredMotion
-from erlif.prediction.orbits import ATMOSPHERE, HELD_ERROR, HELD_SCATTER, Orbits
+from erlif.prediction.orbits import (
+    ATMOSPHERE,
+    HELD_ERROR,
+    HELD_SCATTER,
+    HeldOrbits,
+    Orbits,
+    film_change,
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,10 @@ _KINDS = {
     "cavitation_pressure": _Kind(1e-2, 0.5, low=0.0, high=100.0),
     "load_line": _Kind(1e-4, 0.2, low=-1.0, high=1.0),
 }
+
+
+_ATTITUDE_STD = 0.3
+"""Standard deviation of the direction of a pin on a spring at the start of its lead. [rad]"""
 
 
 @dataclass(frozen=True)
@@ -110,11 +121,15 @@ class Problem:
         measured, good = self.measured, self.frames.measured
         value, shared = measured.value[good], measured.shared[good]
         random = measured.random_cov[good]
-        if self.sideways != "free":
-            distance = np.hypot(*value.T) if measured.is_position else value[:, 0]
-            film = self.orbits.journal.clearance - distance
-            error = -HELD_ERROR * (film / np.maximum(distance, 1e-12))[:, np.newaxis] * value
-            shared = np.concatenate([shared, error[..., np.newaxis]], axis=2)
+        if isinstance(self.orbits, HeldOrbits):
+            clearance = self.orbits.journal.clearance
+            doubts = film_change(value, clearance, HELD_ERROR)[..., np.newaxis]
+            if self.orbits.doubts is not None:
+                # a pin of which only minima are known stays on the load line
+                axes = self.orbits.doubts[self.frames.steps, : value.shape[1]]
+                doubts = self.frames.average(axes[np.newaxis])[0, good]
+            shared = np.concatenate([shared, doubts], axis=2)
+            film = clearance - np.sqrt(np.sum(value**2, axis=1))
             scatter = (HELD_SCATTER * film) ** 2
             random = random + scatter[:, np.newaxis, np.newaxis] * np.eye(value.shape[1])
         return Observations(value, random, shared)
@@ -135,6 +150,9 @@ class Problem:
             names += ["cavitation_pressure"]
         kinds = [_KINDS[name] for name in names]
         line = load_line_std / self.orbits.journal.radius
+        known = {"load_line": line}
+        if isinstance(self.orbits, HeldOrbits) and self.orbits.lead is not None:
+            known["start_attitude"] = _ATTITUDE_STD  # the lead may leave nothing of it
         highest = {"start_film": float(np.log(0.9999 * self.orbits.journal.clearance))}
         unknowns = Unknowns(
             names=tuple(names),
@@ -144,7 +162,7 @@ class Problem:
             high=np.array([highest.get(name, _KINDS[name].high) for name in names]),
             largest=np.array([kind.largest for kind in kinds]),
             expected=np.zeros(len(names)),
-            expected_std=np.array([line if name == "load_line" else np.inf for name in names]),
+            expected_std=np.array([known.get(name, np.inf) for name in names]),
         )
         fixed = {"fluidity": 1.0, "load_line": 0.0}
         if self.sideways != "guided":

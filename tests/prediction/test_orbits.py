@@ -5,7 +5,7 @@ import numpy.testing as npt
 
 from erlif.models.mechanism import CrankRocker
 from erlif.models.reynolds import Journal, crank_motion
-from erlif.prediction.orbits import FreeOrbits, HeldOrbits
+from erlif.prediction.orbits import FreeOrbits, HeldOrbits, lead_of
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 MOTION = crank_motion(RIG, crank_speed=11.94, load=222.4, cycles=1, steps_per_cycle=100)
@@ -64,3 +64,18 @@ def test_load_that_no_film_carries_leaves_no_orbit():
     unknowns = {"fluidity": np.array([1.0]), "start_film": np.log([20e-6])}
     orbits = HeldOrbits(LONG, heavy, "guided", cells=(32, 1))
     assert np.isnan(orbits.follow({**unknowns, "rest": np.zeros(1)})).all()
+
+
+def test_longer_lead_ends_what_cavities_remember():
+    """At a tenth of an atmosphere of suction the cavities take turns to form."""
+    crank = np.linspace(0.0, 2 * np.pi, MOTION.time.size)
+    orbits = HeldOrbits(LONG, MOTION, "guided", cells=(64, 1), lead=lead_of(MOTION, crank))
+    unknowns = {"fluidity": 0.8, "start_film": np.log(30e-6), "cavitation_pressure": 0.1}
+    changes, films = [], []
+    for _ in range(4):
+        films.append(orbits.follow_one((64, 1), 2, **unknowns)[0, 0])
+        orbits, unknowns["start_film"], change = orbits.lengthened(unknowns)
+        changes.append(change)
+    assert orbits.turns == 5
+    assert changes[3] < 0.1 * changes[0]
+    npt.assert_allclose(films, films[0], atol=1e-9)
