@@ -43,7 +43,7 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
     from erlif.report import check_plan_output, write_plan
 
     output = output or source.with_suffix("")
-    check_plan_output(output, overwrite=overwrite)
+    check_plan_output(output, overwrite=overwrite, source=source)
     planned = predict(source)
     click.echo(summarise_plan(planned))
     click.echo()

@@ -43,6 +43,7 @@ from erlif.planning import (
     vary_tolerances,
 )
 from erlif.rig import DyeSpectra, RigSettings
+from erlif.rig.settings import LIMITS
 from erlif.settings import DyeSettings, PlanSettings, read_plan_settings, to_toml, write_template
 
 FILMS = 161
@@ -168,6 +169,11 @@ def plan(source: Path | str | PlanSettings, *, folder: Path | None = None) -> xr
 def _read(source: Path | str | PlanSettings, folder: Path | None) -> tuple[PlanSettings, Path]:
     if isinstance(source, PlanSettings):
         return source, folder or Path()
+    if not isinstance(source, str | os.PathLike):
+        raise ConfigError(
+            f"Expected the file of a plan, or erlif.settings.PlanSettings; got "
+            f"{type(source).__name__}. Name the file."
+        )
     path = Path(source)
     return read_plan_settings(path), folder or path.parent
 
@@ -345,10 +351,10 @@ def best_settings(settings: PlanSettings, best: Optimum) -> PlanSettings:
     --------
     >>> import tomllib
     >>> settings = PlanSettings.model_validate(tomllib.loads(example_plan()))
-    >>> best = find_optimum(design_of(settings, Path()), film_of(settings), Aim())
-    >>> better = best_settings(settings, best)
-    >>> better.dye2.concentration < 0.05
-    True
+    >>> design = design_of(settings, Path()).with_concentrations((0.00517, 0.0476))
+    >>> better = best_settings(settings, Optimum(design, 0.10, at_limit=(False, False)))
+    >>> better.dye2.concentration.text
+    '0.0476 mol/L'
     """
     design = best.design
 
@@ -383,8 +389,12 @@ def best_settings(settings: PlanSettings, best: Optimum) -> PlanSettings:
 
 def _thick_film(design: Design, number: int) -> float:
     """Signal of a very thick film. [electron]"""
-    thickest = 50 / mean_attenuation(design, number)
-    return float(signal(design, number, thickest))
+    return float(signal(design, number, _very_thick(design, number)))
+
+
+def _very_thick(design: Design, number: int) -> float:
+    """A film whose light in the band of a camera no longer changes. [um]"""
+    return 50 / float(band_of(design, number).attenuation.min())
 
 
 # design to dataset
@@ -457,6 +467,12 @@ def _describe_design(
             float(np.exp(log_ratio(design, 1e-6))),
             "1",
             "K, ratio of a vanishing film",
+        ),
+        "ratio_thick": (
+            (),
+            float(np.exp(log_ratio(design, _very_thick(design, 2)))),
+            "1",
+            "ratio of a very thick film",
         ),
         "reabsorption": ((), reabsorption, "um-1", "of the band of camera 1 by dye 2"),
         "absorption": ((), absorption, "um-1", "of the laser by both dyes"),
@@ -577,6 +593,12 @@ def rig_of(source: Path | str | PlanSettings, *, folder: Path | None = None) -> 
     height = standard.height * standard.pitch
     (_, (top, bottom)) = standard.region
     span = film.thickest - film.thinnest
+    largest = LIMITS["tilt"][1] * (bottom - top) / height
+    if span > largest:
+        raise ConfigError(
+            f"Expected films that differ by at most {largest:.0f} um, as far as the virtual rig "
+            f"can tilt; those of the plan differ by {span:.4g} um. Choose a part of the range."
+        )
     # a pin that leaves the film nearly even along x: 0.2 of the range at the edges
     radius = (1e3 * (standard.field_width / 2) ** 2) / (2 * 0.2 * span)
     pages = settings.references

@@ -43,7 +43,7 @@ class Camera:
         Largest count of the converter above the dark level. [DN]
     scale : float
         Photo-electrons of one unit of emitted light, see `emitted_light`, at the stated pulse
-        energy. [electron/um]
+        energy. [electron]
     """
 
     band: float
@@ -128,8 +128,7 @@ class Band:
     attenuation : Array
         Of laser light on its way in and emitted light on its way out, A + B, (node,). [1/um]
     weight : Array
-        Emitted photons per depth and absorbed laser photon, times the width of the node, (node,).
-        [1/um]
+        Emitted photons per depth and laser photon, times the width of the node, (node,). [1/um]
     """
 
     attenuation: Array

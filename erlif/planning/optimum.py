@@ -10,6 +10,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.planning.design import Design
 from erlif.planning.precision import Film, dimmed_to_full_scale, thickness_std
+from erlif.planning.spectra import Dye
 
 FILMS = 25
 """Films of the range whose largest error is minimised."""
@@ -112,9 +113,10 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
     from scipy.optimize import brute, fmin  # heavy, and only needed here
 
     # with less than the smallest concentration the thickest film would not absorb at all
-    each = [float(dye.attenuation(design.laser)) / dye.concentration for dye in design.dyes]
-    low = np.log([_LEAST_DEPTH / (film.thickest * one) for one in each])
+    depth = np.array([film.thickest * _attenuation_per_molar(design, dye) for dye in design.dyes])
     high = np.full(2, np.log(aim.largest))
+    with np.errstate(divide="ignore"):  # a dye that absorbs nowhere has no smallest concentration
+        low = np.log(_LEAST_DEPTH / depth)
     low = np.minimum(low, high - 1.0)
 
     def prepared(logarithms: Array) -> Design:
@@ -142,3 +144,10 @@ def find_optimum(design: Design, film: Film, aim: Aim) -> Optimum:
         )
     limited = found.concentrations > 0.999 * aim.largest
     return Optimum(found, reached, (bool(limited[0]), bool(limited[1])))
+
+
+def _attenuation_per_molar(design: Design, dye: Dye) -> float:
+    """At the laser; in the bands where the dye does not absorb the laser. [L/mol/um]"""
+    bands = [camera.band for camera in design.cameras]
+    attenuation = float(dye.attenuation(design.laser)) or float(dye.attenuation(bands).max())
+    return attenuation / dye.concentration

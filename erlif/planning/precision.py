@@ -146,7 +146,8 @@ def frames_needed(
     Returns
     -------
     array
-        Whole numbers; infinite where dark and flat pages alone exceed the wanted value. [1]
+        Whole numbers; infinite where dark and flat pages alone exceed the wanted value, and where a
+        camera saturates. [1]
 
     Examples
     --------
@@ -159,7 +160,17 @@ def frames_needed(
     left = (np.asarray(uncertainty, float) * slope) ** 2 - fixed
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         needed = np.ceil(new / left)
-    return np.where((left > 0) & (slope > 0), np.maximum(needed, 1.0), np.inf)
+    reached = (left > 0) & (slope > 0) & _is_below_full_scale(design, thickness)
+    return np.where(reached, np.maximum(needed, 1.0), np.inf)
+
+
+def _is_below_full_scale(design: Design, thickness: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Whether no camera is saturated by the light of films. [um]"""
+    below = [
+        signal(design, number, thickness) <= camera.full_scale
+        for number, camera in enumerate(design.cameras, start=1)
+    ]
+    return np.asarray(np.all(below, axis=0))
 
 
 def calibrated_range(design: Design, film: Film) -> tuple[float, float]:
@@ -230,11 +241,11 @@ def measurable_range(design: Design, film: Film) -> tuple[float, float]:
         new, fixed = log_ratio_variance(design, thickness)
         margin = CLEAR * np.sqrt(new / film.frames + fixed)
         value = log_ratio(design, thickness)
-        valid = np.asarray((value - margin >= thinnest) & (value + margin <= thickest))
-        for number, camera in enumerate(design.cameras, start=1):
-            electrons = signal(design, number, thickness)
-            valid = valid & (electrons >= LEAST_SIGNAL) & (electrons <= camera.full_scale)
-        return valid
+        valid = (value - margin >= thinnest) & (value + margin <= thickest)
+        valid &= _is_below_full_scale(design, thickness)
+        for number in (1, 2):
+            valid &= signal(design, number, thickness) >= LEAST_SIGNAL
+        return np.asarray(valid)
 
     grid = np.geomspace(max(low, high * 1e-4), high, _GRID)
     inside = np.flatnonzero(is_valid(grid))

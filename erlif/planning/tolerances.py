@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -33,9 +34,10 @@ class Change:
     tolerance : str
         Its size, "5 %" or "2 nm".
     std : float
-        Relative change of the largest standard deviation over thickness in the wanted range. [1]
+        Relative change of the largest standard deviation over thickness in the wanted range; NaN
+        where that is infinite with and without the change. [1]
     thinnest : float
-        Change of the thin end of the measurable range. [um]
+        Change of the thin end of the measurable range; NaN where there is none. [um]
     thickest : float
         Change of its thick end. [um]
     film : float
@@ -52,8 +54,8 @@ class Change:
 
     @property
     def effect(self) -> float:
-        """Larger of both relative effects. [1]"""
-        return max(abs(self.std), abs(self.film))
+        """Larger of both relative effects that are known. [1]"""
+        return float(np.nanmax(np.abs([self.std, self.film, 0.0])))
 
 
 def vary_tolerances(
@@ -169,8 +171,9 @@ def _worse(design: Design, film: Film, what: str, size: float, unit: str, vary: 
         moved += np.log(gains[0] / gains[1] * gains[3] / gains[2])
         return Change(
             what,
-            f"{size:.0%}".replace("%", " %") if unit == "%" else f"{size:g} nm",
-            largest_error(varied, film) / error - 1,
+            f"{100 * size:.3g} %" if unit == "%" else f"{size:g} nm",
+            # an infinite error cannot change
+            largest_error(varied, film) / error - 1 if math.isfinite(error) else math.nan,
             thin - low,
             thick - high,
             float(np.abs(moved / slope / films).max()),

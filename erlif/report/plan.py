@@ -23,6 +23,7 @@ around 1, as the source states an order of magnitude."""
 
 _ROWS = 7  # films in the printed table
 _MEANINGLESS = 10.0  # share of the film beyond which an error is not printed
+_NEARLY_ALL = 0.9995  # of the pulse energy: a smaller change is not printed
 _FAR_BELOW = 0.1  # of the fluence of saturation, where a dye loses about a tenth of its absorption
 
 
@@ -63,8 +64,8 @@ def _describe_dyes(plan: xr.Dataset) -> list[str]:
     depth = float(plan.absorption) * float(plan.film_range[1])
     lines = [
         f"Dyes: {low:.4g} and {high:.4g} mol/L; attenuation p = {p:.4g} and q = {q:.4g} 1/um, "
-        f"ratio from {float(plan.ratio_at_zero):.3g} (no film) to "
-        f"{float(plan.ratio_at_zero) * p / q:.3g} (very thick film).",
+        f"ratio from {float(plan.ratio_at_zero):.3g} (no film) to {float(plan.ratio_thick):.3g} "
+        "(very thick film).",
         f"Dye 2 reabsorbs {share:.2f} times as strongly as both dyes absorb the laser: {thick} "
         f"(Farzaneh 2002). The thickest film absorbs {-math.expm1(-depth):.0%} of the laser light.",
     ]
@@ -92,14 +93,28 @@ def _describe_range(plan: xr.Dataset) -> list[str]:
 
     wanted, how = _describe_aim(plan)
     needed = _most_frames(plan.frames_needed, plan)
-    lines.append(
-        f"{wanted} over the whole range needs {count_of(round(needed), 'frame pair')} in {how}."
-        if math.isfinite(needed)
-        else f"{wanted} cannot be reached over the whole range in {how}: the noise of the flat "
-        "pages alone exceeds it. Take more flat pages, average over more pixels, or change the "
-        "concentrations."
-    )
+    if math.isfinite(needed):
+        pairs = count_of(round(needed), "frame pair")
+        lines.append(f"{wanted} over the whole range needs {pairs} in {how}.")
+    elif _saturated(plan):
+        lines.append(f"{wanted} cannot be reached over the whole range: a camera saturates.")
+    else:
+        lines.append(
+            f"{wanted} cannot be reached over the whole range in {how}: the noise of the dark and "
+            "flat pages alone exceeds it. Take more pages, average over more pixels, or change the "
+            "concentrations."
+        )
     return lines
+
+
+def _saturated(plan: xr.Dataset) -> dict[int, float]:
+    """Signal of the thickest film by camera, where it is beyond full scale. [electron]"""
+    wanted = plan.signal.interp(thickness=plan.film_range.values[1]).values
+    return {
+        number: float(electrons)
+        for number, electrons in enumerate(wanted, start=1)
+        if electrons > float(plan.full_scale[number - 1])
+    }
 
 
 def _describe_aim(plan: xr.Dataset) -> tuple[str, str]:
@@ -117,7 +132,9 @@ def _most_frames(needed: xr.DataArray, plan: xr.Dataset) -> float:
 
 
 def _percent(share: float, width: int = 0, sign: str = "") -> str:
-    """A share in per cent; beyond ten times the film it has no meaning."""
+    """A share in per cent; beyond ten times the film it has no meaning, and NaN is a dash."""
+    if math.isnan(share):
+        return f"{'-':>{width}}"
     if abs(share) > _MEANINGLESS:
         return f"{'> 1000%':>{width}}" if width else "more than 1000%"
     return f"{share:{sign}{width or ''}.1%}"
@@ -159,6 +176,12 @@ def _describe_optimum(plan: xr.Dataset) -> list[str]:
     notes = ", ".join(
         f"dye {number} at its solubility" for number, hit in enumerate(limited, start=1) if hit
     )
+    if error > _MEANINGLESS:
+        return [
+            "No concentrations give a film over the whole wanted range: with the best ones, "
+            f"{one:.3g} and {two:.3g} mol/L{f' ({notes})' if notes else ''}, the largest standard "
+            f"deviation is {_percent(error)} of the film. Narrow the range, or raise the light."
+        ]
     low, high = plan.optimum_measurable_range.values
     lines = [
         f"Best concentrations: {one:.3g} and {two:.3g} mol/L{f' ({notes})' if notes else ''}. The "
@@ -172,7 +195,7 @@ def _describe_optimum(plan: xr.Dataset) -> list[str]:
         lines.append(f"{wanted} over the whole range then needs {pairs} in {how}.")
     if math.isfinite(low):
         lines.append(f"One pixel of one frame is then measurable from {low:.3g} to {high:.3g} um.")
-    if energy < 1:
+    if energy < _NEARLY_ALL:
         lines.append(f"They need {energy:.1%} of the pulse energy, or a camera would saturate.")
     return lines
 
@@ -185,8 +208,8 @@ def _tolerance_table(plan: xr.Dataset) -> list[str]:
         row = plan.isel(tolerance=k)
         lines.append(
             f"{row.tolerance.item():<24} {row.tolerance_size.item():>6} "
-            f"{_percent(float(row.tolerance_std), 7, '+')} {float(row.tolerance_thinnest):>+9.2f} "
-            f"{float(row.tolerance_thickest):>+9.2f} {_percent(float(row.tolerance_film), 7)}"
+            f"{_percent(float(row.tolerance_std), 7, '+')} {_change(row.tolerance_thinnest):>9} "
+            f"{_change(row.tolerance_thickest):>9} {_percent(float(row.tolerance_film), 7)}"
         )
     return [
         *lines,
@@ -196,17 +219,19 @@ def _tolerance_table(plan: xr.Dataset) -> list[str]:
     ]
 
 
+def _change(length: xr.DataArray) -> str:
+    """Change of an end of the range in um; a dash where there is no range."""
+    return f"{float(length):+.2f}" if math.isfinite(float(length)) else "-"
+
+
 def _describe_limits(plan: xr.Dataset) -> list[str]:
     lines = []
-    wanted = plan.signal.interp(thickness=plan.film_range.values[1])
-    for number, electrons in enumerate(wanted.values, start=1):
+    for number, electrons in _saturated(plan).items():
         full = float(plan.full_scale[number - 1])
-        if electrons > full:
-            lines.append(
-                f"Camera {number} saturates: {electrons:.0f} electrons from the thickest film, "
-                f"full scale is {full:.0f}. Lower the pulse energy to {full / electrons:.1%} of "
-                "it, or less."
-            )
+        lines.append(
+            f"Camera {number} saturates: {electrons:.0f} electrons from the thickest film, full "
+            f"scale is {full:.0f}. Lower the pulse energy to {full / electrons:.1%} of it, or less."
+        )
     fluence = float(plan.attrs.get("pulse_fluence", 0.0))
     saturation = float(plan.attrs.get("saturation_fluence", math.inf))
     if fluence > _FAR_BELOW * saturation:
@@ -285,8 +310,8 @@ def table_of_tolerances(plan: xr.Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
-def check_plan_output(output: Path, *, overwrite: bool) -> None:
-    """Refuse a directory that exists, or that holds something else than a plan.
+def check_plan_output(output: Path, *, overwrite: bool, source: Path | None = None) -> None:
+    """Refuse a directory that exists, or that holds something else than the results of a plan.
 
     Parameters
     ----------
@@ -294,6 +319,8 @@ def check_plan_output(output: Path, *, overwrite: bool) -> None:
         Directory to be written.
     overwrite : bool
         Allow to replace an earlier plan.
+    source : Path, optional
+        The plan that is read, which is not replaced.
 
     Raises
     ------
@@ -304,8 +331,17 @@ def check_plan_output(output: Path, *, overwrite: bool) -> None:
     --------
     >>> check_plan_output(Path("no such directory"), overwrite=False)
     """
+    if output.name in ("", ".."):
+        raise OutputError(
+            f"Expected the name of a directory to be made; got {output}. Give its name with -o."
+        )
     if not output.exists():
         return
+    if source is not None and output.resolve() in (source.resolve(), source.resolve().parent):
+        raise OutputError(
+            f"Expected a directory other than that of {source.name}, which would be replaced with "
+            f"it; got {output}. Give another name with -o."
+        )
     if not overwrite:
         raise OutputError(
             f"{output} exists already; use --overwrite to replace it, or give another name with -o."

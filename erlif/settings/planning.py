@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
 from erlif.settings.tables import (
@@ -31,7 +31,7 @@ EmissionDensity = Annotated[
 ]
 Energy = Annotated[float, *quantity("energy", "50 mJ", "J", Gt(0))]
 Width = Annotated[float, *quantity("width of a filter", "10 nm", "nm", Gt(0))]
-Shift = Annotated[float, *quantity("shift of a filter", "2 nm", "nm", Ge(0))]
+Shift = Annotated[float, *quantity("shift of a filter", "2 nm", "nm", Ge(0), Le(20))]
 FullWell = Annotated[float, *quantity("electrons", "18000 electron", "electron", Gt(0))]
 Share = Annotated[float, Field(ge=0, lt=1)]
 

@@ -22,6 +22,7 @@ from erlif.pipeline.plan import (
     rig_of,
 )
 from erlif.planning import Aim, find_optimum, log_ratio, measurable_range, signal, thickness_std
+from erlif.plots import example_plan_results
 from erlif.rig import simulate
 from erlif.rig.dyes import signals_of
 from erlif.settings import PlanSettings
@@ -36,10 +37,8 @@ def settings_of(*changes):
 
 
 @pytest.fixture(scope="module")
-def planned(tmp_path_factory):
-    path = tmp_path_factory.mktemp("planned") / "plan.toml"
-    path.write_text(example_plan(), encoding="utf-8")
-    return plan(path)
+def planned():
+    return example_plan_results()  # that of the command is in tests/commands
 
 
 @pytest.fixture(scope="module")
@@ -205,6 +204,19 @@ def test_filters_that_do_not_fit_are_refused(changes, expected):
         text = text.replace(*changes[0])
     with pytest.raises(ConfigError, match=expected):
         design_of(PlanSettings.model_validate(tomllib.loads(text)), Path())
+
+
+def test_films_beyond_the_reach_of_the_virtual_rig_are_refused():
+    settings = settings_of(
+        ('thickest = "10 um"', 'thickest = "10 mm"'), ('thickest = "18 um"', 'thickest = "20 mm"')
+    )
+    with pytest.raises(ConfigError, match="differ by at most 716 um"):
+        rig_of(settings)
+
+
+def test_what_is_no_plan_is_refused():
+    with pytest.raises(ConfigError, match="got dict"):
+        plan({})
 
 
 def test_the_rig_has_two_cameras_of_one_kind():

@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.planning import Aim, Film, find_optimum, largest_error
+from erlif.planning import Aim, Film, Spectrum, find_optimum, largest_error
 from erlif.planning.precision import dimmed_to_full_scale
 
 AIM = Aim(largest=1.0)
@@ -50,6 +50,23 @@ def test_light_fills_the_cameras_no_further_than_asked(design, film):
     bright = replace(design, energy=10.0)
     found = find_optimum(bright, film, Aim(fill=0.5))
     assert found.design.energy < 10.0
+
+
+def test_a_dye_that_does_not_absorb_the_laser_has_a_best_concentration(design, film):
+    """The ideal dye 2 reabsorbs and adds no light of its own."""
+    nm = np.array([532.0, 580.0, 620.0])
+    ideal = replace(
+        design.dyes[1], absorption=Spectrum(nm, np.array([0.0, 3.5e4, 2e3]), "absorption of dye 2")
+    )
+    found = find_optimum(replace(design, dyes=(design.dyes[0], ideal)), film, AIM)
+    errors = [
+        largest_error(
+            dimmed_to_full_scale(found.design.with_concentrations((one, two)), 10.0, AIM.fill), film
+        )
+        for one in np.geomspace(1e-3, 0.3, 8)
+        for two in np.geomspace(1e-3, 0.3, 8)
+    ]
+    assert found.error <= min(errors)
 
 
 def test_exchanged_filters_have_no_optimum(design, film):

@@ -65,6 +65,14 @@ def test_frames_needed_are_enough_and_one_fewer_is_not(design):
             assert thickness_std(design, film, frames=int(count) - 1) > aim
 
 
+def test_no_number_of_frames_measures_a_film_that_saturates_a_camera(design):
+    bright = replace(design, energy=2.0)
+    films = np.array([1.0, 30.0])
+    light = np.array([signal(bright, number, films) for number in (1, 2)])
+    assert (light.max(axis=0) > design.cameras[0].full_scale).tolist() == [False, True]
+    assert np.isinf(frames_needed(bright, films, 10 * films)).tolist() == [False, True]
+
+
 def test_range_of_the_documented_rig(design):
     """docs/uncertainty.md: 0.9 to 12.5 um at full light, 1.3 to 10.5 at 3300, 2.0 to 8.2 at 1100,
     found with the virtual rig whose beam is darker beside its middle."""

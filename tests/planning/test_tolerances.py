@@ -46,6 +46,19 @@ def test_more_light_extends_the_range(design):
     assert change.thinnest > 0 > change.thickest
 
 
+def test_effects_are_in_order_where_the_error_is_infinite(design):
+    """The slope of the ratio of a film of 10 mm is zero to the last digit."""
+    found = vary_tolerances(design, Film(2.0, 10e3, (0.1, 20e3)))
+    assert all(np.isnan(change.std) for change in found)
+    films = [change.film for change in found]
+    assert films == sorted(films, reverse=True)
+
+
+def test_a_tolerance_below_one_per_cent_is_named_with_its_digits(design, film):
+    found = vary_tolerances(design, film, {"gain": 0.005})
+    assert {change.tolerance for change in found if "gain" in change.what} == {"0.5 %"}
+
+
 def test_dyes_by_coefficients_have_no_shift_of_a_filter(design, film):
     nm = np.array([532.0, 580.0, 610.0])
     narrow = tuple(

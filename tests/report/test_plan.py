@@ -2,7 +2,9 @@
 
 import csv
 import io
+import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
@@ -11,6 +13,7 @@ import pytest
 from erlif.core.errors import OutputError
 from erlif.pipeline.plan import example_plan, plan
 from erlif.plots import example_plan_results
+from erlif.plots.style import new_figure
 from erlif.report import check_plan_output, summarise_plan, write_plan
 from erlif.report.plan import table_of_films, table_of_tolerances
 from erlif.settings import PlanSettings, read_plan_settings
@@ -48,19 +51,39 @@ def test_a_plan_beyond_its_range_is_reported():
             ("# uncertainty = 0.05", "uncertainty = 0.001"),
             ('"11000 electron"', '"30000 electron"'),
             ("# beam_diameter", "beam_diameter"),
+            ("# fill = 0.75", "fill = 0.1"),
         )
     )
     assert "The wanted range, 0.2 to 15 um, is not covered by single pixels." in text
     assert "cannot be reached over the whole range" in text
+    assert "cannot be reached over the whole range: a camera saturates." in text
     assert "Camera 1 saturates" in text
     assert "With 4 frames it is measurable" in text
     assert "the dyes saturate at about 1.1 mJ/cm2" in text
-    assert "of the pulse energy, or a camera would saturate" in text
+    assert re.search(r"They need \d\d\.\d% of the pulse energy, or a camera would saturate", text)
 
 
-def test_weak_reabsorption_is_not_optically_thick():
-    text = summarise_plan(planned_with(('"0.024 mol/L"', '"0.003 mol/L"')))
+def test_weak_reabsorption_behind_wide_filters():
+    """Light of a thick film: 11,000 and 11,500 electrons, whatever dyes and filters."""
+    wide = planned_with(
+        ('"0.024 mol/L"', '"0.003 mol/L"'), ('# bandwidth = "10 nm"', 'bandwidth = "60 nm"')
+    )
+    npt.assert_allclose(wide.ratio_thick, 11500 / 11000, rtol=1e-6)
+    text = summarise_plan(wide)
+    assert "to 1.05 (very thick film)" in text
     assert "not optically thick" in text
+
+
+def test_what_is_not_known_is_a_dash_and_no_optimum_is_offered():
+    text = summarise_plan(
+        planned_with(
+            ('thickest = "10 um"', 'thickest = "10 mm"'),
+            ('thickest = "18 um"', 'thickest = "20 mm"'),
+        )
+    )
+    assert "nan" not in text
+    assert "No concentrations give a film over the whole wanted range" in text
+    assert "Best concentrations" not in text
 
 
 def test_tables_hold_the_numbers_of_the_plan(planned):
@@ -73,7 +96,9 @@ def test_tables_hold_the_numbers_of_the_plan(planned):
     )
 
 
-def test_files_are_complete_and_read_back(planned, tmp_path):
+def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
+    # tests/plots looks at the figure, and the command writes it
+    monkeypatch.setattr("erlif.plots.plan_figure", lambda _: new_figure(1.0, 1.0).subplots().figure)
     output = tmp_path / "plan"
     paths = write_plan(planned, output)
     assert {path.name for path in output.iterdir()} == {path.name for path in paths}
@@ -98,6 +123,17 @@ def test_a_directory_of_something_else_is_never_replaced(tmp_path):
         check_plan_output(tmp_path, overwrite=True)
     with pytest.raises(OutputError, match=r"notes\.txt"):
         check_plan_output(tmp_path / "notes.txt", overwrite=True)
+
+
+def test_the_plan_itself_is_never_replaced(planned, tmp_path):
+    source = tmp_path / "plan.toml"
+    source.write_text("# my remarks")
+    with pytest.raises(OutputError, match=r"other than that of plan\.toml"):
+        check_plan_output(tmp_path, overwrite=True, source=source)
+    with pytest.raises(OutputError, match="name of a directory"):
+        check_plan_output(Path(), overwrite=True)
+    with pytest.raises(OutputError, match="name of a directory"):
+        write_plan(planned, Path(), overwrite=True)
 
 
 def test_frames_of_the_table_are_those_of_the_nearest_film(planned):

@@ -61,6 +61,7 @@ def test_the_fixture_covers_the_films_by_default(edited):
             "full well of at least ten times the read noise",
         ),
         ([('band = "580 nm"', 'band = "530 nm"')], "filters above the laser"),
+        ([('# filter = "2 nm"', 'filter = "60 nm"')], "less than or equal to 20"),
         ([('thickest = "18 um"', 'thickest = "8 um"')], "a fixture that covers the films"),
         ([('band = "580 nm"', 'bandd = "580 nm"')], "did you mean 'band'"),
         ([("[film]", "[films]")], "did you mean 'film'"),
