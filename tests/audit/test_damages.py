@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import tifffile
 from click.testing import CliRunner
-from conftest import SMALL
 from scenes.tiff_pages import rewrite
 
+from conftest import SMALL
 from erlif.commands.main import main
 from erlif.rig import RigSettings, simulate
 

@@ -11,5 +11,6 @@ def test_an_output_name_of_another_format_is_refused(lab, refused):
 
 
 def test_triggers_and_size_that_are_none_are_refused(lab, refused):
-    assert "Expected triggers FROM-TO as in 100-149" in refused("report", lab.film, "--triggers", "5")
+    message = refused("report", lab.film, "--triggers", "5")
+    assert "Expected triggers FROM-TO as in 100-149" in message
     assert "0.5 MB or more" in refused("report", lab.film, "--max-size", "0")

@@ -3,8 +3,8 @@
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from conftest import snapshot
 
+from conftest import snapshot
 from erlif.commands.main import main
 
 SMALL = ["--size", "64x48", "--spacing", "8", "--fixture-frames", "1"]

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SMALL, Laboratory
 
 import erlif
+from conftest import SMALL, Laboratory
 from erlif.rig import simulate
 
 PAGE = Path(__file__).parents[2] / "docs" / "tribometers.md"

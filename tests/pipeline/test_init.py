@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import tifffile
 import xarray as xr
-from conftest import SMALL
 from readers.writers import random_frames, write_im7, write_mraw
 
 import erlif
+from conftest import SMALL
 from erlif.core.errors import FrameError, OutputError
 from erlif.core.notes import Level
 from erlif.rig import RigSettings, simulate

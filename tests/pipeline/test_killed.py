@@ -6,10 +6,10 @@ import time
 
 import numpy as np
 import pytest
-from conftest import SMALL, Laboratory
 from scenes.stores import contents
 
 import erlif
+from conftest import SMALL, Laboratory
 from erlif.rig import RigSettings, simulate
 
 KILLS = 20

@@ -7,9 +7,9 @@ import time
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import SMALL
 
 import erlif
+from conftest import SMALL
 from erlif.core.errors import EncoderError
 from erlif.core.notes import Level
 from erlif.ingest import open_run

@@ -5,9 +5,9 @@ import shutil
 import numpy as np
 import pytest
 import tifffile
-from conftest import SMALL, Laboratory
 
 import erlif
+from conftest import SMALL, Laboratory
 from erlif.pipeline.pulse_order import PulseError, refuse_stuck_cameras
 from erlif.rig import RigSettings, simulate
 

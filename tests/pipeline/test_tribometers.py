@@ -9,10 +9,10 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from conftest import SMALL, Laboratory
 from scenes.film import RUN_TOML
 
 import erlif
+from conftest import SMALL, Laboratory
 from erlif.core.errors import ConfigError
 from erlif.pipeline.film import predict_theory
 from erlif.plots.files import missing_figures
