@@ -103,12 +103,14 @@ def cell_edges(films: list[xr.Dataset], axis: str) -> Array:
     >>> cell_edges([one, one], "x").round(2)[:3].tolist()
     [-0.05, 0.75, 1.55]
     """
-    pitches = [float(film[axis][1] - film[axis][0]) for film in films]
+    # positions may rise or fall
+    places = [film[axis].values.astype(float) for film in films]
+    pitches = [float(np.ptp(place)) / max(place.size - 1, 1) for place in places]
     pitch = max(pitches)
-    low = max(float(film[axis][0]) - p / 2 for film, p in zip(films, pitches, strict=True))
-    high = min(float(film[axis][-1]) + p / 2 for film, p in zip(films, pitches, strict=True))
+    low = max(float(place.min()) - p / 2 for place, p in zip(places, pitches, strict=True))
+    high = min(float(place.max()) + p / 2 for place, p in zip(places, pitches, strict=True))
     # rounding must not cost a cell that fits exactly
-    count = int((high - low) / (CELL * pitch) + 1e-6)
+    count = int((high - low) / (CELL * pitch) + 1e-6) if pitch > 0 else 0
     if count < _LEAST_OVERLAP:
         raise ErlifError(
             f"Expected images that share {_LEAST_OVERLAP} cells of {CELL} pixels along {axis}; "

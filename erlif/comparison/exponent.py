@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy
 
@@ -46,7 +48,8 @@ def duty_parameters(records: list[RunRecord]) -> tuple[list[Array], str, str]:
         if record.speed is None or record.load is None:
             return [], "", ""
         factor = record.viscosity if oily and record.viscosity is not None else 1.0
-        values.append(np.asarray(factor * record.speed / record.load))
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a joint without load
+            values.append(np.asarray(factor * record.speed / record.load))
     unit = f"{_UNITS[name]} N-1"
     if oily:
         return values, f"Pa s {unit}", f"viscosity times |{name}| over load"
@@ -103,7 +106,9 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
     film, std, duty, rows = [], [], [], []
     for n, (record, each) in enumerate(zip(records, duties, strict=True)):
         speed = np.asarray(record.speed)
-        fast = speed >= SLOWEST * speed.max()
+        # a trigger without speed or load has no duty parameter
+        known = np.isfinite(each) & (each > 0)
+        fast = known & (speed >= SLOWEST * np.max(speed, where=known, initial=0.0))
         gradient = np.zeros((fast.sum(), shared + len(records)))
         first = starts[record.calibration_key]
         gradient[:, first : first + sizes[record.calibration_key]] = record.gradient[statistic][
@@ -118,6 +123,8 @@ def _fit(records: list[RunRecord], duties: list[Array], statistic: str) -> Expon
         duty.append(each[fast])
     covariance = scipy.linalg.block_diag(*(covariances[key] for key in keys), np.eye(len(records)))
     one = np.concatenate(film)
+    if one.size == 0:
+        return Exponent(math.nan, math.nan, math.nan, 0)
     return fit_exponent(
         one,
         np.concatenate(std),

@@ -241,9 +241,9 @@ def _mean_errors(film: xr.Dataset, trigger: int, calibration: Calibration) -> tu
 
 def _block_edges(position: Array) -> Array:
     """Edges of blocks of pixels; the last pixels that fill no block are left out."""
-    pitch = float(position[1] - position[0])
+    pitch = float(np.ptp(position)) / (position.size - 1)
     count = position.size // _BLOCK
-    return np.asarray(position[0] - pitch / 2 + _BLOCK * pitch * np.arange(count + 1))
+    return np.asarray(position.min() - pitch / 2 + _BLOCK * pitch * np.arange(count + 1))
 
 
 def _hash(text: str) -> str:

@@ -131,6 +131,8 @@ def _conclude(found: xr.Dataset) -> str:
             what = " and ".join(differing)
             sentences.append(f"{one['first'].item()} and {one.second.item()} differ in {what}")
     tests = int(np.isfinite(found.probability.values).sum())
+    if not tests:
+        return "no runs could be compared: no common trigger has a film within the measurable range"
     if not sentences:
         return f"no two runs differ by more than chance, at 5 % for all {tests} tests together"
     return "; ".join(sentences)

@@ -48,9 +48,7 @@ def write_stack(
     """
     import tifffile
 
-    x = film.x.values
-    pitch = float(x[-1] - x[0]) / (x.size - 1)
-    shape = (len(triggers), len(MAPS), film.sizes["y"], x.size)
+    shape = (len(triggers), len(MAPS), film.sizes["y"], film.sizes["x"])
     labels = [
         f"{name} {film[name].attrs.get('units', '')}".removesuffix(" 1")
         + f", {describe_trigger(film, trigger)}"
@@ -70,7 +68,7 @@ def write_stack(
             shape=shape,
             dtype=np.float32,
             photometric="minisblack",
-            resolution=(1 / pitch, 1 / pitch),
+            resolution=(_per_mm(film.x.values), _per_mm(film.y.values)),
             software=f"erlif {__version__}",
             truncate=4 * int(np.prod(shape)) > largest,
             metadata={
@@ -82,6 +80,11 @@ def write_stack(
                 "Info": f"{film.attrs.get('title', '')}\n{film.attrs.get('settings', '')}",
             },
         )
+
+
+def _per_mm(place: AnyArray) -> float:
+    """Pixels per mm along an axis, whichever way it runs; 1 for a single pixel."""
+    return 1.0 if place.size < 2 else (place.size - 1) / abs(float(place[-1] - place[0]))
 
 
 def _ranges(film: xr.Dataset, triggers: list[int]) -> tuple[float, ...]:

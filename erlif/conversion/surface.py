@@ -61,7 +61,8 @@ def find_surface(film: xr.Dataset) -> Array:
             "pixel_pitch in [optics] or pin_radius in [joint], and process the run again."
         )
     line = settings.prediction.load_line
-    top = 0.5 * length if line is None else line * 1e3
-    angle = (sliding - sliding.min() - top) / radius
+    # the load line is measured from the first pixel of the camera, also where the film is cropped
+    middle = 0.5 * float(sliding.max() + sliding.min())
+    angle = (sliding - (middle if line is None else line * 1e3)) / radius
     wound, height = radius * np.sin(angle), radius * np.cos(angle)
     return np.stack([wound, y, height] if along_x else [x, -wound, height], axis=-1)

@@ -54,6 +54,15 @@ def test_cells_lie_within_all_images():
     assert edges[-1] <= 8.95 + 1e-9
 
 
+def test_an_image_whose_rows_run_upwards_has_the_same_cells():
+    film = noisy_map(5.0, 0.1, np.random.default_rng(8))
+    turned = film.isel(y=slice(None, None, -1), x=slice(None, None, -1))
+    npt.assert_allclose(cell_edges([turned], "y"), cell_edges([film], "y"))
+    npt.assert_allclose(cells_of(turned).film, cells_of(film).film)
+    with pytest.raises(ErlifError, match="share 2 cells"):
+        cell_edges([film.isel(x=[3])], "x")
+
+
 def test_images_of_two_pixel_pitches_give_the_same_cells():
     rng = np.random.default_rng(6)
     maps = [noisy_map(5.0, 0.02, rng, pitch=pitch, shape=(80, 96)) for pitch in (0.1, 0.05)]

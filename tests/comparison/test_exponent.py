@@ -37,6 +37,23 @@ def test_without_a_viscosity_the_duty_parameter_is_speed_over_load(record):
     assert duty_parameters([record, replace(record, speed_name="")])[0] == []
 
 
+def test_triggers_without_speed_or_load_are_left_out(record):
+    nothing = np.arange(6) != 2
+    speed = np.where(nothing, record.speed, np.nan)
+    without = replace(record, speed=speed)
+    duties, *_ = duty_parameters([record, without])
+    one, other, joint = fit_runs([record, without], duties, "film_min")
+    assert (one.triggers, other.triggers, joint.triggers) == (6, 5, 11)
+    npt.assert_allclose([other.value, joint.value], 0.6, atol=1e-6)
+
+    for nothing in ({"speed": np.zeros(6)}, {"load": np.zeros(6)}):
+        still = replace(record, **nothing)
+        duties, *_ = duty_parameters([record, still])
+        fits = fit_runs([record, still], duties, "film_min")
+        assert np.isnan(fits[1].value)
+        assert fits[2].triggers == 6
+
+
 def test_the_error_of_a_calibration_is_that_of_all_its_runs(record):
     """Two runs determine the power no better than one where the shared error dominates."""
     duties, *_ = duty_parameters([record, record])

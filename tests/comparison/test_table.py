@@ -2,6 +2,8 @@
 
 import csv
 
+import numpy as np
+
 from erlif.comparison import compare, describe_comparison, write_pair_table
 from erlif.comparison.table import pair_rows
 
@@ -22,6 +24,12 @@ def test_without_a_difference_the_size_that_would_be_found_is_stated(film):
         == "conclusion: no two runs differ by more than chance, at 5 % for all 2 tests together"
     )
     assert any("no difference found (one of 0.0" in line for line in lines)
+
+
+def test_runs_without_a_common_film_are_not_stated_to_agree(film, other):
+    dark = other.assign({name: other[name] * np.nan for name in ("film_min", "film_mean")})
+    lines = describe_comparison(compare([film, dark]))
+    assert lines[-1].startswith("conclusion: no runs could be compared")
 
 
 def test_tables_hold_every_pair_and_escape_names(film, other, tmp_path):

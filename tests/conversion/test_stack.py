@@ -39,6 +39,18 @@ def test_imagej_knows_pixel_size_unit_and_order(stack):
     assert labels[7].startswith("flags, trigger 1, ")
 
 
+def test_pixel_size_is_that_of_an_image_whichever_way_it_runs(film, tmp_path):
+    path = tmp_path / "film.tif"
+    for part, expected in (
+        (film.isel(x=slice(None, None, -1)), 1 / 0.25),
+        (film.isel(x=[3]), 1.0),  # a single column has none
+    ):
+        write_stack(part, path, triggers=[0], progress=silent)
+        with tifffile.TiffFile(path) as file:
+            across, each = file.pages[0].tags["XResolution"].value
+        assert across / each == pytest.approx(expected)
+
+
 def test_a_stack_above_four_gigabytes_has_its_images_in_one_piece(film, tmp_path):
     path = tmp_path / "film.tif"
     write_stack(film, path, triggers=[1, 2], progress=silent, largest=1000)

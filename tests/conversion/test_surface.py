@@ -47,6 +47,18 @@ def test_an_image_with_the_axis_along_x_is_wound_along_y(film):
     assert (np.diff(points[:, 0, 1]) < 0).all()  # y points down
 
 
+def test_the_load_line_of_a_turned_or_cropped_image_is_its_place_in_the_camera(film):
+    turned = with_settings(
+        film,
+        ('x_axis = "sliding"', 'x_axis = "axial"'),
+        ("[prediction]", '[prediction]\nload_line = "1 mm"'),
+    )
+    npt.assert_allclose(find_surface(turned)[4, 0, 1:], [0, RADIUS], atol=1e-9)  # 0.25 mm rows
+    moved = with_settings(film, ("[prediction]", '[prediction]\nload_line = "5 mm"'))
+    cropped = find_surface(moved.isel(x=slice(8, None)))
+    npt.assert_allclose(cropped[0, 12], [0, 0, RADIUS], atol=1e-9)
+
+
 def test_a_disc_and_a_slider_are_flat(film):
     text = film.attrs["settings"]
     start, end = text.index("[joint]"), text.index("[oil]")
