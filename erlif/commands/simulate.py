@@ -155,6 +155,7 @@ class FilmChoice(click.ParamType["float | str"]):
     help="Film reynolds: write the mount of the pin, the cavitation pressure and the load line "
     "into run.toml.",
 )
+@click.option("--load", default=DEFAULT.load, show_default=True, help="Mean load, in N.")
 @click.option(
     "--viscosity",
     default=DEFAULT.viscosity,

@@ -1,5 +1,7 @@
 """``erlif simulate``."""
 
+import numpy as np
+import numpy.testing as npt
 import pytest
 import xarray as xr
 from click.testing import CliRunner
@@ -72,6 +74,15 @@ def test_a_film_of_theory_is_photographed_with_the_stated_viscosity(tmp_path):
         assert 8.0 < float(truth.film_min[0]) < 8.8
         assert float(truth.viscosity[0]) == 0.12
     assert 'viscosity = "0.1 Pa s"' in (out / "run" / "run.toml").read_text()
+
+
+def test_the_log_holds_the_load_that_was_given(tmp_path):
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["simulate", str(out), *SMALL, "--load", "445"])
+    assert result.exit_code == 0, result.output
+    load = np.genfromtxt(out / "run" / "encoder.csv", delimiter=",", names=True)["load_N"]
+    npt.assert_allclose(load, 445, rtol=0.05)  # it swings by 1 % over a turn
+    assert 'load = "445 N"' in (out / "run" / "run.toml").read_text()
 
 
 def test_a_film_of_theory_of_a_disc_is_refused(tmp_path):
