@@ -28,8 +28,10 @@ def first_and_last(
 
 
 @click.command()
-@click.argument("film", type=PATH)
-@click.option("-o", "--output", type=PATH, help="Default: report.html beside FILM.")
+@click.argument("films", type=PATH, nargs=-1, required=True, metavar="FILM...")
+@click.option(
+    "-o", "--output", type=PATH, help="Default: report.html beside FILM, of several films here."
+)
 @click.option(
     "--triggers",
     callback=first_and_last,
@@ -46,27 +48,41 @@ def first_and_last(
 @ALLOW_OUTSIDE
 @OVERWRITE
 def report(
-    film: Path,
+    films: tuple[Path, ...],
     output: Path | None,
     triggers: tuple[int, int] | None,
     max_size: float,
     allow_outside: bool,
     overwrite: bool,
 ) -> None:
-    """Write one self-contained HTML page about a film.
+    """Write one self-contained HTML page about a film, or about several beside each other.
 
     \b
     Example:
       erlif report data_samples/straight_bushing/film.nc
       erlif report film.nc --triggers 100-149 -o some.html
+      erlif report run_*/film.nc -o runs.html
     """
-    from erlif.report import write_report
+    from erlif.report import write_report, write_runs_report
 
-    output = output or film.parent / "report.html"
+    several = len(films) > 1
+    output = output or (Path("report.html") if several else films[0].parent / "report.html")
     expect_suffix(output, ".html")
+    if several and triggers is not None:
+        raise ErlifError(
+            f"Expected one film with --triggers; got {len(films)}. Leave out --triggers, or name "
+            "one film."
+        )
+    if several:
+        with show_progress() as progress:
+            page = write_runs_report(
+                films, output, max_size=max_size, overwrite=overwrite, progress=progress
+            )
+        click.echo(str(page))
+        return
     with announced_compiling(), show_progress() as progress:
         page = write_report(
-            film,
+            films[0],
             output,
             triggers=triggers,
             max_size=max_size,

@@ -11,6 +11,7 @@ from erlif.report.summary import describe_calibration, summarise, summarise_in_a
 if TYPE_CHECKING:
     from erlif.report.check_page import write_check_page
     from erlif.report.page import write_report
+    from erlif.report.runs import write_runs_report
 
 __all__ = [
     "MapCoding",
@@ -26,6 +27,7 @@ __all__ = [
     "write_check_page",
     "write_plan",
     "write_report",
+    "write_runs_report",
 ]
 
 
@@ -39,4 +41,8 @@ def __getattr__(name: str) -> Any:
         from erlif.report.page import write_report
 
         return write_report
+    if name == "write_runs_report":
+        from erlif.report.runs import write_runs_report
+
+        return write_runs_report
     raise AttributeError(f"module 'erlif.report' has no attribute {name!r}")

@@ -6,6 +6,7 @@ import base64
 import csv
 import io
 import re
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -59,6 +60,30 @@ def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
 def _digits(value: float) -> str:
     """A number with the digits that single precision holds."""
     return "NaN" if np.isnan(value) else f"{value:.9g}"
+
+
+def runs_csv(runs: Sequence[dict[str, str]]) -> str:
+    """Write the numbers of runs as CSV, one row for each.
+
+    Parameters
+    ----------
+    runs : sequence of dict
+        Cells by the heading of their column.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> runs_csv([{"run": "a", "load [N]": "222"}]).splitlines()
+    ['run,load [N]', 'a,222']
+    """
+    file = io.StringIO()
+    writer = csv.DictWriter(file, list(runs[0]))
+    writer.writeheader()
+    writer.writerows(runs)
+    return file.getvalue()
 
 
 def download_link(text: str, *, name: str, label: str) -> str:
