@@ -289,7 +289,8 @@
     }
     for (const t of ticks(low, high, 7)) write(pen, signed(t), frame.left - 7, top(t), "right");
     write(pen, film.xLabel, frame.left + wide / 2, frame.top + tall + 32, "center");
-    writeUpwards(pen, `${film.layers[name]} [µm]`, 12, frame.top + tall / 2);
+    const brief = tall < 220 && name.startsWith("std");
+    writeUpwards(pen, `${brief ? "s.d." : film.layers[name]} [µm]`, 12, frame.top + tall / 2);
   }
 
   function showValue(column, row) {
