@@ -190,9 +190,15 @@ def _compare_pairs(records: list[RunRecord]) -> xr.Dataset:
         "angle": ("angle", angle, {"units": "degree"} if records[0].by_angle else {}),
     }
     method = "at common crank angles, interpolated linearly between triggers where they differ"
-    return xr.Dataset(
-        variables, coords, {"method": method if records[0].by_angle else "trigger by trigger"}
-    )
+    attrs = {"method": method if records[0].by_angle else "trigger by trigger"}
+    if any(
+        record.settings.thickness.roi != records[0].settings.thickness.roi for record in records
+    ):
+        attrs["note"] = (
+            "the regions of the film statistics differ (roi in [thickness]): a difference can be "
+            "that of two places"
+        )
+    return xr.Dataset(variables, coords, attrs)
 
 
 def _compare_powers(records: list[RunRecord]) -> xr.Dataset:

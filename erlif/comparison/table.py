@@ -56,6 +56,8 @@ def describe_comparison(found: xr.Dataset) -> list[str]:
     lines.append(f"differences, {found.attrs['method']}:")
     for k in range(found.sizes["pair"]):
         lines += [_describe_pair(found.isel(pair=k), name) for name in _NAMES]
+    if "note" in found.attrs:
+        lines.append(f"note: {found.attrs['note']}")
     lines += _describe_map(found)
     lines += _describe_chart(found)
     lines.append(f"conclusion: {_conclude(found)}")

@@ -32,6 +32,16 @@ def test_runs_without_a_common_film_are_not_stated_to_agree(film, other):
     assert lines[-1].startswith("conclusion: no runs could be compared")
 
 
+def test_regions_that_differ_are_reported(film, other):
+    text = other.attrs["settings"]
+    start = text.index("[thickness.roi]")
+    end = text.index("\n[", start)
+    whole = other.assign_attrs(settings=text[:start] + text[end:])
+    lines = describe_comparison(compare([film, whole]))
+    assert any("regions of the film statistics differ" in line for line in lines)
+    assert not any("regions" in line for line in describe_comparison(compare([film, other])))
+
+
 def test_tables_hold_every_pair_and_escape_names(film, other, tmp_path):
     named = film.attrs["settings"].replace('name = "example"', 'name = "<b>one</b>, two"')
     found = compare([film, other, film.assign_attrs(settings=named)])
