@@ -343,7 +343,7 @@ USAGE = [
         "usage: figures of a calibration",
         _nothing,
         "figures fixture/calibration.nc",
-        "no variable trigger",
+        "erlif.open_calibration opens it",
     ),
     _state("usage: report of nothing", _nothing, "report nothing.nc", "does not exist"),
     _state("usage: report of a frame", _nothing, "report run/camera1/frame_0001.tif", "process"),
