@@ -24,6 +24,8 @@ from scenes.stores import contents
 import erlif
 from erlif.commands.main import main
 
+pytestmark = pytest.mark.slow
+
 CATALOGUE = [
     *(*SETTINGS, *FRAMES, *LOGS, *PROFILES, *CALIBRATIONS, *FILMS, *OUTPUTS, *USAGE, *TABLES),
 ]

@@ -8,6 +8,8 @@ from click.testing import CliRunner
 
 from erlif.commands.main import main
 
+pytestmark = pytest.mark.slow
+
 MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 

@@ -9,6 +9,8 @@ import pytest
 
 from erlif.commands.ending import EndedBySignal, signals_interrupt
 
+pytestmark = pytest.mark.slow
+
 ERLIF = (sys.executable, "-m", "erlif")
 
 SIGNALS = [signal.SIGTERM, signal.SIGHUP]

@@ -20,6 +20,8 @@ from erlif.commands.main import main
 from erlif.core.flags import Flag
 from erlif.files import NetcdfMaps, PartialFilm
 
+pytestmark = pytest.mark.slow
+
 
 def read_film(path, group=None):
     with erlif.open_film(path, group=group) as film:

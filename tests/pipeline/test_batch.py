@@ -10,6 +10,8 @@ from erlif.core.errors import ConfigError, OutputError
 from erlif.ingest import RunEntry
 from erlif.pipeline.batch import RunState, batch, list_runs
 
+pytestmark = pytest.mark.slow
+
 MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 

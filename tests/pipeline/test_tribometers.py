@@ -97,7 +97,7 @@ def test_settings_have_the_tables_of_their_kind_alone(case):
 
 def test_film_has_what_the_motion_gives_and_no_more(case):
     expected = EXPECTED[case.kind] | (TREND if case.kind != "static" else set())
-    assert MOTION & set(case.film) == expected
+    assert MOTION & set(case.film.variables) == expected
     assert {"thickness", "film_mean", "film_min", "flags"} <= set(case.film)
 
 
