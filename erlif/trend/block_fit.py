@@ -148,6 +148,10 @@ def _iterate(blocks: BlockMeans, curve: FilmCurve, shapes: Array, base: float) -
         return None
     place, _ = curve.find_bins(value)
     chosen = shapes * use
+
+    # rounding can leave the matrix of dependent shapes invertible, so that their rank decides
+    if np.linalg.matrix_rank(chosen) < len(shapes):
+        return None
     goal = chosen @ (curve.film[place] - base)
     amplitudes: Array = np.asarray(np.linalg.solve(chosen @ shapes.T, goal), float)
 
