@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
@@ -80,20 +81,20 @@ def serve_films(
 
 async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], None]) -> None:
     from tornado.httpserver import HTTPServer
-    from tornado.netutil import bind_sockets
 
     from erlif.view.handlers import make_application
 
     try:
-        sockets = bind_sockets(port, "127.0.0.1")
+        listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
         raise ErlifError(
             f"Expected port {port} of this machine to be free ({reason_of(error)}). Choose another "
             "one with --port, or leave it out."
         ) from error
-    door = Door(int(sockets[0].getsockname()[1]))
+    listening.setblocking(False)
+    door = Door(int(listening.getsockname()[1]))
     with ThreadPoolExecutor(_THREADS) as executor:
         server = HTTPServer(make_application(door, films, executor), max_body_size=2**16)
-        server.add_sockets(sockets)
+        server.add_socket(listening)
         ready(door.address)
         await asyncio.Event().wait()

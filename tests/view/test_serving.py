@@ -34,7 +34,10 @@ def test_a_port_in_use_is_refused(example_path, serve):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no SIGINT to one process")
 def test_the_command_prints_its_address_and_ends_with_control_c(example_path):
-    command = [sys.executable, "-m", "erlif", "view", "--no-browser", str(example_path)]
+    # a process started in the background of a shell ignores the signal unless it asks for it
+    code = "import signal as s; s.signal(s.SIGINT, s.default_int_handler)"
+    code += "; from erlif.commands.main import main; main(prog_name='erlif')"
+    command = [sys.executable, "-c", code, "view", "--no-browser", str(example_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             address = process.stdout.readline().decode().split()[-1]
