@@ -37,7 +37,7 @@ STD = np.array([5e-9, 20e-9])  # new at every trigger, along the load and sidewa
 SCALE = 0.005  # of all films
 MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
 CYCLES, FRAMES = 2, 50
-GUIDED = 6  # orbits, each photographed twice
+GUIDED = {"on which settings were chosen": range(6), "new": range(6, 12)}  # orbits, twice each
 HELD = 6  # orbits of springs, and of cavitation pressures
 
 
@@ -155,22 +155,23 @@ def run_free(count, compared):
 
 
 def run_guided():
-    pulls, errors, recognised = [], [], 0
-    for number in range(GUIDED):
-        rng = np.random.default_rng(1000 + number)
-        viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
-        orbit = limit_orbit(viscosity, film)
-        for _ in range(2):
-            measured = photograph(orbit, 0.0, rng)
-            truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
-            found, pull, (motion, steps, crank) = study(
-                measured, truth, sideways="guided", load_line_std=1e-3
-            )
-            pulls.append(pull)
-            errors.append(found.estimates["viscosity"].value / viscosity - 1)
-            best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
-            recognised += best.candidates[0].name == "a guided pin"
-    report("guided pin", pulls, errors, recognised)
+    for kind, numbers in GUIDED.items():
+        pulls, errors, recognised = [], [], 0
+        for number in numbers:
+            rng = np.random.default_rng(1000 + number)
+            viscosity, film = rng.uniform(0.1, 0.25), rng.uniform(22e-6, 40e-6)
+            orbit = limit_orbit(viscosity, film)
+            for _ in range(2):
+                measured = photograph(orbit, 0.0, rng)
+                truth = {"viscosity": viscosity, "start_film": STATED.clearance - orbit[0, 0]}
+                found, pull, (motion, steps, crank) = study(
+                    measured, truth, sideways="guided", load_line_std=1e-3
+                )
+                pulls.append(pull)
+                errors.append(found.estimates["viscosity"].value / viscosity - 1)
+                best = compare_models(measured, STATED, motion, steps=steps, crank=crank)
+                recognised += best.candidates[0].name == "a guided pin"
+        report(f"guided pin, orbits {kind}", pulls, errors, recognised)
 
 
 def run_held():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,6 +19,9 @@ _SIDE = re.compile("[0-9]{1,6}")
 
 DEFAULT = RigSettings()
 """The options show the defaults of the rig itself."""
+
+_SHARE_OUTSIDE = 0.01
+"""Of the pixels; turning marks alone leave the wedge in fewer."""
 
 
 class PictureSize(click.ParamType[tuple[int, int]]):
@@ -329,6 +333,28 @@ def simulate(
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
     click.echo(f"{out / 'fixture'}\n{out / 'run'}\n{out / 'truth.nc'}")
+    if note := _note_of_range(out / "truth.nc"):
+        click.echo(note, err=True)
+
+
+def _note_of_range(path: Path) -> str:
+    """A sentence where the true film leaves the wedge by more than 1 % of all pixels."""
+    import xarray as xr  # at use: the help of the command needs none of it
+
+    outside, thinnest, thickest = 0.0, math.inf, -math.inf
+    with xr.open_dataset(path) as truth:
+        low, high = float(truth.wedge.min()), float(truth.wedge.max())
+        for film in truth.film:  # one trigger in memory
+            outside += float(((film < low) | (film > high)).mean()) / truth.sizes["trigger"]
+            thinnest, thickest = min(thinnest, float(film.min())), max(thickest, float(film.max()))
+    if outside <= _SHARE_OUTSIDE:
+        return ""
+    return (
+        f"Note: {100 * outside:.0f} % of the true film ({thinnest:.3g} to {thickest:.3g} um) "
+        f"lies outside the wedge of the fixture ({low:.3g} to {high:.3g} um); "
+        "erlif process marks it as out of range. Choose another --film, --viscosity, --load or "
+        "--elapsed to stay inside."
+    )
 
 
 def _rig_of_options(
