@@ -238,6 +238,22 @@ FILM = (
     Variable(
         "film_min_std", T, "float64", "um", "Its standard deviation, random and shared parts."
     ),
+    Variable(
+        "film_min_x",
+        T,
+        "float64",
+        "px",
+        "Column at which the smooth gap has this minimum, from 0 at the left edge of the image: "
+        "the vertex of the parabola, or an edge of the region. NaN where film_min is.",
+    ),
+    Variable(
+        "film_min_y",
+        T,
+        "float64",
+        "px",
+        "The same, row, from 0 at the top. Across the sliding direction it is the edge of the "
+        "region towards which the gap falls.",
+    ),
     Variable("axis", ("axis",), "text", "", "Directions of the displacement: load, side.", JOINT),
     Variable(
         "pin_displacement",

@@ -74,6 +74,8 @@ FILM: Mapping[str, _Form] = {
     "film_mean_std": _Form(unit="um", required=True, low=0),
     "film_min": _Form(unit="um", required=True),
     "film_min_std": _Form(unit="um", required=True, low=0),
+    "film_min_x": _Form(unit="px", low=0),
+    "film_min_y": _Form(unit="px", low=0),
     "share_beyond_range": _Form(unit="1", low=0),
     "valid_pixels": _Form(kinds="iu", low=0),
     "flagged_pixels": _Form(("trigger", "flag"), kinds="iu", low=0),

@@ -44,8 +44,9 @@ def summarise_region(
     Returns
     -------
     xarray.Dataset
-        film_mean and film_min with their _std, _std_random and _std_shared [um]; pixels and
-        share_valid, number and share of the valid pixels. NaN where too few are valid.
+        film_mean and film_min with their _std, _std_random and _std_shared [um]; film_min_x and
+        film_min_y, column and row of the minimum in the image [px]; pixels and share_valid, number
+        and share of the valid pixels. NaN where too few are valid.
 
     Raises
     ------
@@ -77,6 +78,17 @@ def summarise_region(
         for name, values in _tabulate(found).items()
     }
     pixels = np.reshape(counts, (-1,) if several else ())
+    places = np.array([one.minimum_place for one in found]).T
+    at = {
+        f"film_min_{axis}": (
+            dims,
+            np.reshape(first + place, (-1,) if several else ()),
+            {"units": "px", "long_name": f"{name} of the minimum film thickness"},
+        )
+        for axis, name, first, place in zip(
+            "xy", ("column", "row"), (region.columns.start, region.rows.start), places, strict=True
+        )
+    }
     total = maps.sizes["y"] * maps.sizes["x"]
     described = xr.Dataset(
         {
@@ -84,6 +96,7 @@ def summarise_region(
                 name: (*column, {"units": "um", "long_name": _COLUMNS[name]})
                 for name, column in columns.items()
             },
+            **at,
             "pixels": (dims, pixels, {"units": "1", "long_name": "valid pixels"}),
             "share_valid": (
                 dims,

@@ -318,7 +318,7 @@ def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
         "units": "um",
         "long_name": "minimum film thickness",
         "comment": "of a smooth gap fitted to the valid pixels of the region of interest",
-        "ancillary_variables": "film_min_std",
+        "ancillary_variables": "film_min_std film_min_x film_min_y",
     }
     mean_std, minimum_std = (
         {
@@ -328,12 +328,23 @@ def describe_statistics(results: Sequence[TriggerResult]) -> dict[str, Any]:
         }
         for name in ("mean", "minimum")
     )
+    places = np.array([one.minimum_place for one in statistics]).reshape(-1, 2)
+    at = [
+        {
+            "units": "px",
+            "long_name": f"{name} of the minimum film thickness",
+            "comment": "of the smooth gap whose minimum film_min is",
+        }
+        for name in ("column", "row")
+    ]
     return {
         "film_mean": ("trigger", np.array([one.mean for one in statistics]), mean),
         "film_mean_std": ("trigger", np.array([one.mean_std for one in statistics]), mean_std),
         "share_beyond_range": ("trigger", beyond, share),
         "film_min": ("trigger", np.array([one.minimum for one in statistics]), minimum),
         "film_min_std": ("trigger", np.array([one.minimum_std for one in statistics]), minimum_std),
+        "film_min_x": ("trigger", places[:, 0], at[0]),
+        "film_min_y": ("trigger", places[:, 1], at[1]),
     }
 
 

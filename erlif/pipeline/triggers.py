@@ -110,7 +110,9 @@ class TriggerTask(PickledByFields):
             if not frames:
                 ratio.flags[:] = Flag.OUTSIDE_OVERLAP
             film = measure_film(ratio, self.tables, self.region)
-        statistics = summarise_blocks(film.sums, self.curve, sliding_along_x=self.sliding_along_x)
+        statistics = summarise_blocks(
+            film.sums, self.curve, region=self.region, sliding_along_x=self.sliding_along_x
+        )
         position = None
         if self.view is not None:
             position = find_pin_in_blocks(film.sums, self.curve, region=self.region, view=self.view)

@@ -287,6 +287,11 @@ def _film(name: str) -> Callable[[dict[str, float]], str]:
     return lambda one: with_error(one[name], one[f"{name}_std"])
 
 
+def _place(one: dict[str, float]) -> str:
+    x, y = one["film_min_x"], one["film_min_y"]
+    return f"{x:.0f}, {y:.0f}" if math.isfinite(x) else "–"
+
+
 _COLUMNS = (
     _Column("Stroke", ("stroke",), lambda one: "outward" if one["stroke"] > 0 else "return"),
     _Column("Time [s]", ("time",), _number("time", 3)),
@@ -300,6 +305,7 @@ _COLUMNS = (
     _Column("Frame pairs", ("frames_used",), lambda one: f"{int(one['frames_used'])}"),
     _Column("Mean film thickness [µm]", ("film_mean",), _film("film_mean")),
     _Column("Minimum film thickness [µm]", ("film_min",), _film("film_min")),
+    _Column("at column, row [px]", ("film_min_x", "film_min_y"), _place),
     _Column("Theory [µm]", ("film_theory",), _number("film_theory", 1)),
     _Column("2.65 formula [µm]", ("film_hamrock_dowson",), _number("film_hamrock_dowson", 3)),
     _Column("Λ", ("film_parameter",), _number("film_parameter", 1)),

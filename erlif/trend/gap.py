@@ -34,12 +34,15 @@ class GapMinimum(NamedTuple):
     gradient : Array
         Change with the parameters of the calibration, in the order of
         `Calibration.full_covariance`.
+    place : Array
+        Where the fitted gap has its minimum, (axis,): column and row of the image. [px]
     """
 
     value: float
     random_std: float
     surface_std: float
     gradient: Array
+    place: Array
 
 
 def fit_gap_minimum(
@@ -86,13 +89,20 @@ def fit_gap_minimum(
     >>> minimum = fit_gap_minimum(ratios, calibration, region=whole, sliding_along_x=True)
     >>> round(minimum.value, 2)
     2.8
+    >>> minimum.place.round(1)
+    array([31.5,  0. ])
     """
     return find_gap_minimum(
-        sum_blocks(ratios, region), FilmCurve.of(calibration), sliding_along_x=sliding_along_x
+        sum_blocks(ratios, region),
+        FilmCurve.of(calibration),
+        region=region,
+        sliding_along_x=sliding_along_x,
     )
 
 
-def find_gap_minimum(sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool) -> GapMinimum:
+def find_gap_minimum(
+    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool
+) -> GapMinimum:
     """Fit a smooth gap to the blocks of a region; `fit_gap_minimum` does the same from images."""
     blocks = average_blocks(sums, sliding_along_x=sliding_along_x)
     shapes = np.stack(
@@ -101,12 +111,14 @@ def find_gap_minimum(sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool
     fit = fit_blocks(blocks, curve, shapes)
     if fit is None:
         parameters = len(curve.gradient)
-        return GapMinimum(math.nan, math.nan, math.nan, np.full(parameters, math.nan))
+        unknown, nowhere = np.full(parameters, math.nan), np.full(2, math.nan)
+        return GapMinimum(math.nan, math.nan, math.nan, unknown, nowhere)
 
     # the minimum lies at the vertex of the parabola where it opens upwards, else at an edge
     _, b, c, d = fit.amplitudes
     along = float(np.clip(-b / (2 * d), -1, 1)) if d > 0 else -math.copysign(1.0, b)
-    at = np.array([1.0, along, -math.copysign(1.0, c), along**2])
+    across = -math.copysign(1.0, c)
+    at = np.array([1.0, along, across, along**2])
 
     # change of the minimum with the ratio of each block, through the reweighted fit
     pull = np.linalg.solve(fit.curvature, at) @ fit.jacobian
@@ -124,4 +136,15 @@ def find_gap_minimum(sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool
         math.sqrt(random),
         math.sqrt(max(total - random, 0.0)),
         np.asarray(-curve.calibration.gradient(fit.film) @ by_block),
+        _place(region, (along, across) if sliding_along_x else (across, along)),
+    )
+
+
+def _place(region: Region, position: tuple[float, float]) -> Array:
+    """Column and row of a position (x, y) from -1 to 1 over a region. [px]"""
+    return np.array(
+        [
+            pixels.start + 0.5 * (at + 1) * (pixels.stop - 1 - pixels.start)
+            for pixels, at in zip((region.columns, region.rows), position, strict=True)
+        ]
     )

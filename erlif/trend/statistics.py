@@ -45,6 +45,8 @@ class FilmStatistics:
         The part that marks and waviness of the surfaces leave, the same at every trigger. [um]
     minimum_gradient : Array
         As mean_gradient, for the minimum.
+    minimum_place : Array
+        Where the smooth gap has its minimum, (axis,): column and row of the image. [px]
     beyond_range : float
         Share of the region outside the measurable range. The mean is that of the rest; the
         minimum is not affected. [1]
@@ -59,6 +61,7 @@ class FilmStatistics:
     minimum_random_std: float
     minimum_surface_std: float
     minimum_gradient: Array
+    minimum_place: Array
     beyond_range: float
 
 
@@ -131,12 +134,13 @@ def summarise_film(
     return summarise_blocks(
         sum_blocks(ratios, region, maps),
         FilmCurve.of(calibration),
+        region=region,
         sliding_along_x=sliding_along_x,
     )
 
 
 def summarise_blocks(
-    sums: BlockSums, curve: FilmCurve, *, sliding_along_x: bool = True
+    sums: BlockSums, curve: FilmCurve, *, region: Region, sliding_along_x: bool = True
 ) -> FilmStatistics:
     """Mean and minimum film thickness from the sums over the blocks of a region.
 
@@ -146,6 +150,8 @@ def summarise_blocks(
     ----------
     sums : BlockSums
     curve : FilmCurve
+    region : Region
+        Of the sums.
     sliding_along_x : bool
         Whether image x is the sliding direction.
 
@@ -165,12 +171,13 @@ def summarise_blocks(
     ...     "log_ratio_var": (("y", "x"), np.full((64, 64), 1e-6)),
     ...     "flags": (("y", "x"), np.zeros((64, 64), np.uint8)),
     ... }))
-    >>> sums = sum_blocks(ratios, Region(slice(0, 64), slice(0, 64)))
-    >>> round(summarise_blocks(sums, FilmCurve.of(calibration)).minimum, 2)
+    >>> whole = Region(slice(0, 64), slice(0, 64))
+    >>> curve = FilmCurve.of(calibration)
+    >>> round(summarise_blocks(sum_blocks(ratios, whole), curve, region=whole).minimum, 2)
     3.0
     """
     mean = _average_film(sums, curve)
-    minimum = find_gap_minimum(sums, curve, sliding_along_x=sliding_along_x)
+    minimum = find_gap_minimum(sums, curve, region=region, sliding_along_x=sliding_along_x)
 
     covariance = curve.calibration.full_covariance
     mean_shared = float(mean.gradient @ covariance @ mean.gradient)
@@ -185,6 +192,7 @@ def summarise_blocks(
         minimum_random_std=minimum.random_std,
         minimum_surface_std=minimum.surface_std,
         minimum_gradient=minimum.gradient,
+        minimum_place=minimum.place,
         # of the otherwise valid pixels, those whose film lies outside the measurable range
         beyond_range=sums.beyond / max(sums.valid + sums.beyond, 1),
     )

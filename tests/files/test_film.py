@@ -42,6 +42,8 @@ ROOT = {
     "film_mean_std": (("trigger",), "um"),
     "film_min": (("trigger",), "um"),
     "film_min_std": (("trigger",), "um"),
+    "film_min_x": (("trigger",), "px"),
+    "film_min_y": (("trigger",), "px"),
     "axis": (("axis",), None),
     "parameter": (("parameter",), None),
     "pin_displacement": (("trigger", "axis"), "um"),

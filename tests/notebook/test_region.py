@@ -37,6 +37,19 @@ def test_the_mean_of_a_part_is_that_of_the_known_film(opened, small_rig):
     assert found.pixels.values.tolist() == np.isfinite(part).sum(axis=(1, 2)).tolist()
 
 
+def test_the_minimum_lies_where_the_true_gap_has_it(opened, small_rig):
+    """The vertex to 1 px, 60 um, in spite of marks; across, the edge of the film or of the part."""
+    rows, columns = slice(10, 60), slice(16, 72)
+    with xr.open_dataset(small_rig.directory / "truth.nc", engine="h5netcdf") as truth:
+        lines = truth.film.values[:, rows].argmin(axis=2)
+    x, y = opened.x.values[columns], opened.y.values[rows]
+    part = summarise_region(opened, x=(x[0], x[-1]), y=(y[0], y[-1]))
+    roi = erlif.files.region_of(opened)
+    for found, row in ((opened, np.searchsorted(opened.y, roi.y[0])), (part, rows.start)):
+        np.testing.assert_allclose(found.film_min_x, np.median(lines, axis=1), atol=1.0)
+        np.testing.assert_array_equal(found.film_min_y, row)
+
+
 def test_both_parts_of_the_error_make_the_whole(opened):
     found = summarise_region(opened.isel(trigger=[1]))
     for name in ("film_mean_std", "film_min_std"):

@@ -131,7 +131,7 @@ def test_sums_are_those_of_the_plain_blocks(calibration, region):
 def test_statistics_are_those_of_the_plain_functions(calibration):
     pair, ratios = pair_of(), plain(pair_of())
     maps = measure_film(pair, FilmTables.of(calibration), REGION)
-    found = summarise_blocks(maps.sums, FilmCurve.of(calibration))
+    found = summarise_blocks(maps.sums, FilmCurve.of(calibration), region=REGION)
     expected = summarise_film(
         ratios, measure_thickness(ratios, calibration), calibration, region=REGION
     )

@@ -152,6 +152,14 @@ def test_statistics_stand_in_the_order_of_the_triggers():
     assert film.share_beyond_range.values.tolist() == [0.007] * 3
 
 
+def test_place_of_the_minimum_is_column_then_row():
+    places = [[3.0, 40.0], [5.5, 50.0]]
+    results = [make_result(minimum_place=np.array(place)) for place in places]
+    film = xr.Dataset(describe_statistics(results))
+    assert film.film_min_x.values.tolist() == [3.0, 5.5]
+    assert film.film_min_y.values.tolist() == [40.0, 50.0]
+
+
 @pytest.fixture
 def power_law():
     """Triggers whose minimum follows the power 0.62 and whose mean follows 0.4."""

@@ -18,6 +18,7 @@ def make_statistics(**changes) -> FilmStatistics:
         "minimum_random_std": 0.03,
         "minimum_surface_std": 0.04,
         "minimum_gradient": np.array([4.0, 5.0, 6.0]),
+        "minimum_place": np.array([70.0, 80.0]),
         "beyond_range": 0.007,
     }
     return FilmStatistics(**(values | changes))

@@ -65,6 +65,33 @@ def test_many_blocks_are_merged_without_a_change_of_the_minimum():
     npt.assert_allclose(found.value, 3.0, atol=1e-3)
 
 
+@pytest.mark.parametrize("tilt", [-0.2, 0.2])
+@pytest.mark.parametrize("region", [WHOLE, Region(slice(16, 112), slice(40, 168))])
+def test_place_of_the_minimum_is_that_of_the_true_gap(region, tilt):
+    """Vertex of the parabola at 7 mm, 116.7 px; across, the edge towards which the gap falls."""
+    film = known_gap(3.0, tilt=tilt)
+    part = film[region.rows, region.columns]
+    row, column = np.unravel_index(part.argmin(), part.shape)
+    found = fit(exact_ratios(film), region=region).place
+    npt.assert_allclose(found, [region.columns.start + column, region.rows.start + row], atol=0.6)
+
+
+def test_place_is_column_then_row_also_where_the_rows_lie_along_sliding():
+    """The same gap, turned: the vertex is in row 50, the lower edge in the last column."""
+    s = np.arange(160)[:, None] - 50.0
+    film = 3.0 + 1e-3 * s**2 - 0.002 * np.arange(160)
+    square = Region(slice(0, 160), slice(0, 160))
+    found = fit_gap_minimum(
+        exact_ratios(film), known_calibration(), region=square, sliding_along_x=False
+    )
+    npt.assert_allclose(found.place, [159, 50], atol=0.2)
+
+
+@pytest.mark.parametrize(("centre", "column"), [(-5.0, 0), (20.0, 199)])
+def test_place_of_a_minimum_outside_the_region_is_an_edge(centre, column):
+    assert fit(exact_ratios(known_gap(2.0, centre=centre))).place[0] == column
+
+
 def test_gap_that_is_thickest_in_the_middle_has_its_minimum_at_an_edge():
     film = 6.0 - (X - 5.0)[None, :] ** 2 / (2 * RADIUS) + 0 * Y[:, None]
     expected = 6.0 - (X[-1] - 5.0) ** 2 / (2 * RADIUS)
@@ -212,6 +239,7 @@ def test_minimum_is_missing_where_the_blocks_do_not_determine_a_gap(damage):
     found = fit(ratios)
     assert np.isnan([found.value, found.random_std, found.surface_std]).all()
     assert np.isnan(found.gradient).all()
+    assert np.isnan(found.place).all()
     assert found.gradient.shape == (3,)
 
 

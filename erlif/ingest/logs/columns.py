@@ -95,6 +95,8 @@ _RESERVED = frozenset(
         "film_mean_std",
         "film_min",
         "film_min_std",
+        "film_min_x",
+        "film_min_y",
         "share_beyond_range",
         "axis",
         "parameter",
