@@ -37,7 +37,7 @@ STD = np.array([5e-9, 20e-9])  # new at every trigger, along the load and sidewa
 SCALE = 0.005  # of all films
 MARKS = np.array([10e-9, 30e-9])  # the same at every trigger [m]
 CYCLES, FRAMES = 2, 50
-GUIDED = {"on which settings were chosen": range(6), "new": range(6, 12)}  # orbits, twice each
+GUIDED = {"on which settings were chosen": range(6), "new": range(6, 18)}  # orbits, twice each
 HELD = 6  # orbits of springs, and of cavitation pressures
 
 

@@ -13,7 +13,8 @@ The impact law is that of Lankarani and Nikravesh (1994) as used by Mukras et al
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy
@@ -34,6 +35,15 @@ from erlif.models.arguments import (
     require_poisson,
     require_positive,
 )
+from erlif.models.winkler_arc import (
+    arc_of_load,
+    eccentricity_of_arc,
+    indentation_of_arc,
+    supported_by_arc,
+)
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 FULL_CONTACT = -2 / np.pi
 """E Delta / 2q at which Persson's contact closes around the pin. [1]"""
@@ -44,14 +54,11 @@ THESIS_F1, THESIS_F2 = 0.89, 0.88
 _SMALLEST_LOG_B, _LARGEST_LOG_B = -150.0, 17.0
 """Search range of ln tan(half_angle / 2): half contact angles from 1e-65 to pi - 1e-7."""
 
-_SMALLEST_WINKLER_ANGLE = 1e-9
-"""Lower end of the search for the half contact angle of a Winkler bushing. [rad]"""
-
 _ROOT_TOLERANCE = 1e-14
 """Absolute and relative: the roots are exact to a few units of the last place."""
 
-_GAUSS_POINTS = 48
-"""Nodes over half of the arc; the integrand is smooth, so the sum is exact to rounding."""
+_LARGEST_LOG_AXES, _AXES_KNOTS = 20.0, 8192
+"""Range and number of the tabulated ratios of axes: radii in a ratio of up to 1e16."""
 
 
 @broadcasting
@@ -533,8 +540,9 @@ def hertz_ellipse(
     # the axes follow from the shape alone; load and modulus only set their size
     radius_ratio = radius / radius_across
     p = _like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
-    along, across = scipy.special.elliprd(0.0, 1.0, p), scipy.special.elliprd(0.0, p, 1.0)
-    F1 = (4 * p**0.75 * np.sqrt(along * across) / (3 * np.pi)) ** (1 / 3)
+    # the ratio of both integrals R_D is that of the radii
+    across = scipy.special.elliprd(0.0, p, 1.0)
+    F1 = (4 * p**0.75 * np.sqrt(radius_ratio) * across / (3 * np.pi)) ** (1 / 3)
     F2 = 2 * p**0.25 * scipy.special.elliprf(0.0, p, 1.0) / (np.pi * F1)
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
 
@@ -1018,7 +1026,7 @@ def winkler_load(
     fit = shaft_radius / bushing_radius
     grid = half_angle * fit  # carries the dimensions of both; 0 * grid broadcasts each alone
     angle, ratio = np.asarray(0 * grid + half_angle, float), np.asarray(0 * grid + fit, float)
-    supported, _ = _winkler_integrals(angle, ratio)
+    supported = supported_by_arc(angle, ratio)
     return modulus * bushing_radius**2 / thickness * _like(grid, supported)
 
 
@@ -1081,28 +1089,23 @@ def winkler_contact(
     )
     ratio = np.asarray(0 * grid + shaft_radius / bushing_radius, float)
     group = np.asarray(grid, float) / ratio
-    largest, _ = _winkler_integrals(np.full(ratio.shape, np.pi / 2), ratio)
+    largest = supported_by_arc(np.full(ratio.shape, np.pi / 2), ratio)
     if np.any(group > largest):
         raise ModelError(
             "load_per_length must not exceed the load that wraps the contact to 90 degrees; "
             f"got {float(np.nanmax(group / largest)):.3g} times that."
         )
 
-    # the load rises with the angle, so the two ends of the search enclose one root
-    half_angle = _solve(
-        lambda angle, wanted, fit: _winkler_integrals(angle, fit)[0] - wanted,
-        _SMALLEST_WINKLER_ANGLE,
-        np.pi / 2,
-        group,
-        ratio,
-    )
-    supported, rubbed = _winkler_integrals(half_angle, ratio)
-    eccentricity = _winkler_eccentricity(half_angle, ratio)
+    half_angle, torque_ratio = arc_of_load(group, ratio)
+    eccentricity = eccentricity_of_arc(half_angle, ratio)
     return WinklerContact(
         half_angle=_like(grid, half_angle),
         eccentricity=_like(grid, eccentricity) * bushing_radius,
-        pressure=modulus / thickness * bushing_radius * _like(grid, ratio - 1 + eccentricity),
-        torque_ratio=_like(grid, rubbed / supported),
+        pressure=modulus
+        / thickness
+        * bushing_radius
+        * _like(grid, indentation_of_arc(half_angle, ratio)),
+        torque_ratio=_like(grid, torque_ratio),
     )
 
 
@@ -1249,41 +1252,47 @@ def _ellipse(
 
 def _axis_ratio(radius_ratio: Values) -> Values:
     """Find a/b >= 1 from R'/R'' >= 1; close to the power 2/3."""
-
-    def excess(log_axes: Values, wanted: Values) -> Values:
-        p = np.exp(-2 * log_axes)
-        along, across = scipy.special.elliprd(0.0, 1.0, p), scipy.special.elliprd(0.0, p, 1.0)
-        return np.log(along / across) - np.log(wanted)
-
-    # a circle has its root at zero, so the search starts just below it
-    log_axes = _solve(excess, -1e-9, np.log(radius_ratio) + 1.0, radius_ratio)
+    log_radii = np.log(radius_ratio)
+    log_axes = np.asarray(_log_axes_by_log_radii()(log_radii))
+    beyond = log_radii > _log_radius_ratio(np.array(_LARGEST_LOG_AXES))
+    if np.any(beyond):
+        log_axes[beyond] = _solve(
+            lambda trial, wanted: _log_radius_ratio(trial) - wanted,
+            _LARGEST_LOG_AXES - 1,
+            log_radii[beyond],
+            log_radii[beyond],
+        )
     return np.exp(np.maximum(log_axes, 0.0))
+
+
+def _log_radius_ratio(log_axes: Values) -> Values:
+    """ln R'/R'' of the contact with ln a/b."""
+    p = np.exp(-2 * log_axes)
+    return np.log(scipy.special.elliprd(0.0, 1.0, p) / scipy.special.elliprd(0.0, p, 1.0))
+
+
+@cache
+def _log_axes_by_log_radii() -> "BSpline":
+    """The inverse of `_log_radius_ratio` as a spline of fifth order, exact to rounding.
+
+    The function is odd, so that knots on both sides of the circle keep the order there.
+    """
+    from scipy.interpolate import make_interp_spline  # at use, as all solvers of the theories
+
+    log_axes = np.linspace(0.0, _LARGEST_LOG_AXES, _AXES_KNOTS)
+    log_radii = _log_radius_ratio(log_axes)
+    mirrored = slice(8, 0, -1)
+    return make_interp_spline(
+        np.concatenate([-log_radii[mirrored], log_radii]),
+        np.concatenate([-log_axes[mirrored], log_axes]),
+        k=5,
+    )
 
 
 def _log_of_persson_group_above_full_contact(log_b: Values, wanted: Values) -> Values:
     """Compute ln(E Delta / 2q + 2/pi) - wanted, which falls almost linearly along ln b."""
     b2 = np.exp(2 * log_b)
     return np.log((2 - np.log1p(b2) + 2 * b2) / (np.pi * (1 + b2))) - 2 * log_b - wanted
-
-
-def _winkler_eccentricity(half_angle: Values, ratio: Values) -> Values:
-    """Compute e / Rb of Colbert et al. (2009), B10."""
-    return np.sqrt(1 - ratio**2 * np.sin(half_angle) ** 2) - ratio * np.cos(half_angle)
-
-
-def _winkler_integrals(half_angle: Values, ratio: Values) -> tuple[Values, Values]:
-    """Integrate Rs delta cos theta and Rs delta over the arc by Gauss's rule, in units of Rb^2."""
-    # the nodes take a last axis of their own, beside those of the arguments
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
-    e = _winkler_eccentricity(half_angle, ratio)[..., None]
-    theta = half_angle[..., None] * (nodes + 1) / 2
-    fit = ratio[..., None]
-    indentation = fit - np.sqrt(1 - e**2 * np.sin(theta) ** 2) + e * np.cos(theta)
-    scale = ratio * half_angle  # both halves of the arc
-    return (
-        scale * np.sum(weights * indentation * np.cos(theta), axis=-1),
-        scale * np.sum(weights * indentation, axis=-1),
-    )
 
 
 def _require_bushing(
