@@ -47,6 +47,10 @@ class UnitWarning(UserWarning):
     """An argument of a model that is probably given in another unit than the SI unit expected."""
 
 
+class RangeWarning(UserWarning):
+    """A fitted equation used beyond the range over which its source fitted it."""
+
+
 LONGEST_REASON = 200
 """Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
 

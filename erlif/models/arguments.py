@@ -19,7 +19,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 
 import numpy as np
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 
 Values: TypeAlias = Any
 """A float, a list, a numpy array or an xarray DataArray, in SI units.
@@ -666,6 +666,43 @@ def check_specific_wear(**arguments: Values) -> None:
     >>> check_specific_wear(specific_wear=5.05e-13)
     """
     _warn_outside(_SPECIFIC_WEAR, arguments)
+
+
+def warn_of_range(equation: str, name: str, value: Values, lowest: float, highest: float) -> None:
+    """Warn where a fitted equation is used beyond the range of its source.
+
+    Parameters
+    ----------
+    equation : str
+        Its name, as the user reads it.
+    name : str
+        Name of the quantity.
+    value : float or array
+        The quantity; NaN is ignored.
+    lowest, highest : float
+        Ends of the range.
+
+    Warns
+    -----
+    RangeWarning
+        With the value farthest outside.
+
+    Examples
+    --------
+    >>> warn_of_range("the fit", "k", 3.0, 1.0, 8.0)
+    """
+    values = np.asarray(value, float)
+    outside = values[(values < lowest) | (values > highest)]
+    if not outside.size:
+        return
+    below, above = float(outside.min()), float(outside.max())
+    got = above if above > highest and above / highest > lowest / below else below
+    warnings.warn(
+        f"{equation} was fitted for {name} = {lowest:g} to {highest:g}; {name} = {got:.3g} here. "
+        "Take its result as an order of magnitude.",
+        RangeWarning,
+        stacklevel=_depth_of_caller(),
+    )
 
 
 def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:

@@ -31,6 +31,7 @@ from erlif.models.arguments import (
     require_not_negative,
     require_positive,
     require_single,
+    warn_of_range,
 )
 from erlif.models.contact import hertz_line
 
@@ -579,6 +580,11 @@ def hamrock_dowson_film(
     ModelError
         A value that is not positive, a negative coefficient, or an infinite value.
 
+    Warns
+    -----
+    RangeWarning
+        k below 1 or above 8, where the source has no contacts.
+
     Notes
     -----
     Fitted for hard contacts with k from 1 to 8, entrained along the minor axis. The lobed bushing
@@ -587,14 +593,15 @@ def hamrock_dowson_film(
 
     Examples
     --------
-    The minimum film of a ball is 1 - exp(-0.68 x 1.03) = 0.504 of that of a long roller:
+    The minimum film of a ball is to that of an ellipse of k = 1.03 x 20^0.64 = 7.01 as
+    1 - exp(-0.68 x 1.03) = 0.504 is to 1 - exp(-0.68 x 7.01) = 0.991:
 
     >>> contact = {"load": 100.0, "viscosity": 0.05, "pressure_viscosity": 2e-8}
     >>> contact |= {"radius_along": 0.01, "contact_modulus": 110e9}
     >>> ball = hamrock_dowson_film(1.0, radius_across=0.01, **contact)
-    >>> roller = hamrock_dowson_film(1.0, radius_across=100.0, **contact)
-    >>> round(ball.minimum / roller.minimum, 3)
-    0.504
+    >>> barrel = hamrock_dowson_film(1.0, radius_across=0.2, **contact)
+    >>> round(ball.minimum / barrel.minimum, 3)
+    0.508
     """
     _require_speed(entrainment_speed=entrainment_speed)
     _require_pressure_viscosity(pressure_viscosity)
@@ -608,6 +615,7 @@ def hamrock_dowson_film(
     W = load / (2 * contact_modulus * radius_along**2)
     # ellipticity of the dry contact, by the fit of the source
     k = 1.03 * (radius_across / radius_along) ** 0.64
+    warn_of_range("The film of Hamrock and Dowson (1977)", "k", k, 1.0, 8.0)
 
     minimum = 3.63 * radius_along * U**0.68 * G**0.49 * W**-0.073 * (1 - np.exp(-0.68 * k))
     central = 2.69 * radius_along * U**0.67 * G**0.53 * W**-0.067 * (1 - 0.61 * np.exp(-0.73 * k))

@@ -7,7 +7,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.models.contact import conformal_radius, contact_modulus, hertz_line
 from erlif.models.film import (
     LUBRICATION_REGIMES,
@@ -260,6 +260,7 @@ def test_isoviscous_elastic_film_of_the_acrylic_joint():
     npt.assert_allclose(film, 7.05e-6, rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")  # a line is k = infinity
 def test_hamrock_dowson_tends_to_its_line_contact_form():
     def films(across):
         return hamrock_dowson_film(
@@ -279,6 +280,15 @@ def test_hamrock_dowson_tends_to_its_line_contact_form():
     npt.assert_allclose(far_central, 0.01 * 2.69 * U**0.67 * G**0.53 * W**-0.067)
     assert minimum < central
     assert minimum < far_minimum
+
+
+@pytest.mark.parametrize(("along", "across", "k"), [(4.87, 0.2, "0.133"), (0.01, 0.3, "9.08")])
+def test_hamrock_dowson_warns_outside_its_fit(along, across, k):
+    """k = 1.03 (Ry/Rx)^0.64; the first is the lobed bushing of Farzaneh (2002)."""
+    case = {**BALL, "radius_along": along, "radius_across": across}
+    with pytest.warns(RangeWarning, match=rf"k = 1 to 8; k = {k}") as record:
+        hamrock_dowson_film(1.0, **case)
+    assert record[0].filename == __file__
 
 
 def test_film_parameter_of_the_thesis():  # Farzaneh (2002), eq. 2.7: 0.54 um, prints 1.52e-6

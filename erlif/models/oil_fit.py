@@ -1,0 +1,397 @@
+"""Laws of viscosity fitted to measured points, and the constants of common oils.
+
+Vogel (1921) for dynamic and Walther (1931) for kinematic viscosities, by weighted least squares in
+the logarithm of the viscosity.
+"""
+
+import csv
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_kinematic_viscosity,
+    check_temperature,
+    check_viscosity,
+    require_positive,
+)
+from erlif.models.oil import LOWEST_WALTHER_VISCOSITY, WALTHER_SHIFT, VogelConstants
+
+_CONSTANTS = {"vogel": ("a", "b", "c"), "walther": ("A", "B")}
+
+_BRACKET = 400
+"""Trial values of Vogel's c."""
+
+_FARTHEST = 500.0
+"""Vogel's c lies at most this far below the coldest point [K]; oils have 80 to 200 K."""
+
+_CENTRE = 330.0
+"""Temperature at which Walther's line is fitted, between the usual 40 and 100 degrees. [K]"""
+
+
+class FittedViscosity(NamedTuple):
+    """Viscosity of a fitted law.
+
+    Attributes
+    ----------
+    value : Values
+        Dynamic viscosity of Vogel's law [Pa s], or kinematic one of Walther's [m2/s].
+    std : Values
+        Standard deviation of the law there, in the same unit.
+    """
+
+    value: Values
+    std: Values
+
+
+@dataclass(frozen=True)
+class ViscosityFit:
+    """A law of viscosity with the covariance of its constants.
+
+    Attributes
+    ----------
+    law : str
+        ``"vogel"`` or ``"walther"``.
+    constants : dict[str, float]
+        a [Pa s], b [K] and c [K] of `erlif.models.oil.vogel_viscosity`; or A [1] and B [1] of
+        log10 log10(nu + 0.7) = A - B log10 T, with nu in mm2/s and T in K.
+    std : dict[str, float]
+        Standard deviations of the constants, in the same units.
+    covariance : array of shape (k, k)
+        Of ln a, b and c, or of A and B.
+    scatter : float
+        Departure of the points from the law, as a ratio: root of the sum of squares over the
+        degrees of freedom; NaN where there are none. [1]
+    """
+
+    law: str
+    constants: dict[str, float]
+    std: dict[str, float]
+    covariance: NDArray[np.float64]
+    scatter: float
+
+    def viscosity(self, temperature: Values) -> FittedViscosity:
+        """Viscosity with its standard deviation at a temperature.
+
+        Parameters
+        ----------
+        temperature : float or array
+            Temperature, above c. [K]
+
+        Returns
+        -------
+        FittedViscosity
+            Dynamic viscosity [Pa s] or kinematic viscosity [m2/s], and its standard deviation.
+
+        Raises
+        ------
+        ModelError
+            A temperature that is not positive, or not above c.
+
+        Examples
+        --------
+        >>> fit = fit_viscosity(
+        ...     [298.15, 313.15, 333.15, 353.15, 373.15],
+        ...     viscosities=[0.300, 0.120, 0.0461, 0.0227, 0.0133],
+        ...     relative_std=0.01,
+        ... )
+        >>> found = fit.viscosity(323.15)
+        >>> print(f"{found.value:.4f} ± {found.std:.4f} Pa s")
+        0.0715 ± 0.0005 Pa s
+        """
+        return _viscosity(temperature, fit=self)
+
+
+def fit_viscosity(
+    temperatures: Values,
+    *,
+    viscosities: Values,
+    law: str = "vogel",
+    relative_std: Values | None = None,
+) -> ViscosityFit:
+    """Fit Vogel's or Walther's law to measured viscosities by least squares.
+
+    Parameters
+    ----------
+    temperatures : array of shape (n,)
+        Temperatures, in any order. [K]
+    viscosities : array of shape (n,)
+        Dynamic viscosities for ``"vogel"`` [Pa s], kinematic ones for ``"walther"`` [m2/s].
+    law : {"vogel", "walther"}
+        Three constants or two.
+    relative_std : float or array of shape (n,), optional
+        Standard deviation of each viscosity over its value [1]; default: equal for all, and found
+        from the scatter of the points, which takes one point more than there are constants.
+
+    Returns
+    -------
+    ViscosityFit
+        Constants with standard deviations, and the law with its own at any temperature.
+
+    Raises
+    ------
+    ModelError
+        Too few points, values that are not positive, a kinematic viscosity below 2 mm2/s, another
+        law, or points that do not determine the constants.
+
+    Notes
+    -----
+    A systematic error that all points share, of the viscometer for example, is not in the standard
+    deviations.
+
+    Examples
+    --------
+    Five points with an error of 1 %:
+
+    >>> fit = fit_viscosity(
+    ...     [298.15, 313.15, 333.15, 353.15, 373.15],
+    ...     viscosities=[0.300, 0.120, 0.0461, 0.0227, 0.0133],
+    ...     relative_std=0.01,
+    ... )
+    >>> print(f"c = {fit.constants['c']:.0f} ± {fit.std['c']:.0f} K")
+    c = 192 ± 4 K
+    """
+    if law not in _CONSTANTS:
+        raise ModelError(f"Expected vogel or walther as law, got {law!r}. Choose one of them.")
+    require_positive(temperatures=temperatures, viscosities=viscosities)
+    T, viscosity = np.asarray(temperatures, float), np.asarray(viscosities, float)
+    known = len(_CONSTANTS[law]) + (relative_std is None)
+    if T.ndim != 1 or T.shape != viscosity.shape or np.unique(T[~np.isnan(T)]).size < known:
+        raise ModelError(
+            f"Expected temperatures and viscosities of one length, at {known} or more different "
+            f"temperatures, got shapes {T.shape} and {viscosity.shape}. Measure more points"
+            + (", or give relative_std." if relative_std is None else ".")
+        )
+    if np.any(np.isnan(T)) or np.any(np.isnan(viscosity)):
+        raise ModelError("temperatures and viscosities must not be NaN. Leave those points out.")
+    check_temperature(temperatures=temperatures)
+
+    spread = np.ones(T.shape)
+    if relative_std is not None:
+        require_positive(relative_std=relative_std)
+        spread = np.broadcast_to(np.asarray(relative_std, float), T.shape)
+    if law == "vogel":
+        check_viscosity(viscosities=viscosities)
+        values, slopes, residuals = _fit_vogel(T, viscosity, spread)
+    else:
+        check_kinematic_viscosity(viscosities=viscosities)
+        values, slopes, residuals = _fit_walther(T, viscosity, spread)
+
+    freedom = T.size - values.size
+    scatter = np.sqrt(np.sum((residuals * spread) ** 2) / freedom) if freedom else np.nan
+    covariance = np.linalg.inv(slopes.T @ slopes)
+    if relative_std is None:
+        covariance = covariance * scatter**2
+    std = np.sqrt(np.diag(covariance))
+    if law == "vogel":  # the first is the logarithm of a
+        values = values.copy()
+        values[0] = np.exp(values[0])
+        std[0] *= values[0]
+    names = _CONSTANTS[law]
+    return ViscosityFit(
+        law,
+        {name: float(value) for name, value in zip(names, values, strict=True)},
+        {name: float(value) for name, value in zip(names, std, strict=True)},
+        covariance,
+        float(scatter),
+    )
+
+
+def sae_oil(grade: int) -> VogelConstants:
+    """Constants of Vogel's law of a mineral engine oil. Seireg and Dandage (1982).
+
+    Parameters
+    ----------
+    grade : int
+        SAE 10, 20, 30, 40, 50 or 60.
+
+    Returns
+    -------
+    VogelConstants
+        a [Pa s], b [K] and c [K] of `erlif.models.oil.vogel_viscosity`.
+
+    Raises
+    ------
+    ModelError
+        Another grade.
+
+    Notes
+    -----
+    The source writes mu = mu0 exp(b / (T + 95)) in microreyn and degrees Fahrenheit. Oils of one
+    grade differ: the grade fixes the viscosity at 100 degrees Celsius to about 15 % only. Measure
+    the oil of a test.
+
+    Examples
+    --------
+    >>> from erlif.models.oil import vogel_viscosity
+    >>> print(f"{vogel_viscosity(373.15, **sae_oil(30)._asdict()) * 1e3:.1f} mPa s")
+    8.2 mPa s
+    """
+    table = {int(row["grade"]): row for row in _read_table("oils_sae.csv")}
+    if grade not in table:
+        raise ModelError(
+            f"Expected an SAE grade of {', '.join(map(str, table))}, got {grade!r}. Choose one of "
+            "them, or fit measured points with fit_viscosity."
+        )
+    row = table[grade]
+    return VogelConstants(float(row["a"]), float(row["b"]), float(row["c"]))
+
+
+def iso_vg_viscosity(grade: int) -> tuple[float, float]:
+    """Lowest and highest kinematic viscosity of an ISO viscosity grade at 40 degrees. ISO 3448.
+
+    Parameters
+    ----------
+    grade : int
+        2 to 3200.
+
+    Returns
+    -------
+    lowest, highest : float
+        10 % below and above the midpoint. [m2/s]
+
+    Raises
+    ------
+    ModelError
+        Another grade.
+
+    Examples
+    --------
+    >>> lowest, highest = iso_vg_viscosity(150)
+    >>> print(f"{lowest * 1e6:.0f} to {highest * 1e6:.0f} mm2/s")
+    135 to 165 mm2/s
+    """
+    table = {int(row["grade"]): float(row["midpoint"]) for row in _read_table("oils_iso_vg.csv")}
+    if grade not in table:
+        raise ModelError(
+            f"Expected an ISO VG grade of {', '.join(map(str, table))}, got {grade!r}. Choose one "
+            "of them."
+        )
+    return 0.9 * table[grade], 1.1 * table[grade]
+
+
+def _fit_vogel(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Values, Values]:
+    """ln a, b and c, the derivatives of the weighted residuals, and these."""
+    from scipy.optimize import least_squares  # at use, as all solvers of the theories
+
+    y = np.log(viscosity)
+    coldest = T.min()
+
+    # for a given c the law is a line in 1/(T - c); the best of many is the start of the search
+    distance = np.geomspace(1e-3 * (T.max() - coldest), _FARTHEST, _BRACKET)
+    constant, slope, error = _line(1 / (T - coldest + distance[:, None]), y, spread)
+    best = int(np.argmin(error))
+    if best in (0, _BRACKET - 1):
+        raise ModelError(
+            "viscosities must fall with temperature, ever more slowly, for a Vogel curve through "
+            "them; these points do not determine c. Measure over a wider range of temperatures, or "
+            "take law='walther'."
+        )
+
+    def residuals(x: Values) -> Values:
+        return (x[0] + x[1] / (T - x[2]) - y) / spread
+
+    def derivatives(x: Values) -> Values:
+        inverse = 1 / (T - x[2])
+        return np.stack([np.ones(T.shape), inverse, x[1] * inverse**2], axis=1) / spread[:, None]
+
+    found = least_squares(
+        residuals,
+        [constant[best], slope[best], coldest - distance[best]],
+        derivatives,
+        bounds=([-np.inf, -np.inf, -np.inf], [np.inf, np.inf, coldest]),
+        x_scale="jac",
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
+    )
+    return found.x, derivatives(found.x), found.fun
+
+
+def _line(x: Values, y: Values, spread: Values) -> tuple[Values, Values, Values]:
+    """Constant and slope of weighted lines along the last axis, and the sums of squares left."""
+    weight = 1 / spread**2 / np.sum(1 / spread**2)
+    x_mean, y_mean = np.sum(weight * x, axis=-1), np.sum(weight * y)
+    away, rise = x - x_mean[..., None], y - y_mean
+    slope = np.sum(weight * away * rise, axis=-1) / np.sum(weight * away**2, axis=-1)
+    left = np.sum(weight * (rise - slope[..., None] * away) ** 2, axis=-1)
+    return y_mean - slope * x_mean, slope, left
+
+
+def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, Values, Values]:
+    """A and B, the derivatives of the weighted residuals, and these."""
+    from scipy.optimize import least_squares  # at use, as all solvers of the theories
+
+    if np.any(viscosity < LOWEST_WALTHER_VISCOSITY):
+        raise ModelError(f"viscosities must be at least 2e-6 m2/s, got {viscosity.min():g}.")
+    y, x = np.log(viscosity), np.log10(T / _CENTRE)
+    constant, slope, _ = _line(
+        -x, np.log10(np.log10(viscosity * 1e6 + WALTHER_SHIFT)), np.ones(T.shape)
+    )
+
+    def residuals(line: Values) -> Values:
+        return (np.log(_walther(line[0] - line[1] * x)) - y) / spread
+
+    def derivatives(line: Values) -> Values:
+        slope = _walther_slope(line[0] - line[1] * x)
+        return np.stack([slope, -x * slope], axis=1) / spread[:, None]
+
+    found = least_squares(
+        residuals, [constant, slope], derivatives, xtol=1e-14, ftol=1e-14, gtol=1e-14
+    )
+    # from the centre, where both are independent, to 1 K
+    B = found.x[1]
+    values = np.array([found.x[0] + B * np.log10(_CENTRE), B])
+    slopes = derivatives(found.x)
+    slopes[:, 1] -= np.log10(_CENTRE) * slopes[:, 0]
+    return values, slopes, found.fun
+
+
+def _walther(w: Values) -> Values:
+    """Kinematic viscosity from log10 log10(nu + 0.7). [m2/s]"""
+    return (10 ** (10**w) - WALTHER_SHIFT) * 1e-6
+
+
+def _walther_slope(w: Values) -> Values:
+    """Derivative of ln nu by w."""
+    shifted = 10 ** (10**w)
+    return np.log(10) ** 2 * 10**w * shifted / (shifted - WALTHER_SHIFT)
+
+
+@broadcasting
+def _viscosity(temperature: Values, *, fit: Any) -> FittedViscosity:
+    """A fitted law at a temperature, and its standard deviation to first order in the logarithm."""
+    require_positive(temperature=temperature)
+    check_temperature(temperature=temperature)
+    if fit.law == "vogel":
+        a, b, c = fit.constants.values()
+        above = temperature - c
+        if np.any(np.less_equal(above, 0)):
+            raise ModelError(
+                f"temperature must be above the Vogel constant c of {c:.4g} K, got "
+                f"{np.nanmin(np.asarray(temperature)):g} K."
+            )
+        value = a * np.exp(b / above)
+        slopes = [1.0 + 0 * above, 1 / above, b / above**2]
+    else:
+        A, B = fit.constants.values()
+        logarithm = np.log10(temperature)
+        w = A - B * logarithm
+        value = _walther(w)
+        slopes = [_walther_slope(w), -logarithm * _walther_slope(w)]
+    variance = 0.0
+    for i, one in enumerate(slopes):
+        for j, other in enumerate(slopes):
+            variance = variance + fit.covariance[i, j] * one * other
+    return FittedViscosity(value, value * np.sqrt(np.maximum(variance, 0.0)))
+
+
+def _read_table(name: str) -> list[dict[str, str]]:
+    text = files("erlif.models").joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))

@@ -1,0 +1,130 @@
+"""Laws fitted to measured viscosities, and the constants of common oils."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import ModelError, UnitWarning
+from erlif.models.oil import vogel_viscosity, walther_viscosity
+from erlif.models.oil_fit import fit_viscosity, iso_vg_viscosity, sae_oil
+
+T = np.array([283.15, 298.15, 313.15, 333.15, 353.15, 373.15, 393.15])
+WALTHER = {
+    "viscosity_1": 140e-6,
+    "temperature_1": 313.15,
+    "viscosity_2": 13.5e-6,
+    "temperature_2": 373.15,
+}
+
+
+def law_of(law):
+    return (
+        vogel_viscosity(T, a=6e-5, b=950.0, c=178.0)
+        if law == "vogel"
+        else walther_viscosity(T, **WALTHER)
+    )
+
+
+@pytest.mark.parametrize("law", ["vogel", "walther"])
+def test_points_of_a_law_give_it_again(law):
+    fit = fit_viscosity(T, viscosities=law_of(law), law=law)
+    assert fit.scatter < 1e-9
+    npt.assert_allclose(fit.viscosity(T).value, law_of(law), rtol=1e-8)
+    if law == "vogel":
+        npt.assert_allclose(list(fit.constants.values()), [6e-5, 950.0, 178.0], rtol=1e-5)
+    else:  # ASTM D341 through the two points of its definition
+        B = np.log10(np.log10(140.7) / np.log10(14.2)) / np.log10(373.15 / 313.15)
+        npt.assert_allclose(fit.constants["B"], B, rtol=1e-7)
+        npt.assert_allclose(
+            fit.constants["A"], np.log10(np.log10(140.7)) + B * np.log10(313.15), rtol=1e-7
+        )
+
+
+@pytest.mark.parametrize("stated", [True, False])
+@pytest.mark.parametrize("law", ["vogel", "walther"])
+def test_standard_deviations_cover_the_law(law, stated):
+    """Errors of 1 % in 7 points; the law at 303 K lies within 1 and 1.96 std as often as it should.
+
+    Without a stated error the pulls have Student's distribution of 4 or 5 degrees of freedom. The
+    bounds are three standard deviations of a binomial share of 200.
+    """
+    rng = np.random.default_rng(7)
+    true = (
+        vogel_viscosity(303.0, a=6e-5, b=950.0, c=178.0)
+        if law == "vogel"
+        else walther_viscosity(303.0, **WALTHER)
+    )
+    pulls = []
+    for _ in range(200):
+        noisy = law_of(law) * np.exp(0.01 * rng.normal(size=T.size))
+        fit = fit_viscosity(T, viscosities=noisy, law=law, relative_std=0.01 if stated else None)
+        found = fit.viscosity(303.0)
+        pulls.append((found.value - true) / found.std)
+    freedom = T.size - len(fit.constants)
+    within = {
+        True: {1.0: 0.683, 1.96: 0.950},
+        False: {1.0: [0.626, 0.637][freedom - 4], 1.96: [0.878, 0.893][freedom - 4]},
+    }[stated]
+    for width, share in within.items():
+        bound = 3 * np.sqrt(share * (1 - share) / len(pulls))
+        assert abs(np.mean(np.abs(pulls) < width) - share) < bound
+
+
+def test_fitted_law_keeps_the_coordinates():
+    fit = fit_viscosity(T, viscosities=law_of("vogel"), relative_std=0.01)
+    warm = xr.DataArray([300.0, 350.0], dims="trigger", coords={"trigger": [3, 4]})
+    assert fit.viscosity(warm).std.dims == ("trigger",)
+
+
+@pytest.mark.parametrize(
+    ("grade", "lowest", "highest"),
+    [(20, 6.9, 9.3), (30, 9.3, 12.5), (50, 16.3, 21.9), (60, 21.9, 26.1)],
+)
+def test_engine_oils_lie_in_their_grade_at_100_degrees(grade, lowest, highest):
+    """SAE J300, kinematic viscosity at 100 degrees; densities of 820 to 850 kg/m3 when hot."""
+    hot = vogel_viscosity(373.15, **sae_oil(grade)._asdict())
+    assert lowest < hot / 850 * 1e6
+    assert hot / 820 * 1e6 < highest
+
+
+def test_engine_oil_is_the_printed_formula():
+    """SAE 30: 0.0141 exp(1360 / (T + 95)) microreyn at 140 degrees Fahrenheit."""
+    printed = 0.0141e-6 * 6894.757 * np.exp(1360.0 / 235.0)
+    npt.assert_allclose(vogel_viscosity(333.15, **sae_oil(30)._asdict()), printed, rtol=1e-5)
+
+
+def test_grades_of_iso():
+    npt.assert_allclose(iso_vg_viscosity(46), (41.4e-6, 50.6e-6))
+    npt.assert_allclose(iso_vg_viscosity(2), (1.98e-6, 2.42e-6))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fit_viscosity(T[:3], viscosities=law_of("vogel")[:3]), "4 or more different"),
+        (lambda: fit_viscosity(T, viscosities=-T), "viscosities must be positive"),
+        (lambda: fit_viscosity(T, viscosities=T * np.nan), "must not be NaN"),
+        (lambda: fit_viscosity(T, viscosities=law_of("vogel"), law="andrade"), "got 'andrade'"),
+        (
+            lambda: fit_viscosity(T, viscosities=law_of("vogel")[::-1], relative_std=0.01),
+            "do not determine c",
+        ),
+        (lambda: fit_viscosity(T, viscosities=1e-6 + 0 * T, law="walther"), "at least 2e-6"),
+        (lambda: sae_oil(35), "SAE grade of 10, 20"),
+        (lambda: iso_vg_viscosity(33), "ISO VG grade of 2, 3"),
+        (
+            lambda: fit_viscosity(T, viscosities=law_of("vogel")).viscosity(150.0),
+            "above the Vogel constant c",
+        ),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
+def test_bad_points_are_refused(call, message):
+    with pytest.raises(ModelError, match=message):
+        call()
+
+
+def test_a_viscosity_in_centistokes_warns():
+    with pytest.warns(UnitWarning, match="viscosities"):
+        fit_viscosity(T, viscosities=law_of("walther") * 1e6, law="walther")
