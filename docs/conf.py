@@ -153,6 +153,7 @@ STAGES = (
 MODELS = (
     "bearing",
     "contact",
+    "edges",
     "film",
     "fluorescence",
     "friction",

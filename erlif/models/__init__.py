@@ -36,11 +36,14 @@ __all__ = [
     "bearing",
     "contact",
     "crank_motion",
+    "edge_exponent",
+    "edges",
     "film",
     "fluorescence",
     "friction",
     "journal_coefficients",
     "lobe_shape",
+    "lundberg_profile",
     "mechanism",
     "oil",
     "oil_fit",
@@ -48,10 +51,12 @@ __all__ = [
     "reaction",
     "reynolds",
     "roller_shape",
+    "solve_contact",
     "solve_film",
     "solve_journal",
     "sources",
     "steady_journal",
+    "subsurface_stress",
     "wear",
 ]
 
@@ -73,11 +78,15 @@ _REYNOLDS = frozenset(
 )
 """Names of `erlif.models.reynolds` that are names of the models too."""
 
+_EDGES = frozenset(["edge_exponent", "lundberg_profile", "solve_contact", "subsurface_stress"])
+"""Names of `erlif.models.edges` that are names of the models too."""
+
 if TYPE_CHECKING:
     from erlif.models import (
         arguments,
         bearing,
         contact,
+        edges,
         film,
         fluorescence,
         friction,
@@ -88,6 +97,12 @@ if TYPE_CHECKING:
         reynolds,
         sources,
         wear,
+    )
+    from erlif.models.edges import (
+        edge_exponent,
+        lundberg_profile,
+        solve_contact,
+        subsurface_stress,
     )
     from erlif.models.reynolds import (
         Groove,
@@ -109,6 +124,8 @@ def __getattr__(name: str) -> Any:
     """Load a module when it is first used, so that ``import erlif`` stays quick."""
     if name in _REYNOLDS:
         return getattr(import_module("erlif.models.reynolds"), name)
+    if name in _EDGES:
+        return getattr(import_module("erlif.models.edges"), name)
     if name in __all__:
         return import_module(f"erlif.models.{name}")
     raise AttributeError(f"module 'erlif.models' has no attribute {name!r}")

@@ -49,7 +49,8 @@ def test_modules_are_not_loaded_before_their_use():
 
 def test_dir_and_star_import_show_every_module():
     assert set(NAMES) <= set(dir(erlif.models))
-    assert set(NAMES) | set(erlif.models.reynolds.__all__) == set(erlif.models.__all__)
+    packages = set(erlif.models.reynolds.__all__) | set(erlif.models.edges.__all__)
+    assert set(NAMES) | packages == set(erlif.models.__all__)
     assert run("from erlif.models import *\nprint(oil.__name__)") == "erlif.models.oil"
     assert run("import erlif.models\nprint(dir(erlif.models))") == str(dir(erlif.models))
 

@@ -1,0 +1,244 @@
+"""Contact of two bodies on elastic half spaces: rollers, lobes, straight ends."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    check_modulus,
+    require_finite,
+    require_positive,
+    require_single,
+)
+from erlif.models.edges.active_set import solve_active_set
+from erlif.models.edges.influence import (
+    Convolution,
+    displacement_of_cells,
+    displacement_of_strips,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def solve_contact(
+    gap: Values,
+    *,
+    spacing: Values,
+    contact_modulus: float,
+    load: float | None = None,
+    approach: float | None = None,
+    free_tilt: bool = False,
+    load_position: tuple[float, float] = (0.0, 0.0),
+    mirror: float = 0.0,
+    tolerance: float = 1e-5,
+) -> "xr.Dataset":
+    """Find the pressure between two bodies of given gap, without friction.
+
+    The pressure is constant in each cell (Love, 1929), its deflection a convolution by FFT on a
+    doubled grid, and the contact is found by conjugate gradients with an active set (Polonsky and
+    Keer, 1999). Pressure acts within the grid only: the edge of the grid is the end of a body. A
+    gap along x alone is a plane contact, infinitely long.
+
+    Parameters
+    ----------
+    gap : array, (x,) or (x, z)
+        Gap of the undeformed bodies at the middle of equal cells. Only its shape counts where the
+        load is given. [m]
+    spacing : float or tuple of float
+        Sides of a cell along x and z. [m]
+    contact_modulus : float
+        E*, see `erlif.models.contact.contact_modulus`. [Pa]
+    load : float, optional
+        Load. [N, or N/m for a plane contact]
+    approach : float, optional
+        Approach of the bodies from the given gap, in place of a load. [m]
+    free_tilt : bool
+        Whether the bodies turn about x and z until the load is at its position; otherwise they
+        stay parallel.
+    load_position : tuple of float
+        With `free_tilt`: place of the load along x and z, from the middle of the grid. [m]
+    mirror : float
+        Share of the pressure, mirrored about both ends in z, that deflects the bodies too. Both end
+        there at free faces with `end_mirror` of their Poisson's ratio, one of two equal bodies with
+        half of it; half spaces with 0. [1]
+    tolerance : float
+        Largest error of the gap, over the deflection of a cell under its own largest pressure. [1]
+
+    Returns
+    -------
+    xarray.Dataset
+        Over x (and z): `pressure` [Pa], `deflection` of both bodies [m], `gap` that remains [m].
+        `force` [N or N/m], `approach` [m], `tilt_x`, `tilt_z` [rad], the slopes of the motion along
+        x and z, `peak_pressure` [Pa], `area` of the contact [m2 or m], `iterations`, `residual`.
+        The deflection of a plane contact, and its approach, are relative to a point as far away as
+        the grid is wide.
+
+    Raises
+    ------
+    ModelError
+        Neither or both of load and approach, a gap that is not finite, lengths that are not
+        positive, a load outside the bodies.
+
+    Examples
+    --------
+    A ball of 10 mm under 10 N on a plane, both of steel: Hertz has 616.4 MPa.
+
+    >>> x = (np.arange(96) - 47.5) * 2.2e-6
+    >>> gap = (x[:, None] ** 2 + x**2) / (2 * 0.01)
+    >>> contact = solve_contact(gap, spacing=2.2e-6, contact_modulus=110e9, load=10)
+    >>> print(f"{float(contact.peak_pressure) / 1e6:.0f} MPa")
+    616 MPa
+    """
+    heights, steps = _check_grid(gap, spacing)
+    _check_load(load, approach)
+    require_positive(contact_modulus=contact_modulus, tolerance=tolerance)
+    require_single(contact_modulus=contact_modulus)
+    require_finite(mirror=mirror)
+    check_modulus(contact_modulus=contact_modulus)
+    plane = heights.ndim == 1
+    if plane and (mirror or free_tilt):
+        raise ModelError(
+            "A gap along x alone is infinitely long and has neither ends nor tilt; give gap (x, z)."
+        )
+
+    # deflection, the rigid motions and what they have to carry
+    deflect, diagonal = _deflection(heights.shape, steps, contact_modulus, mirror)
+    middles = [
+        (np.arange(count) - (count - 1) / 2) * step
+        for count, step in zip(heights.shape, steps, strict=True)
+    ]
+    modes = np.ones((1, *heights.shape))
+    if free_tilt:
+        modes = np.array([modes[0], *np.meshgrid(*middles, indexing="ij")])
+        _check_position(load_position, heights.shape, steps)
+    targets = None if load is None else load * np.array([1.0, *load_position])[: len(modes)]
+    motion = None if approach is None else np.array([approach, 0.0, 0.0])[: len(modes)]
+    cell = float(np.prod(steps))
+
+    found = solve_active_set(
+        deflect,
+        heights,
+        diagonal=diagonal,
+        modes=modes,
+        area=cell,
+        targets=targets,
+        motion=motion,
+        tolerance=tolerance,
+    )
+    motions = np.zeros(3)
+    motions[: len(modes)] = found.motion
+    remaining = heights + found.deflection - np.tensordot(found.motion, modes, 1)
+    return _describe(
+        {"pressure": found.pressure, "deflection": found.deflection, "gap": remaining},
+        middles,
+        scalars={
+            "force": (found.pressure.sum() * cell, "N m-1" if plane else "N"),
+            "approach": (motions[0], "m"),
+            "tilt_x": (motions[1], "rad"),
+            "tilt_z": (motions[2], "rad"),
+            "peak_pressure": (found.pressure.max(), "Pa"),
+            "area": (np.count_nonzero(found.pressure) * cell, "m" if plane else "m2"),
+            "iterations": (found.iterations, "1"),
+            "residual": (found.residual, "1"),
+        },
+    )
+
+
+def _check_grid(gap: Values, spacing: Values) -> tuple[Array, tuple[float, ...]]:
+    """The gap as an array of one or two dimensions, and the sides of its cells."""
+    heights = np.asarray(gap, float)
+    if heights.ndim not in (1, 2) or min(heights.shape, default=0) < 2:
+        raise ModelError(
+            f"A gap has the dimensions (x,) or (x, z) with at least two cells each, got the shape "
+            f"{heights.shape}."
+        )
+    if not np.isfinite(heights).all():
+        raise ModelError(
+            f"The gap holds {np.count_nonzero(~np.isfinite(heights))} values that are not finite; "
+            "cut the grid at the ends of the bodies."
+        )
+    steps = np.broadcast_to(np.asarray(spacing, float), heights.ndim)
+    require_positive(spacing=steps)
+    return heights, tuple(float(step) for step in steps)
+
+
+def _check_load(load: float | None, approach: float | None) -> None:
+    """One of the two is given, and positive."""
+    if (load is None) == (approach is None):
+        raise ModelError("A contact needs either a load or an approach, not both and not neither.")
+    given = {"load": load} if load is not None else {"approach": approach}
+    require_positive(**given)
+    require_single(**given)
+
+
+def _check_position(
+    position: tuple[float, float], shape: tuple[int, ...], steps: tuple[float, ...]
+) -> None:
+    """A load lies between the ends of the bodies."""
+    require_finite(load_position=position)
+    half = np.array(shape) * steps / 2
+    if np.any(np.abs(position) >= half):
+        raise ModelError(
+            f"The load at {tuple(position)} m lies outside the grid, which ends at x = ±{half[0]:g}"
+            f" and z = ±{half[1]:g} m; no contact carries it."
+        )
+
+
+def _deflection(
+    shape: tuple[int, ...], steps: tuple[float, ...], modulus: float, mirror: float
+) -> tuple[Callable[[Array], Array], float]:
+    """Deflection of a pressure, and that of a cell under its own unit pressure."""
+    if len(shape) == 1:
+        plane = Convolution.of(displacement_of_strips(shape[0], steps[0], modulus))
+        return plane, plane.diagonal
+    across, along = shape
+    if not mirror:
+        whole = Convolution.of(
+            displacement_of_cells((across, along), (steps[0], steps[1]), modulus)
+        )
+        return whole, whole.diagonal
+
+    # images beside both ends: three lengths of pressure, of which the middle one is deflected
+    wide = Convolution.of(displacement_of_cells((across, 2 * along), (steps[0], steps[1]), modulus))
+
+    def deflect(pressure: Array) -> Array:
+        image = mirror * pressure[:, ::-1]
+        window = (slice(0, across), slice(along, 2 * along))
+        return wide.multiply(np.hstack([image, pressure, image]), window)
+
+    return deflect, wide.diagonal
+
+
+def _describe(
+    fields: dict[str, Array], middles: list[Array], *, scalars: dict[str, tuple[float, str]]
+) -> "xr.Dataset":
+    """The results with dimensions, coordinates and units."""
+    import xarray as xr  # only here, because models load without it
+
+    dims = ("x", "z")[: len(middles)]
+    units = {"pressure": "Pa", "deflection": "m", "gap": "m"}
+    names = {
+        "pressure": "contact pressure",
+        "deflection": "deflection of both bodies",
+        "gap": "gap that remains",
+        "x": "distance across the contact",
+        "z": "distance along the axis",
+    }
+    variables = {
+        name: (dims, values, {"units": units[name], "long_name": names[name]})
+        for name, values in fields.items()
+    }
+    numbers = {
+        name: ((), float(value), {"units": unit, "long_name": name.replace("_", " ")})
+        for name, (value, unit) in scalars.items()
+    }
+    coordinates = {
+        dim: (dim, middle, {"units": "m", "long_name": names[dim]})
+        for dim, middle in zip(dims, middles, strict=True)
+    }
+    return xr.Dataset({**variables, **numbers}, coordinates)

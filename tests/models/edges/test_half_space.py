@@ -1,0 +1,168 @@
+"""Contact of half spaces against closed forms, and against tamaas where it is installed."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import hertz_ellipse, hertz_line
+from erlif.models.edges import lundberg_profile, solve_contact
+
+STEEL = 109.8901e9
+"""Contact modulus of two steel bodies of 200 GPa and 0.3. [Pa]"""
+
+
+def middles(count, extent):
+    return (np.arange(count) - (count - 1) / 2) * extent / count
+
+
+def test_point_contact_is_that_of_hertz():
+    hertz = hertz_ellipse(50.0, radius=0.01, radius_across=0.004, contact_modulus=STEEL)
+    widths = 2.3 * np.array([hertz.a, hertz.b])
+    x, z = middles(128, widths[0]), middles(96, widths[1])
+    gap = x[:, None] ** 2 / 0.02 + z**2 / 0.008
+    found = solve_contact(gap, spacing=widths / (128, 96), contact_modulus=STEEL, load=50.0)
+    npt.assert_allclose(found.peak_pressure, hertz.pressure, rtol=1e-3)
+    npt.assert_allclose(found.approach, hertz.approach, rtol=1e-3)
+    npt.assert_allclose(found.area, np.pi * hertz.a * hertz.b, rtol=0.01)
+    ellipse = 1 - (x[:, None] / hertz.a) ** 2 - (z / hertz.b) ** 2
+    exact = hertz.pressure * np.sqrt(np.maximum(ellipse, 0))
+    inner = ellipse > 0.1
+    npt.assert_allclose(found.pressure.to_numpy()[inner], exact[inner], rtol=3e-3)
+    npt.assert_allclose(found.force, 50.0, rtol=1e-12)
+    # the approach of Hertz in place of the load
+    pushed = solve_contact(
+        gap, spacing=widths / (128, 96), contact_modulus=STEEL, approach=hertz.approach
+    )
+    npt.assert_allclose(pushed.force, 50.0, rtol=1e-3)
+
+
+def test_plane_contact_is_that_of_hertz():
+    hertz = hertz_line(1e5, radius=0.01, contact_modulus=STEEL)
+    x = middles(256, 2.3 * hertz.half_width)
+    found = solve_contact(x**2 / 0.02, spacing=x[1] - x[0], contact_modulus=STEEL, load=1e5)
+    npt.assert_allclose(found.peak_pressure, hertz.pressure, rtol=1e-4)
+    npt.assert_allclose(found.area, 2 * hertz.half_width, rtol=0.01)
+
+
+def test_error_falls_with_the_square_of_the_cells():
+    hertz = hertz_ellipse(50.0, radius=0.01, radius_across=0.01, contact_modulus=STEEL)
+    errors = []
+    for count in (64, 128):
+        x = middles(count, 2.3 * hertz.a)
+        gap = (x[:, None] ** 2 + x**2) / 0.02
+        found = solve_contact(gap, spacing=x[1] - x[0], contact_modulus=STEEL, load=50.0)
+        errors.append(float(found.approach) / hertz.approach - 1)
+    assert np.log2(errors[0] / errors[1]) > 1.8
+
+
+def test_rigid_punch_has_an_inverse_square_root_at_its_edge():
+    """p = F / (pi sqrt(a^2 - x^2)), Johnson (1985), eq. 2.64."""
+    x = middles(1000, 2.0)
+    found = solve_contact(np.zeros(1000), spacing=0.002, contact_modulus=1e9, load=1e6)
+    inner = np.abs(x) < 0.98
+    exact = 1e6 / (np.pi * np.sqrt(1 - x**2))
+    npt.assert_allclose(found.pressure[inner], exact[inner], rtol=0.015)
+    npt.assert_allclose(found.pressure[np.abs(x) < 0.8], exact[np.abs(x) < 0.8], rtol=1e-3)
+    near = (1 - x > 0.02) & (1 - x < 0.2)
+    slope, _ = np.polyfit(
+        np.log(1 - x[near]), np.log(found.pressure[near] * np.sqrt(1 + x[near])), 1
+    )
+    npt.assert_allclose(slope, -0.5, atol=3e-3)
+
+
+def test_round_punch_sinks_as_boussinesq():
+    """F = 2 E* a d for a flat, round punch, Johnson (1985), eq. 3.36; its rim is a staircase."""
+    x = middles(128, 2.02)
+    outside = x[:, None] ** 2 + x**2 > 1
+    gap = np.where(outside, 1.0, 0.0)  # too far to touch
+    found = solve_contact(gap, spacing=2.02 / 128, contact_modulus=1e9, approach=1e-3)
+    npt.assert_allclose(found.force, 2e9 * 1e-3, rtol=5e-3)
+
+
+def roller(profile, cells=(32, 240), tilt=0.0, **options):
+    """A steel roller of 20 mm by 20 mm under 20 kN, and Hertz's line contact beside it."""
+    hertz = hertz_line(1e6, radius=0.01, contact_modulus=STEEL)
+    x, z = middles(cells[0], 2.6 * hertz.half_width), middles(cells[1], 0.02)
+    gap = x[:, None] ** 2 / 0.02 + profile * lundberg_profile(
+        z, load=2e4, length=0.02, contact_modulus=STEEL
+    )
+    spacing = (x[1] - x[0], z[1] - z[0])
+    found = solve_contact(
+        gap + tilt * z, spacing=spacing, contact_modulus=STEEL, load=2e4, **options
+    )
+    return found, found.pressure.max("x") / hertz.pressure
+
+
+def test_lundbergs_profile_spreads_the_load_evenly():
+    found, axial = roller(1.0)
+    inner = np.abs(found.z) < 0.0095
+    npt.assert_allclose(axial[inner], 1.0, atol=0.035)
+    npt.assert_allclose(axial[np.abs(found.z) < 0.008], 1.0, atol=0.006)
+
+
+def test_straight_roller_presses_at_its_ends_and_less_between():
+    found, axial = roller(0.0)
+    assert float(axial[0]) > 2  # infinite at the very end, whatever the cells
+    assert 0.9 < float(axial.sel(z=0, method="nearest")) < 0.97
+    npt.assert_allclose(axial, axial[::-1], rtol=1e-4)
+    npt.assert_allclose(found.force, 2e4, rtol=1e-12)
+
+
+def test_free_tilt_brings_the_load_to_its_place():
+    straight, _ = roller(1.0)
+    tilted, _ = roller(1.0, tilt=1e-3, free_tilt=True)
+    npt.assert_allclose(tilted.tilt_z, 1e-3, rtol=1e-3)
+    npt.assert_allclose(tilted.pressure, straight.pressure, atol=2e-3 * straight.peak_pressure)
+    moved, axial = roller(1.0, free_tilt=True, load_position=(0.0, 1e-3))
+    arm = (moved.pressure * moved.z).sum() / moved.pressure.sum()
+    npt.assert_allclose(arm, 1e-3, rtol=1e-6)
+    assert float(axial[-8]) > 1.1 > 1.0 > float(axial[8])
+
+
+def test_mirror_adds_the_pressure_beyond_the_ends():
+    """With a mirror of one, a strip of even pressure deflects at its end like an endless one."""
+    half, _ = roller(0.0)
+    free, axial = roller(0.0, mirror=1.0)
+    npt.assert_allclose(axial[4:-4], 1.0, atol=0.01)
+    assert float(free.peak_pressure) < float(half.peak_pressure)
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ({"load": 1.0, "approach": 1.0}, "either a load or an approach"),
+        ({}, "either a load or an approach"),
+        ({"load": -1.0}, "load must be positive"),
+        ({"load": 1.0, "free_tilt": True, "load_position": (0.0, 9.0)}, "outside the grid"),
+    ],
+)
+def test_a_contact_that_is_not_defined_is_refused(options, part):
+    with pytest.raises(ModelError, match=part):
+        solve_contact(np.zeros((4, 4)), spacing=1e-3, contact_modulus=1e9, **options)
+
+
+def test_gaps_that_are_no_gaps_are_refused():
+    with pytest.raises(ModelError, match="not finite"):
+        solve_contact([0.0, np.nan], spacing=1e-3, contact_modulus=1e9, load=1.0)
+    with pytest.raises(ModelError, match="got the shape"):
+        solve_contact(np.zeros((2, 2, 2)), spacing=1e-3, contact_modulus=1e9, load=1.0)
+    with pytest.raises(ModelError, match="neither ends nor tilt"):
+        solve_contact(np.zeros(9), spacing=1e-3, contact_modulus=1e9, load=1.0, mirror=1.0)
+
+
+def test_deflection_is_that_of_tamaas():
+    """Half spaces on a doubled grid: the same influence of cells from another code."""
+    tamaas = pytest.importorskip("tamaas")
+    count = 64
+    x = middles(count, 1.0)
+    gap = (x[:, None] ** 2 + 2 * x**2) / 2
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [count, count])
+    model.E, model.nu = 1e9, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "free")
+    solver = tamaas.PolonskyKeerRey(model, -gap, 1e-10)
+    solver.setIntegralOperator("free")
+    solver.solve(2e6)
+    found = solve_contact(gap, spacing=1 / count, contact_modulus=1e9, load=2e6, tolerance=1e-8)
+    theirs = np.asarray(model.traction)
+    npt.assert_allclose(found.pressure, theirs, atol=1e-4 * theirs.max())
