@@ -164,8 +164,7 @@ def fix_text(dataset: xr.Dataset) -> xr.Dataset:
     >>> fixed.file.dtype
     dtype('S5')
     """
-    fixed = dataset.copy()
-    fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
+    changed = {}
     for name, variable in dataset.variables.items():
         one = variable.copy(deep=False)
         if variable.dtype.kind in "UO":
@@ -174,6 +173,14 @@ def fix_text(dataset: xr.Dataset) -> xr.Dataset:
         one.attrs = {key: _fix_attribute(value) for key, value in one.attrs.items()}
         if name in dataset.coords:
             one.encoding["_FillValue"] = None
+        changed[name] = one
+
+    # in two steps, since each assignment aligns all variables
+    fixed = dataset.copy()
+    fixed.attrs = {name: _fix_attribute(value) for name, value in dataset.attrs.items()}
+    indexed = {name: changed.pop(name) for name in dataset.xindexes}
+    fixed.update(changed)
+    for name, one in indexed.items():
         fixed[name] = one
     return fixed
 
