@@ -8,8 +8,6 @@ from click.testing import CliRunner
 
 from erlif.commands.main import main
 
-pytestmark = pytest.mark.slow
-
 MODULE = importlib.import_module("erlif.pipeline.batch")
 """The module; the package has the function under the same name."""
 
@@ -49,8 +47,8 @@ def test_status_is_0_where_no_run_failed(series, command):
     assert "failed" not in result.output
 
 
-def test_resume_shows_the_films_that_are_kept(series):
-    run_batch(series / "monday")
+def test_resume_shows_the_films_that_are_kept(series, film):
+    shutil.copy(film, series / "monday" / "film.nc")
     result = run_batch(series / "monday", series / "tuesday", "--resume")
     assert result.exit_code == 2
     assert result.stdout.splitlines()[0].endswith("; finished before")

@@ -1,6 +1,7 @@
 """Commands that are ended by a signal, and commands whose standard streams are closed."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,20 +10,22 @@ import pytest
 
 from erlif.commands.ending import EndedBySignal, signals_interrupt
 
-pytestmark = pytest.mark.slow
-
 ERLIF = (sys.executable, "-m", "erlif")
 
 SIGNALS = [signal.SIGTERM, signal.SIGHUP]
 
 
-@pytest.fixture(params=SIGNALS, ids=lambda one: one.name)
+@pytest.fixture(params=SIGNALS, ids=lambda one: one.name, scope="module")
 def number(request):
     return request.param
 
 
-def process_until_signalled(lab, number):
-    """`erlif process` in a process that receives a signal at its third trigger."""
+@pytest.fixture(scope="module")
+def signalled(small_rig, tmp_path_factory, number):
+    """`erlif process` in a process that receives a signal at its third trigger; gives its run."""
+    lab = type(small_rig)(tmp_path_factory.mktemp("signalled"))
+    for name in ("run", "fixture"):
+        shutil.copytree(small_rig.directory / name, lab.directory / name)
     script = f"""
 import os
 from erlif.files import netcdf_maps as store
@@ -38,13 +41,14 @@ store.write_record = write_and_receive
 from erlif.commands.main import main
 main({["process", str(lab.run), "--workers", "1"]!r})
 """
-    return subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
+    return lab, done
 
 
-def test_a_signal_ends_with_one_message_and_its_status(lab, number):
-    done = process_until_signalled(lab, number)
+def test_a_signal_ends_with_one_message_and_its_status(signalled, number):
+    _, done = signalled
     assert done.returncode == 128 + number
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith(f"erlif: ended by {number.name}.")
@@ -52,8 +56,8 @@ def test_a_signal_ends_with_one_message_and_its_status(lab, number):
     assert "Traceback" not in done.stderr
 
 
-def test_after_a_signal_the_lock_is_free_and_the_film_is_resumed(lab, film, command, number):
-    process_until_signalled(lab, number)
+def test_after_a_signal_the_lock_is_free_and_the_film_is_resumed(signalled, film, command):
+    lab, _ = signalled
     assert not list(lab.run.glob("*.lock"))
     assert not list(lab.run.glob(".*.lock"))
     assert (lab.run / "film.nc.partial").is_dir()
