@@ -187,10 +187,16 @@ class FigureSource:
             files.append(self.fixture_dir / "calibration.nc")
         return files
 
+    @cached_property
+    def _groups(self) -> dict[str, xr.Dataset]:
+        return {}
+
     def group(self, name: str) -> xr.Dataset:
-        """Read a group of the film into memory."""
-        with open_film(self.film_path, group=name) as group:
-            return group.load()
+        """Read a group of the film into memory, once."""
+        if name not in self._groups:
+            with open_film(self.film_path, group=name) as group:
+                self._groups[name] = group.load()
+        return self._groups[name]
 
 
 @styled

@@ -18,7 +18,6 @@ from erlif.core.errors import ErlifError, FrameError, OutputError
 from erlif.pipeline import restore_images
 from erlif.plots import files as plot_files
 from erlif.plots.files import DRAWN, find_source, reason_missing
-from erlif.plots.style import figure_bytes
 
 NEED_A_DIRECTORY = {"fixture_profile", "processed_images", "ratio_image"}
 
@@ -29,10 +28,8 @@ def alone(film_path, tmp_path):
     return shutil.copy(film_path, tmp_path / "film.nc")
 
 
-@pytest.fixture
-def fixture_dir(tmp_path):
-    """A fixture directory as far as the figures read it."""
-    directory = tmp_path / "fixture"
+def write_fixture(directory):
+    """Write a fixture directory as far as the figures read it."""
     directory.mkdir()
     cameras = "".join(
         f'[camera{n}]\nfiles = "camera{n}/*.tif"\nband = "{band} nm"\noffset = "64 DN"\n'
@@ -48,6 +45,32 @@ def fixture_dir(tmp_path):
     return directory
 
 
+@pytest.fixture
+def fixture_dir(tmp_path):
+    """A fixture directory that a test may change."""
+    return write_fixture(tmp_path / "fixture")
+
+
+@pytest.fixture(scope="module")
+def all_drawn(film_path, tmp_path_factory):
+    """All figures by name, and their files at 50 dpi, which fix the layout."""
+    folder = tmp_path_factory.mktemp("all")
+    figures = {}
+
+    def keeping(name):
+        def draw(source):
+            figures[name] = DRAWN[name](source)
+            return figures[name]
+
+        return draw
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plot_files, "DRAWN", {name: keeping(name) for name in DRAWN})
+        directories = {"fixture_dir": write_fixture(folder / "fixture")}
+        paths = plots.write_figures(film_path, folder, formats=("png",), dpi=50, **directories)
+    return figures, paths
+
+
 def few(monkeypatch, *names):
     """Draw some of the figures only."""
     monkeypatch.setattr(plot_files, "DRAWN", {name: DRAWN[name] for name in names})
@@ -58,21 +81,21 @@ def source_of(film_path, film, **directories):
     return find_source(film_path, film, None, options["run_dir"], options["fixture_dir"])
 
 
-@pytest.mark.slow
-def test_all_figures_are_written_twice_alike(film_path, tmp_path):
-    first = plots.write_figures(film_path, tmp_path / "a", formats=("png",))
-    assert [path.stem for path in first] == [name for name in DRAWN if name != "fixture_profile"]
+def test_all_figures_are_written_twice_alike(film_path, tmp_path, all_drawn):
+    _, first = all_drawn
+    assert [path.stem for path in first] == list(DRAWN)
     for path in first:
         assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-    again = plots.write_figures(film_path, tmp_path / "b", formats=("png",))
-    assert [path.read_bytes() for path in again] == [path.read_bytes() for path in first]
+    again = plots.write_figures(film_path, tmp_path, formats=("png",), dpi=50)
+    assert [path.stem for path in again] == [name for name in DRAWN if name != "fixture_profile"]
+    same = {path.name: path.read_bytes() for path in first}
+    assert [path.read_bytes() for path in again] == [same[path.name] for path in again]
 
 
-@pytest.mark.slow
-def test_all_axes_name_their_units(film_path, film, fixture_dir):
-    source = source_of(film_path, film, fixture_dir=fixture_dir)
-    for name, draw in DRAWN.items():
-        figure = draw(source)
+def test_all_axes_name_their_units(all_drawn):
+    figures, _ = all_drawn
+    assert list(figures) == list(DRAWN)
+    for name, figure in figures.items():
         panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
         labels = [label for ax in panels for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
         strokes = {"outward", "return"} if name == "map_sheet" else set()
@@ -80,13 +103,11 @@ def test_all_axes_name_their_units(film_path, film, fixture_dir):
         assert all("[" in label and "]" in label for label in set(labels) - strokes), labels
 
 
-@pytest.mark.slow
-def test_no_label_is_cut_off(film_path, film, fixture_dir):
+def test_no_label_is_cut_off(all_drawn):
     """Text of titles, axes and legends lies within the figure."""
-    source = source_of(film_path, film, fixture_dir=fixture_dir)
-    for name, draw in DRAWN.items():
-        figure = draw(source)
-        figure_bytes(figure, kind="png", dpi=50)  # fixes the layout
+    figures, _ = all_drawn
+    assert list(figures) == list(DRAWN)
+    for name, figure in figures.items():
         figure.draw_without_rendering()
         width, height = figure.bbox.width, figure.bbox.height
         panels = [child for ax in figure.axes for child in (ax, *ax.child_axes)]
