@@ -27,7 +27,7 @@ joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
 def film_of(steps, **options):
     """Cycles and minimum film thickness [um] with a number of steps a cycle."""
     motion = crank_motion(RIG, crank_speed=SPEED, load=LOAD, cycles=CYCLES, steps_per_cycle=steps)
-    found = solve_journal(joint, motion, cells=(128, 1), compiled=False, **options)
+    found = solve_journal(joint, motion, cells=(64, 1), compiled=False, **options)
     return found.time * SPEED / (2 * np.pi), found.film_min * 1e6
 
 
