@@ -35,7 +35,8 @@ from erlif.core.errors import OutputError
 @click.option(
     "--style",
     metavar="STYLE",
-    help="paper (85 mm, 8 points), slides (16:9, 18 points), or a style sheet of matplotlib.",
+    help="paper (columns of 85 and 179 mm, 8 points), slides (16:9, 18 points), or a style sheet "
+    "of matplotlib.",
 )
 @ALLOW_OUTSIDE
 @OVERWRITE

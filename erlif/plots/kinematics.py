@@ -42,6 +42,7 @@ from erlif.plots.style import (
 )
 from erlif.plots.triggers import (
     choose_abscissa,
+    film_limits,
     has_varying_speed,
     in_order,
     limit_to_turn,
@@ -289,7 +290,9 @@ def speed_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist
 def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     """Draw mean and minimum film thickness against crank angle, with 95 % bands.
 
-    Without an angle of the drive they are drawn against time or the number of the trigger.
+    The axis ends at the films with their bands, and at zero where they vary by more than their
+    smallest value. Without an angle of the drive they are drawn against time or the number of the
+    trigger.
 
     Parameters
     ----------
@@ -333,11 +336,18 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     ax.set_xlabel(along.label)
     ax.set_ylabel("film thickness [µm]")
 
-    # from contact, so that the film is seen in proportion; the legend has room above all curves,
-    # because the thinnest films are at the dead points, close to the lower edge
-    _, top = ax.get_ylim()
-    ax.set_ylim(0, (1 + room_for(ax, _LEGEND)) * top)
-    if not any(np.isfinite(film[name].values).any() for name in ("film_mean", "film_min")):
+    # the legend has room above all curves, because the thinnest films are at the dead points, close
+    # to the lower edge
+    known = np.concatenate(
+        [
+            film[name].values + side * COVERAGE * film[f"{name}_std"].values
+            for name in _STATISTICS
+            for side in (-1, 1)
+        ]
+    )
+    low, high = film_limits(known)
+    ax.set_ylim(low, high + room_for(ax, _LEGEND) * (high - low))
+    if not any(np.isfinite(film[name].values).any() for name in _STATISTICS):
         shares = describe_shares(flag_shares(film).mean(axis=0))
         state_empty(ax, f"no film thickness at any trigger\n{shares}")
         return artists
@@ -345,7 +355,7 @@ def film_over_cycle(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     # a band hidden by the markers is not announced as one
     widths = np.concatenate([2 * COVERAGE * film[f"{name}_std"].values for name in _STATISTICS])
     visible = is_visible(ax, widths, pt(_MARKER))
-    title = "bands: 95 %" if visible else "errors of 95 % are smaller than the markers"
+    title = "bands: 95 %" if visible else "95 % errors: within markers"
     frame_legend(ax, loc="upper center", ncols=2, title=title)
     return artists
 

@@ -15,7 +15,6 @@ from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.transforms import ScaledTranslation
 
 from erlif.core.arrays import Array, FlagImage, Mask
 from erlif.core.flags import Flag
@@ -33,14 +32,16 @@ from erlif.plots.style import (
     AnyFigure,
     add_colour_bar,
     colour_map,
-    figure_of,
     given_or_new,
+    keep_in_place,
+    legend_below,
     letter,
     new_figure,
     pt,
     room_for,
     state_empty,
     styled,
+    wrap_title,
 )
 from erlif.trend import average_across_sliding, rigid_gap
 
@@ -57,7 +58,6 @@ _SHEET_MOST = 60  # maps on one sheet; with more triggers, evenly chosen ones ar
 _SHEET_PIXELS = 240  # along x of a map on a sheet, about what 300 dpi resolve
 _WIDE = 0.43  # of two columns, for a map beside its profile
 _AROUND = 1.05  # inch above and below it, for title, labels and legend
-_X_LABEL = 24.0  # point, height of ticks and label of an x axis
 _LABELS = 0.75  # inch above and below a single map
 _FOOT = 0.35  # inch for the texts above and below a sheet
 _TITLE = 0.17  # inch for the angle above a map of a sheet
@@ -163,34 +163,20 @@ def thickness_map(
     )
     flags = film.flags.isel(trigger=trigger).values
     handles = _draw_flags(ax, flags, film)
-    add_colour_bar(image, ax, "film thickness [µm]")
+    bar = add_colour_bar(image, ax, "film thickness [µm]")
     if reason := reason_empty(flags):
         state_empty(ax, reason.replace(": ", "\n"))
 
     if region:
         handles.append(_outline_region(ax, film))
-    if handles:
-        ax.legend(
-            handles=handles,
-            loc="upper center",
-            bbox_to_anchor=(0.5, 0.0),
-            bbox_transform=ax.transAxes + _below_label(ax),
-            ncols=2,
-            handlelength=1.8,
-            handleheight=1.0,
-            columnspacing=1.2,
-            labelspacing=0.35,
-        )
-
     label_position(ax, film)
     bare_image(ax)
     ax.set_title(describe_trigger(film, trigger))
+    wrap_title(ax)
+    if handles:
+        legend_below(ax, handles)
+    keep_in_place(ax, bar)
     return image
-
-
-def _below_label(ax: Axes) -> ScaledTranslation:
-    """The way from the edge of an image to below the label of its x axis."""
-    return ScaledTranslation(0.0, -pt(_X_LABEL) / 72, figure_of(ax).dpi_scale_trans)
 
 
 def first_flag(flags: FlagImage) -> FlagImage:

@@ -9,6 +9,7 @@ import functools
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
@@ -17,12 +18,18 @@ import cmap
 import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axes._base import _AxesBase
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.gridspec import SubplotSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
+from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
@@ -113,6 +120,10 @@ _METADATA: dict[str, Mapping[str, Any]] = {
     "svg": {"Date": None, "Creator": "erlif"},
 }
 
+_PANEL = 17.0  # width of the letter of a panel, with a gap [point]
+_ACROSS = 0.92  # width of laid out axes over the one before
+_TITLE = 0.95  # part of its place that a title may take
+_NARROWEST = 0.3  # part of its place that an image keeps beside colour bar and legend
 _LETTER, _BESIDE, _SHORTEST = 3.9, 0.3, 12
 """Width of a letter [point], room at both ends of a colour bar [inch], letters of a short label."""
 
@@ -135,14 +146,16 @@ R = TypeVar("R")
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
     """Let a function draw in the look of erlif without a change to the settings of the caller.
 
-    What the caller has set, by a style sheet or by itself, is kept.
+    What the caller has set, by a style sheet or by itself, is kept. Text in axes of the caller has
+    the size of their labels.
     """
 
     draw = takes_products(draw)
 
     @functools.wraps(draw)
     def drawing(*args: P.args, **kwargs: P.kwargs) -> R:
-        with matplotlib.rc_context(_look()):
+        given = kwargs.get("ax")
+        with matplotlib.rc_context(_look(given if isinstance(given, Axes) else None)):
             drawn = draw(*args, **kwargs)
             interactive = matplotlib.is_interactive()
 
@@ -153,12 +166,14 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return drawing
 
 
-def _look() -> dict[Any, Any]:
+def _look(given: Axes | None = None) -> dict[Any, Any]:
     """Settings of erlif in place of matplotlib's defaults. Lengths follow the size of the text."""
     now: Any = matplotlib.rcParams
     default: Any = matplotlib.rcParamsDefault
     chosen = now["font.size"] != default["font.size"]
     scale = now["font.size"] / _TEXT if chosen else 1.0
+    if given is not None and not chosen:
+        scale = float(given.xaxis.label.get_fontsize()) / _TEXT
     wanted = _PLAIN | {name: scale * length for name, length in _POINTS.items()}
     return {name: to for name, to in wanted.items() if now[name] == default[name]} | _FIXED
 
@@ -286,32 +301,156 @@ def rows_or_columns(
     return list(panels.ravel())
 
 
-def add_colour_bar(image: ScalarMappable, ax: Axes, label: str, *, extend: str = "both") -> None:
+def add_colour_bar(
+    image: ScalarMappable, ax: Axes, label: str, *, extend: str = "both"
+) -> Colorbar:
     """Add a colour bar of the height of the image."""
     beside = ax.inset_axes((1.025, 0.0, 0.04, 1.0))
     bar = figure_of(ax).colorbar(image, cax=beside, extend=extend, extendfrac=0.03)
-
-    # a label longer than its bar would end beyond the figure
+    bar.set_label(label)
     ax.apply_aspect()
+    _wrap_label(bar, ax)
+    return bar
+
+
+def _wrap_label(bar: Colorbar, ax: Axes) -> None:
+    """Break the label of a colour bar that is longer than the bar; it would leave the figure."""
     height = ax.get_position().height * figure_of(ax).bbox.height / figure_of(ax).dpi  # inch
     letters = max(int(72 * (_LAID_OUT * height + pt(_BESIDE)) / pt(_LETTER)), _SHORTEST)
-    bar.set_label("\n".join(part for line in label.split("\n") for part in wrap(line, letters)))
+    lines = str(bar.ax.get_ylabel()).split("\n")
+    bar.set_label("\n".join(part for line in lines for part in wrap(line, letters)))
 
 
-def frame_legend(ax: Axes, **options: Any) -> None:
-    """Add a legend on white, so that no line crosses its text."""
+def frame_legend(ax: Axes, *, ncols: int = 1, **options: Any) -> None:
+    """Add a legend on white, so that no line crosses its text, in columns that the axes hold."""
     look: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "framealpha": 1.0}
-    legend = ax.legend(frameon=True, alignment="left", **look, **options)
+    look |= {"frameon": True, "alignment": "left"}
+    room = _ACROSS * ax.get_window_extent().width
+    legend = _fit_columns(ax, room, ncols=ncols, **look, **options)
     legend.set_zorder(5)
 
 
 def legend_above(ax: Axes, **options: Any) -> None:
-    """Add a legend above the axes, where it covers no point."""
+    """Add a legend above the axes, where it covers no point and not the letter of the panel."""
     options = {"ncols": 3, "columnspacing": 1.0, "handletextpad": 0.5} | options
     if is_page():  # panels stand side by side and are narrow
         options["ncols"] = 1
     options |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
-    ax.legend(**options)
+    room = _ACROSS * ax.get_window_extent().width - pt(_PANEL) * figure_of(ax).dpi / 72
+    _fit_columns(ax, room, **options)
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
+    """Add a legend below the label of the x axis, in two columns or in what its place is wide."""
+    figure = figure_of(ax)
+    ax.apply_aspect()
+    labels = ax.xaxis.get_tightbbox()
+    below = 0.0 if labels is None else (ax.bbox.y0 - labels.y0) / figure.dpi
+    down = ScaledTranslation(0.0, -below, figure.dpi_scale_trans)
+    _fit_columns(
+        ax,
+        _place_of(ax),
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=ax.transAxes + down,
+        ncols=2,
+        handlelength=1.8,
+        handleheight=1.0,
+        columnspacing=1.2,
+        labelspacing=0.35,
+    )
+
+
+def _fit_columns(ax: Axes, room: float, *, ncols: int, **options: Any) -> Legend:
+    """Add a legend of as many columns as a width has room for. [px]"""
+    for columns in range(ncols, 0, -1):
+        legend = ax.legend(ncols=columns, **options)
+        if legend.get_window_extent().width <= room:
+            break
+    return legend
+
+
+def _place_of(ax: Axes) -> float:
+    """Width of the column of a figure in which axes and their labels stand. [px]"""
+    spec = ax.get_subplotspec()
+    if spec is None:
+        return float(ax.bbox.width)
+    grid = spec.get_gridspec()
+    share = len(spec.colspan) / grid.ncols
+    return float(share * figure_of(ax).bbox.width)
+
+
+def keep_in_place(ax: Axes, bar: Colorbar) -> None:
+    """Shrink an image so that its colour bar and legend lie within the place of the axes.
+
+    A layout engine does this by itself; a plain figure of matplotlib has none.
+    """
+    figure = figure_of(ax)
+    if _has_engine(figure):
+        return
+
+    def beyond() -> tuple[float, float]:
+        """Width of the bar beside the image; height of label and legend below it. [inch]"""
+        beside, legend = bar.ax.get_tightbbox(), ax.get_legend()
+        right = 0.0 if beside is None else beside.x1 - ax.bbox.x1
+        below = 0.0 if legend is None else ax.bbox.y0 - legend.get_window_extent().y0
+        return right / figure.dpi, below / figure.dpi
+
+    # the label of a shorter bar may need two lines, which are wider
+    ax.apply_aspect()
+    ax.set_anchor("N")
+    for _ in range(3):
+        place = _Place(*beyond(), ax.get_subplotspec())
+        ax.set_axes_locator(place)
+        ax.apply_aspect(place(ax, None))
+        _wrap_label(bar, ax)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Place of an image beside its colour bar and above its legend, in a figure without engine.
+
+    Attributes
+    ----------
+    right, below : float
+        What the bar and the legend take. [inch]
+    spec : SubplotSpec or None
+        Place of the axes in a grid, which matplotlib's tight layout asks for.
+    """
+
+    right: float
+    below: float
+    spec: SubplotSpec | None
+
+    def __call__(self, ax: _AxesBase, renderer: RendererBase | None) -> Bbox:
+        """Box of the image, relative to the figure."""
+        figure, place = ax.get_figure(), ax.get_position(original=True)
+        assert figure is not None
+        if _has_engine(figure):
+            return place
+        inch = figure.dpi / np.array([figure.bbox.width, figure.bbox.height])
+        width = max(place.width - self.right * inch[0], _NARROWEST * place.width)
+        height = max(place.height - self.below * inch[1], _NARROWEST * place.height)
+        return Bbox.from_bounds(place.x0, place.y1 - height, width, height)
+
+    def get_subplotspec(self) -> SubplotSpec | None:
+        """Place of the axes in their grid."""
+        return self.spec
+
+
+def _has_engine(figure: AnyFigure) -> bool:
+    """Whether the whole figure has a layout engine."""
+    whole = figure.get_figure(root=True)
+    return whole is not None and whole.get_layout_engine() is not None
+
+
+def wrap_title(ax: Axes) -> None:
+    """Break a title that is longer than the place of its axes."""
+    title = ax.title
+    room, width = _TITLE * _place_of(ax), title.get_window_extent().width
+    if width > room:
+        ax.set_title("\n".join(wrap(title.get_text(), int(len(title.get_text()) * room / width))))
 
 
 def room_for(ax: Axes, lines: float) -> float:

@@ -19,6 +19,11 @@ _STEADY = 0.01
 _GAP = 1.75
 """Step over the longer of its neighbours above which it is a gap; a trigger left out doubles it."""
 
+_LEAST_SPAN, _ROOM = (
+    0.02,
+    0.05,
+)  # of the film: least range of an axis; room at its ends, of its range
+
 _ONE_WAY = {"label": "trigger", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD}
 """Look of the triggers where there are no strokes."""
 
@@ -81,6 +86,42 @@ def limit_to_turn(ax: Axes) -> None:
     """Let an axis of angles end with a whole turn."""
     ax.set_xlim(0, 360)
     ax.set_xticks(range(0, 361, 120 if is_page() else 60))
+
+
+def film_limits(values: Array) -> tuple[float, float]:
+    """Ends of an axis of film thickness, from the films with their error bands.
+
+    Parameters
+    ----------
+    values : array
+        Lower and upper ends of the bands, NaN where unknown. [um]
+
+    Returns
+    -------
+    (float, float)
+        From zero where the films vary by more than their smallest value, else with a little room.
+        [um]
+
+    Examples
+    --------
+    A film that varies by a few per cent, and one that comes close to contact:
+
+    >>> low, high = film_limits(np.array([7.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    6.95 to 8.05
+    >>> low, high = film_limits(np.array([1.0, 8.0]))
+    >>> print(f"{low:.2f} to {high:.2f}")
+    0.00 to 8.35
+    """
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return 0.0, 1.0
+    low, high = float(known.min()), float(known.max())
+
+    # a range below that of the noise of a film would make noise look like a cycle
+    span = max(high - low, _LEAST_SPAN * abs(high)) or 1.0
+    middle, room = (low + high) / 2, (0.5 + _ROOM) * span
+    return (0.0 if 0 <= low < span else middle - room), middle + room
 
 
 def stroke_looks(film: xr.Dataset) -> list[tuple[Mask, dict[str, Any]]]:

@@ -107,13 +107,26 @@ def test_bands_are_95_per_cent_of_the_standard_deviation(film):
             npt.assert_allclose(np.ptp(edges[edges[:, 0] == x, 1]), 2 * 1.96 * std)
 
 
-def test_film_thickness_starts_at_zero_and_is_named(film):
+@pytest.mark.parametrize(("low", "high"), [(6.0, 6.2), (0.5, 6.0)])
+def test_film_over_the_cycle_fills_its_axes_unless_it_comes_close_to_contact(film, low, high):
+    """From zero, a film of 6.0 to 6.2 um would take 3 % of the axes."""
+    films = np.linspace(low, high, scene.TRIGGERS)
+    known = film.assign(film_min=("trigger", films), film_mean=("trigger", films))
+    ax = plots.film_over_cycle(known)[0].axes
+    bottom, top = ax.get_ylim()
+    assert (bottom == 0) == (low < 1)
+    drawn = (low - 1.96 * 0.03, high + 1.96 * 0.03)
+    assert bottom <= drawn[0]
+    assert drawn[1] < top
+    assert drawn[1] - max(drawn[0], 0.0) > 0.5 * (top - bottom)
+
+
+def test_film_thickness_is_named(film):
     ax = plots.film_over_cycle(film)[0].axes
-    assert ax.get_ylim()[0] == 0
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("crank angle [°]", "film thickness [µm]")
     legend = ax.get_legend()
     assert [text.get_text() for text in legend.get_texts()] == ["mean of the region", "minimum"]
-    assert legend.get_title().get_text() == "errors of 95 % are smaller than the markers"
+    assert legend.get_title().get_text() == "95 % errors: within markers"
 
 
 def test_bands_are_announced_where_they_are_wider_than_the_markers(film):

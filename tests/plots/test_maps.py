@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import matplotlib.pyplot as plt
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -388,3 +389,32 @@ def test_image_keeps_the_proportions_of_the_joint(film):
     """Twice the pitch along y doubles the height at the same width."""
     tall = film.assign_coords(y=2 * film.y)
     assert image_height(tall, 3.0) == pytest.approx(2 * image_height(film, 3.0))
+
+
+@pytest.mark.parametrize("size", [(7.0, 3.0), (4.5, 6.0)])
+@pytest.mark.parametrize("layout", [None, "constrained"])
+def test_map_in_axes_of_ones_own_covers_no_label_and_leaves_no_figure(film, size, layout):
+    columns = 2 if size[0] > size[1] else 1
+    figure, panels = plt.subplots(3 - columns, columns, figsize=size, layout=layout)
+    ax = plots.thickness_map(film, trigger=2, ax=panels[0]).axes
+    # an image of fixed aspect is in its place after the second round of the layout
+    for _ in range(2):
+        figure.draw_without_rendering()
+
+    legend, label = ax.get_legend().get_window_extent(), ax.xaxis.get_tightbbox()
+    assert legend.y1 <= label.y0 + 1
+    bar = ax.child_axes[0].get_tightbbox()
+    whole, other = figure.bbox, panels[1].bbox
+    for box in (legend, label, bar):
+        assert box.y0 >= whole.y0
+        assert box.x1 <= whole.x1
+        assert not box.overlaps(other)
+
+
+def test_text_in_axes_of_ones_own_has_the_size_of_their_labels(film):
+    _, ax = plt.subplots(figsize=(5, 5))
+    plots.thickness_map(film, trigger=2, ax=ax)
+    assert ax.xaxis.label.get_fontsize() == 10
+    assert ax.title.get_fontsize() == 10
+    assert 9 <= ax.get_legend().get_texts()[0].get_fontsize() <= 10
+    assert ax.child_axes[0].yaxis.label.get_fontsize() == 10
