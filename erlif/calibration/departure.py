@@ -258,23 +258,21 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
     displaced = freedom.displacement[kept]
     y, y_std, t_std = points.log_ratio[kept], points.log_ratio_std[kept], fit.thickness_std[kept]
     true = fit.true_thickness[kept]
-    departure = Departure(_place_knots(fit, true, inner_knots), np.zeros(functions), np.empty(0))
+    spline = Departure(_place_knots(fit, true, inner_knots), np.zeros(functions), np.empty(0))
+    coefficients = spline.coefficients
     displacement = fit.displacement
     model = np.concatenate([fit.gradient(true), (fit.slope(true)[:, None] * displaced).T])
 
     for _ in range(_PASSES):
         # effective variance: the CMM's error enters the ratio through the slope of the curve
-        slope = fit.slope(true) + departure.slope(true)
+        basis = spline.basis(true).T
+        slope = fit.slope(true) + spline.basis(true, derivative=True).T @ coefficients
         film = points.thickness[kept] + displaced @ displacement
         std = np.hypot(y_std, slope * t_std)
-        rest = y - fit.predict(true) - departure.predict(true) - slope * (film - true)
-        design = (
-            np.column_stack([departure.basis(true).T, slope[:, None] * displaced]) / std[:, None]
-        )
+        rest = y - fit.predict(true) - basis @ coefficients - slope * (film - true)
+        design = np.column_stack([basis, slope[:, None] * displaced]) / std[:, None]
         change = np.linalg.lstsq(design, rest / std, rcond=None)[0]
-        departure = Departure(
-            departure.knots, departure.coefficients + change[:functions], np.empty(0)
-        )
+        coefficients = coefficients + change[:functions]
         displacement = displacement + change[functions:]
 
         # the point on the curve nearest to each measured one
@@ -293,7 +291,7 @@ def fit_departure(points: Points, fit: Fit, freedom: Freedom, inner_knots: int) 
 
     true_thickness = points.thickness + freedom.displacement @ displacement
     true_thickness[kept] = true
-    departure = Departure(departure.knots, departure.coefficients, covariance)
+    departure = Departure(spline.knots, coefficients, covariance)
     return Candidate(departure, displacement, chi_square, used, true_thickness)
 
 

@@ -296,12 +296,10 @@ def _gradient_along(position: Array, centre: Array, mean: Array, used: Mask) -> 
     """Slope of the cell means at each CMM point of a line, (point, 1), from neighbours. [1/mm]"""
     gradient = np.zeros_like(position)
     neighbours = min(_LINE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])
-    places, values = centre[used], mean[used]
-    for n in np.nonzero(used)[0]:
-        around = nearest[n]
-        design = np.column_stack([np.ones(neighbours), places[around] - position[n]])
-        gradient[n] = np.linalg.lstsq(design, values[around], rcond=None)[0][1:]
+    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])[used]
+    off = (centre[used][nearest] - position[used][:, None])[..., 0]
+    design = np.stack([np.ones_like(off), off], axis=-1)
+    gradient[used] = _solve_each(design, mean[used][nearest])[:, 1:]
     return gradient
 
 
@@ -320,13 +318,15 @@ def _form_about(position: Array, centre: Array, mean: Array, used: Mask) -> _For
     """
     gradient, curvature = np.zeros_like(position), np.zeros((len(position), 2, 2))
     neighbours = min(_SURFACE_NEIGHBOURS, int(used.sum()))
-    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])
-    places, values = centre[used], mean[used]
-    for n in np.nonzero(used)[0]:
-        x, y = (places[nearest[n]] - position[n]).T
-        design = np.column_stack([np.ones(neighbours), x, y, x**2 / 2, x * y, y**2 / 2])
-        _, gradient[n, 0], gradient[n, 1], xx, xy, yy = np.linalg.lstsq(
-            design, values[nearest[n]], rcond=None
-        )[0]
-        curvature[n] = [[xx, xy], [xy, yy]]
+    nearest = np.asarray(scipy.spatial.cKDTree(centre[used]).query(position, k=neighbours)[1])[used]
+    x, y = np.moveaxis(centre[used][nearest] - position[used][:, None], -1, 0)
+    design = np.stack([np.ones_like(x), x, y, x**2 / 2, x * y, y**2 / 2], axis=-1)
+    _, *slopes, xx, xy, yy = _solve_each(design, mean[used][nearest]).T
+    gradient[used] = np.stack(slopes, axis=1)
+    curvature[used] = np.moveaxis(np.array([[xx, xy], [xy, yy]]), -1, 0)
     return _Form(gradient, curvature)
+
+
+def _solve_each(design: Array, values: Array) -> Array:
+    """Least squares at each point, (point, term), from its neighbours, (point, neighbour, ...)."""
+    return np.asarray(np.einsum("pij,pj->pi", np.linalg.pinv(design), values))

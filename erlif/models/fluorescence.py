@@ -41,10 +41,7 @@ def mean_transmission(depth: Values) -> Values:
     >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
     array([1.    , 0.7213, 0.001 ])
     """
-    x = _float64(depth)
-    if hasattr(x, "dims"):
-        return x.copy(data=_mean_transmission(x.data))
-    return _mean_transmission(x)
+    return _transmission(_float64(depth))
 
 
 @broadcasting
@@ -167,8 +164,8 @@ def log_band_ratio(
     t = _float64(thickness)
     return (
         np.log(ratio_at_zero)
-        + np.log(mean_transmission(attenuation_camera2 * t))
-        - np.log(mean_transmission(attenuation_camera1 * t))
+        + np.log(_transmission(attenuation_camera2 * t))
+        - np.log(_transmission(attenuation_camera1 * t))
     )
 
 
@@ -279,9 +276,16 @@ def _float64(value: Values) -> Values:
     return value.astype(float) if hasattr(value, "dims") else np.asarray(value, float)
 
 
+def _transmission(x: Values) -> Values:
+    """`mean_transmission` of numbers in double precision; a fit takes it thousands of times."""
+    return x.copy(data=_mean_transmission(x.data)) if hasattr(x, "dims") else _mean_transmission(x)
+
+
 def _mean_transmission(x: Array) -> Array:
     # the closed form is 0/0 at zero, so it is evaluated at 1 there and then replaced
     small = np.abs(x) < SERIES_BELOW
+    if not small.any():
+        return np.asarray(-np.expm1(-x) / x)
     safe = np.where(small, 1.0, x)
     return np.where(small, 1 - x / 2 + x * x / 6, -np.expm1(-safe) / safe)
 

@@ -94,16 +94,6 @@ def test_filters_of_the_rig_need_no_departure():
     assert largest_error(calibration, np.log(two(GRID) / one(GRID))) < 0.05
 
 
-def test_noise_alone_gives_neither_departure_nor_structure():
-    """Sixty fixtures; the probability is below 1e-3 in each."""
-    rng = np.random.default_rng(4)
-    for _ in range(60):
-        calibration = calibrate_wedge(rng)
-        assert calibration.departure is None
-        assert not has_note(calibration, "structure")
-        assert not has_note(calibration, "are correlated")
-
-
 def test_curve_rises_and_its_derivatives_are_those_of_the_curve(departing):
     low, high = departing.thickness_range
     film = np.linspace(low + 0.01, high - 0.01, 200)

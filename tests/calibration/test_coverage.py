@@ -1,0 +1,75 @@
+"""Error bars of calibrations and of their comparison, over many fixtures of the same wedge."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scenes.fixture import (
+    FILMS,
+    K,
+    P,
+    Q,
+    calibrate_wedge,
+    has_note,
+    log_ratio,
+    share_within,
+    wedge_profile,
+)
+from scipy.stats import binom
+
+from erlif.calibration import compare_calibrations
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def photographed():
+    """Two hundred fixtures with a noisy CMM, of 0.15 um; the first hundred photographed twice."""
+    rng = np.random.default_rng(2)
+    profiles = [wedge_profile(rng) for _ in range(200)]
+    first, second = (
+        [calibrate_wedge(rng, profile=profile) for profile in chosen]
+        for chosen in (profiles, profiles[:100])
+    )
+    return first, second
+
+
+def test_uncertainties_of_parameters_and_films_cover(photographed):
+    """68 and 95 % within one and two standard deviations: K, p, q, and films of 1, 3 and 8 um."""
+    read = log_ratio(FILMS)
+    pulls = []
+    for calibration in photographed[0]:
+        assert calibration.departure is None
+        found = (calibration.invert(read) - FILMS) / calibration.thickness_std(FILMS)
+        pulls.append(
+            [*(calibration.parameters - [K, P, Q]) / calibration.standard_deviations, *found]
+        )
+    # 200 draws scatter by 3.3 and 1.5 % about 68.3 and 95.4 %
+    assert np.all(np.abs(share_within(pulls, 1) - 0.683) < 3 * 0.033)
+    assert np.all(np.abs(share_within(pulls, 2) - 0.954) < 3 * 0.015)
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(200))
+
+
+def test_noise_alone_gives_neither_departure_nor_structure(photographed):
+    """Sixty fixtures; the probability is below 1e-3 in each."""
+    for calibration in photographed[0][:60]:
+        assert calibration.departure is None
+        assert not has_note(calibration, "structure")
+        assert not has_note(calibration, "are correlated")
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_false_alarms_are_as_rare_as_stated(photographed, shared):
+    """Of a hundred pairs of unchanged fixtures, one is significant by chance.
+
+    Half of them have a probability below a half.
+    """
+    first, second = photographed
+    one, other = (second, first[:100]) if shared else (first[::2], first[1::2])
+    found = [compare_calibrations(*pair) for pair in zip(one, other, strict=True)]
+    assert len(found) == 100
+    assert sum(each.significant for each in found) <= binom.ppf(0.999, 100, 0.01)
+    assert sum(each.drifted for each in found) <= 5
+    below = sum(each.probability < 0.5 for each in found)
+    assert abs(below - 50) < 3.3 * 5
+    pulls = np.array([(each.difference / each.difference_std)[[10, 30, 50]] for each in found])
+    npt.assert_allclose(pulls.std(axis=0), 1, atol=0.25)
