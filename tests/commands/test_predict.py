@@ -3,18 +3,14 @@
 import re
 
 
-def test_a_prediction_lies_beside_its_film_with_a_summary(own, command):
+def test_a_prediction_lies_beside_its_film_and_is_replaced_on_request_only(own, command, refused):
     result = command("predict", own)
-    assert (own.parent / "prediction.nc").is_file()
+    first = own.parent / "prediction.nc"
     assert "transient Reynolds, pin free sideways, 6 triggers" in result.stdout
     assert re.search(r"correlation with \|speed\| +measured [+-]\d\.\d\d, predicted", result.stdout)
     assert "written: " in result.stdout
     assert "prediction: 6 done" in result.stderr
 
-
-def test_an_existing_prediction_is_replaced_on_request_only(own, command, refused):
-    first = own.parent / "prediction.nc"
-    command("predict", own)
     before = first.read_bytes()
     assert "use --overwrite" in refused("predict", own)
     command("predict", own, "--overwrite")
