@@ -31,9 +31,13 @@ from erlif.core.errors import (
 from erlif.core.format import ATTRIBUTE, FORMAT_VERSION
 from erlif.core.version import __version__
 from erlif.files import has_group, open_netcdf, refuse_existing, settings_of, takes, write_dataset
+from erlif.files.kinds import KIND_NAMES, kind_of
 from erlif.registration import CameraMap
 from erlif.registration.camera_map import describe_map
 from erlif.settings import RunSettings
+
+_OTHERS = ("film", "prediction", "pressure", "comparison", "budget")
+"""Products whose files are no calibrations."""
 
 
 @takes(calibration="calibration")
@@ -143,6 +147,13 @@ Make one with: erlif calibrate FIXTURE_DIR
 def _read(path: Path) -> Calibration:
     """A calibration from its file, its numbers checked."""
     with open_netcdf(path) as dataset:
+        kind = kind_of(dataset)
+        if kind in _OTHERS:
+            raise CalibrationError(
+                f"Expected a calibration as erlif calibrate writes it; {path} holds "
+                f"{KIND_NAMES[kind]}. Name the calibration in its place; it is made with: erlif "
+                "calibrate FIXTURE_DIR"
+            )
         check_file(dataset)
         calibration = Calibration.from_dataset(dataset.load())
     check_calibration(calibration)

@@ -12,7 +12,7 @@ import xarray as xr
 
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ErlifError
-from erlif.files import check_trigger
+from erlif.files import check_trigger, takes
 
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
 """Maps of a film, in the order in which they are written."""
@@ -48,6 +48,7 @@ class TriggerColumn:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
+@takes(film="film")
 def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
     """List all numbers and texts that a film has for each trigger.
 

@@ -3,6 +3,10 @@
 Each message states what was expected, what was found and what to do next.
 """
 
+from __future__ import annotations
+
+import re
+
 
 class ErlifError(Exception):
     """Base of all errors caused by the input and not by erlif.
@@ -43,6 +47,10 @@ class ModelError(ErlifError, ValueError):
     """An argument outside the range in which a model of the joint is defined."""
 
 
+class ArgumentError(ErlifError, TypeError):
+    """An argument that a function needs and was not given."""
+
+
 class UnitWarning(UserWarning):
     """An argument of a model that is probably given in another unit than the SI unit expected."""
 
@@ -51,8 +59,21 @@ class RangeWarning(UserWarning):
     """A fitted equation used beyond the range over which its source fitted it."""
 
 
+_PLAIN = (
+    (r".*file signature not found.*", "it is no HDF5 file"),
+    (r".*truncated file: eof = (\d+).*stored_eof = (\d+).*", r"\1 of its \2 bytes are there"),
+    (r"Unable to synchronously open file \((unable to lock.*)\)", r"it cannot be opened: \1"),
+    (r"Unable to synchronously open file.*", "its header is damaged"),
+    (r"(?:Unable to|Can't) synchronously read data(.*)", r"its values cannot be read\1"),
+    (r".*Unable to synchronously open object.*|.*group not found.*", "a part of it is missing"),
+)
+"""Texts of the HDF5 library, and what they mean."""
+
 LONGEST_REASON = 200
 """Length of a foreign text in a message; one of a damaged file may have megabytes. [character]"""
+
+_SEARCHED = 1000
+"""Length of a foreign text that is compared with known ones. [character]"""
 
 
 def reason_of(error: BaseException) -> str:
@@ -71,6 +92,13 @@ def reason_of(error: BaseException) -> str:
     --------
     >>> reason_of(OSError("bad symbol\\nat 0x10.")), reason_of(MemoryError())
     ('bad symbol', 'MemoryError')
+    >>> reason_of(OSError("Unable to synchronously open file (file signature not found)"))
+    'it is no HDF5 file'
     """
     first = str(error).strip().partition("\n")[0].rstrip(".")
+    for text, meaning in _PLAIN:
+        found = re.fullmatch(text, first[:_SEARCHED])
+        if found is not None:
+            first = found.expand(meaning)
+            break
     return first[:LONGEST_REASON] or type(error).__name__

@@ -7,6 +7,7 @@ length, pounds as a force, arithmetic, and numbers that are not finite.
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
 from fractions import Fraction
@@ -172,11 +173,19 @@ def parse_quantity(text: object, unit: str) -> float:
     try:
         value = _convert(match[1], name, unit)
     except Exception as error:  # pint raises errors of many classes, depending on the text
-        hint = f"; {_HINTS[name]}" if name in _HINTS and unit == "N" else ""
+        hint = _hint(match[1], name, unit)
         raise ValueError(f"{expected}; {text!r} cannot be converted to it{hint}") from error
     if not math.isfinite(value):
         raise ValueError(f"{expected}; {text!r} is not finite")
     return value
+
+
+def _hint(number: str, name: str, unit: str) -> str:
+    """What to write in place of a unit that is not known."""
+    if name in _HINTS and unit == "N":
+        return f"; {_HINTS[name]}"
+    near = difflib.get_close_matches(name, _USUAL.get(unit, {}), n=2)
+    return f"; did you mean {' or '.join(f'{number} {each}' for each in near)}?" if near else ""
 
 
 def _convert(number: str, name: str, unit: str) -> float:

@@ -12,9 +12,11 @@ from erlif.core.errors import ErlifError, OutputError
 from erlif.core.flags import count_flags
 from erlif.files.film import open_film
 from erlif.files.soundness import read_settings
+from erlif.files.wanted import takes
 from erlif.settings import RegionOfInterest, RunSettings
 
 
+@takes(film="part of a film")
 def settings_of(film: xr.Dataset) -> RunSettings:
     """Read the settings that a film was made with.
 
@@ -53,6 +55,7 @@ def settings_of(film: xr.Dataset) -> RunSettings:
         ) from error
 
 
+@takes(film="part of a film")
 def motion_of(film: xr.Dataset) -> str:
     """Read the kind of [mechanism] in the settings of a film.
 
@@ -81,6 +84,7 @@ def motion_of(film: xr.Dataset) -> str:
     return "" if mechanism is None else mechanism.kind
 
 
+@takes(film="part of a film")
 def region_of(film: xr.Dataset) -> RegionOfInterest:
     """Read the region of interest of a film.
 
@@ -113,6 +117,7 @@ def region_of(film: xr.Dataset) -> RegionOfInterest:
     return RegionOfInterest(x=(float(x[0]), float(x[-1])), y=(float(y[0]), float(y[-1])))
 
 
+@takes(film="part of a film")
 def axis_labels(film: xr.Dataset) -> tuple[str, str]:
     """Labels of x and y of an image, with their directions unless nothing moves.
 
@@ -146,6 +151,7 @@ def axis_labels(film: xr.Dataset) -> tuple[str, str]:
     return f"x ({x}) [mm]", f"y ({y}) [mm]"
 
 
+@takes(film="part of a film")
 def check_trigger(film: xr.Dataset, trigger: int) -> None:
     """Refuse a trigger that a film does not have.
 
@@ -179,6 +185,7 @@ Choose one of them.
         )
 
 
+@takes(film="part of a film")
 def fastest_trigger(film: xr.Dataset) -> int:
     """Find the trigger that stands as an example for all: the fastest of the outward stroke.
 
@@ -211,6 +218,7 @@ def fastest_trigger(film: xr.Dataset) -> int:
     return int(np.argmax(outward if (outward >= 0).any() else speed))
 
 
+@takes(film="part of a film")
 def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
@@ -255,6 +263,7 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     return ", ".join(parts)
 
 
+@takes(film="part of a film")
 def flag_shares(film: xr.Dataset) -> Array:
     """Share of valid pixels and of each flag in every map.
 

@@ -22,11 +22,13 @@ from erlif.files.soundness import check_film, check_frames, check_registration
 from erlif.files.unfinished import PartialFilm
 
 _OTHERS = {
-    "calibration file": "erlif.open_calibration opens it",
-    "prediction": "xarray.open_dataset opens it",
-    "pressure": "xarray.open_dataset opens it",
+    "calibration file": ("a calibration", "erlif.open_calibration"),
+    "prediction": ("a prediction", "xarray.open_dataset"),
+    "pressure": ("a pressure", "xarray.open_dataset"),
+    "comparison": ("a comparison of runs", "xarray.open_dataset"),
+    "budget": ("an uncertainty budget", "xarray.open_dataset"),
 }
-"""Files that are no films, and what opens them."""
+"""Files that are no films: what they hold, and what opens them."""
 
 _MAKE_ONE = "Make one with: erlif process RUN_DIR"
 
@@ -161,8 +163,18 @@ def open_film(path: str | Path, *, group: str | None = None) -> xr.Dataset:
 
     try:
         return _open_checked(path, group)
+    except _OtherProductError as error:
+        held, opener = _OTHERS[str(error)]
+        raise OutputError(
+            f"Expected a film as erlif process writes it; {path} holds {held}, which {opener} "
+            f"opens. Name the film in its place. {make_one}"
+        ) from error
     except Exception as error:  # damaged bytes raise exceptions of many kinds in HDF5 and zarr
         raise _damaged(path, error) from error
+
+
+class _OtherProductError(Exception):
+    """A file of erlif that holds another product, with its kind."""
 
 
 def _open_checked(path: Path, group: str | None) -> xr.Dataset:
@@ -174,12 +186,17 @@ def _open_checked(path: Path, group: str | None) -> xr.Dataset:
         if not path.is_file():
             raise ValueError("it is not a regular file")
         check_netcdf(path)
-        dataset = open_netcdf(path, group=group)
+        try:
+            dataset = open_netcdf(path, group=group)
+        except OSError:
+            if group is not None:  # another product has no such group
+                _open_checked(path, None).close()
+            raise
 
     kind = kind_of(dataset)
     if group is None and kind in _OTHERS:
         dataset.close()
-        raise ValueError(f"it holds {KIND_NAMES[kind]}; {_OTHERS[kind]}")
+        raise _OtherProductError(kind)
 
     check = {None: check_film, "frames": check_frames, "registration": check_registration}
     try:
@@ -216,7 +233,7 @@ def reading_film(path: str | Path) -> Iterator[None]:
     Traceback (most recent call last):
         ...
     erlif.core.errors.OutputError: Expected a film as erlif process writes it; film.nc is damaged \
-or something else (Can't synchronously read data). Make one with: erlif process RUN_DIR
+or something else (its values cannot be read). Make one with: erlif process RUN_DIR
     """
     try:
         yield

@@ -23,6 +23,7 @@ _MARKS = (
 
 KIND_NAMES = {
     "film": "a film",
+    "part of a film": "a film",
     "frames": "the group frames of a film",
     "registration": "the group registration of a film",
     "images": "the images of one trigger",

@@ -14,7 +14,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import xarray as xr
 
-from erlif.core.errors import ErlifError
+from erlif.core.errors import ArgumentError, ErlifError
 from erlif.files.film import open_film
 from erlif.files.kinds import KIND_NAMES, kind_of
 
@@ -23,6 +23,7 @@ R = TypeVar("R")
 
 _WAYS = {
     "film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
+    "part of a film": 'erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one',
     "frames": "film.erlif.frames has it",
     "registration": "film.erlif.registration has it",
     "images": 'erlif.pipeline.restore_images("film.nc", RUN_DIR, trigger=3) computes them',
@@ -43,7 +44,7 @@ _WAYS = {
 """How to get each kind."""
 
 _PATHS = ("run", "fixture", "directory", "film file", "run or film", "path")
-_OPENED = {"film": None, "frames": "frames", "registration": "registration"}
+_OPENED = {"film": None, "part of a film": None, "frames": "frames", "registration": "registration"}
 
 PRODUCTS = {
     "film": "film",
@@ -93,6 +94,8 @@ erlif.open_film("film.nc") opens one, erlif.process(RUN_DIR) makes one.
     fits = {kind, *_PATHS} if kind in _PATHS else {kind}
     if kind == "calibration path":
         fits = {"calibration", "path"}
+    if kind == "part of a film" and isinstance(value, xr.Dataset):
+        return value
     # a dataset of an unknown kind may be a part of the right one
     if found in fits or (found == "dataset" and kind in _DATASETS):
         return value
@@ -114,6 +117,8 @@ def _describe(value: Any, kind: str) -> str:
         return f"the path {fspath(value)}"
     if kind in KIND_NAMES:
         return KIND_NAMES[kind]
+    if value is None:
+        return "None"
     if isinstance(value, xr.DataArray):
         return f"the single variable {value.name}"
     if isinstance(value, xr.Dataset):
@@ -145,21 +150,42 @@ def takes(**wanted: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         signature = inspect.signature(function)
+        needed = {
+            name
+            for name, one in signature.parameters.items()
+            if one.default is one.empty and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        }
 
         @functools.wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
             try:
-                bound = signature.bind(*args, **kwargs)
-            except TypeError:  # the call itself names what is missing
+                bound = signature.bind_partial(*args, **kwargs)
+            except TypeError:  # the call itself names what is too much
                 return function(*args, **kwargs)
             for name, kind in wanted.items():
-                if bound.arguments.get(name) is not None:
-                    bound.arguments[name] = take(bound.arguments[name], kind, where=name)
+                value = bound.arguments.get(name)
+                if value is not None or name in needed & set(bound.arguments):
+                    bound.arguments[name] = take(value, kind, where=name)
+            for name in signature.parameters:
+                if name in needed - set(bound.arguments):
+                    raise ArgumentError(_missing(function.__name__, name, wanted.get(name)))
             return function(*bound.args, **bound.kwargs)
 
         return checked
 
     return decorate
+
+
+def _missing(function: str, name: str, kind: str | None) -> str:
+    """The message for an argument that is not given."""
+    if kind is not None:
+        return f"Expected {KIND_NAMES[kind]} as {name}= of {function}, got none. {_WAYS[kind]}."
+    hint = (
+        "Name one, counted from 0; erlif.files.fastest_trigger(film) finds the fastest"
+        if name == "trigger"
+        else f"help({function}) describes it"
+    )
+    return f"Expected {name}= of {function}, got none. {hint}."
 
 
 def takes_products(function: Callable[P, R]) -> Callable[P, R]:

@@ -8,7 +8,7 @@ import xarray as xr
 from erlif.calibration import Calibration, calibration_of
 from erlif.core.errors import ConfigError, ErlifError
 from erlif.core.products import RatioImages, ThicknessMaps
-from erlif.files import settings_of
+from erlif.files import settings_of, takes
 from erlif.trend import FilmStatistics, Region, find_region, summarise_film
 
 Interval = tuple[float, float]
@@ -25,6 +25,7 @@ _COLUMNS = {
 }
 
 
+@takes(film="film")
 def summarise_region(
     film: xr.Dataset, *, x: Interval | None = None, y: Interval | None = None
 ) -> xr.Dataset:

@@ -27,7 +27,7 @@ def test_a_chosen_trigger_is_named(own, command):
 def test_bad_input_is_refused_in_one_message(own, small_rig, refused, command):
     assert "does not exist" in refused("export", own.with_name("a.nc"), "--to", "csv")
     calibration = small_rig.fixture / "calibration.nc"
-    assert "damaged or something else" in refused("export", calibration, "--to", "mat")
+    assert "holds a calibration" in refused("export", calibration, "--to", "mat")
     assert "a trigger from 0 to 5" in refused("export", own, "--to", "mat", "--trigger", 9)
     assert "Give one of them" in refused(
         "export", own, "--to", "csv", "--trigger", 1, "--angle", 90

@@ -186,3 +186,17 @@ def test_a_turn_in_a_minute_is_a_sixtieth_of_a_cycle_in_a_second():
     assert parse_quantity("300 rpm", "Hz") == 5.0
     with pytest.raises(ValueError, match="a frequency is given in Hz"):
         parse_quantity("31.4 rad/s", "Hz")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "hint"),
+    [
+        ("2 umm", "m", "did you mean 2 um or 2 mm"),
+        ("114 rmp", "rad/s", "is given in rpm"),
+        ("0.12 Pas", "Pa s", "did you mean 0.12 Pa s"),
+        ("2.7 Gpa", "Pa", "2.7 GPa"),
+    ],
+)
+def test_a_misspelt_unit_is_refused_with_the_nearest_ones(text, unit, hint):
+    with pytest.raises(ValueError, match=re.escape(hint)):
+        parse_quantity(text, unit)

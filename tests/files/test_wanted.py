@@ -159,10 +159,56 @@ def test_the_file_of_an_open_film_is_named_where_a_path_is_wanted(film):
         refuse(lambda: write_report(opened, "a.html"), f"Name its file: {film}")
 
 
-def test_a_call_that_lacks_an_argument_fails_as_python_does():
+def test_a_call_that_lacks_an_argument_names_it_and_is_a_type_error_as_in_python():
     @takes(film="film")
     def draw(film, *, trigger):
         return trigger
 
     with pytest.raises(TypeError, match="trigger"):
         draw(xr.Dataset())
+    refuse(lambda: draw(xr.Dataset()), "trigger= of draw", "fastest_trigger")
+    refuse(lambda: draw(trigger=3), "a film as film= of draw")
+    refuse(lambda: draw(None, trigger=3), "a film as film=, got None")
+
+
+@pytest.mark.parametrize("given", ["calibration", "number", "array"])
+def test_the_product_is_refused_before_the_missing_trigger(products, given):
+    refuse(lambda: plots.thickness_map(products[given]), "Expected a film as film=")
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        erlif.files.settings_of,
+        erlif.files.region_of,
+        erlif.files.fastest_trigger,
+        erlif.files.flag_shares,
+        erlif.notebook.summarise_region,
+        erlif.conversion.trigger_columns,
+    ],
+)
+@pytest.mark.parametrize("given", ["calibration", "number"])
+def test_what_reads_a_film_refuses_another_product(products, read, given):
+    refuse(lambda: read(products[given]), "Expected a film as film=", "erlif.open_film")
+
+
+def test_a_file_of_a_film_is_no_calibration(film):
+    with pytest.raises(ErlifError, match=r"film\.nc holds a film"):
+        erlif.open_calibration(film)
+
+
+def test_the_frames_of_a_calibration_are_refused_as_those_of_a_film(products, tmp_path):
+    path = tmp_path / "calibration.nc"
+    erlif.save_calibration(products["calibration"], path)
+    with pytest.raises(ErlifError, match="holds a calibration"):
+        erlif.open_film(path, group="frames")
+
+
+@pytest.mark.parametrize("size", [0, 30, 5000])
+def test_a_file_cut_off_is_named_without_words_of_the_library(film, tmp_path, size):
+    path = tmp_path / "film.nc"
+    path.write_bytes(film.read_bytes()[:size])
+    for reader in (erlif.open_film, erlif.open_calibration):
+        with pytest.raises(ErlifError, match=r"no HDF5 file|header is damaged|5000 of its \d+ bytes") as found:
+            reader(path)
+        assert "synchronously" not in str(found.value)
