@@ -11,6 +11,11 @@ from erlif.commands.options import OVERWRITE, PATH
 from erlif.commands.progress import show_progress
 from erlif.core.errors import ErlifError
 
+_TABLES = ("compare.nc", "compare.csv", "compare.html")
+_FIGURES = tuple(
+    f"{each}.png" for each in ("films", "difference_map", "control_patch", "control_calibration")
+)
+
 
 @click.command()
 @click.argument("films", type=PATH, nargs=-1, required=True)
@@ -53,7 +58,7 @@ def compare(
     with large_imports():
         from erlif.comparison import compare as compare_films
         from erlif.comparison import describe_comparison, write_pair_table
-        from erlif.files import refuse_existing, write_dataset
+        from erlif.files import refuse_existing, replacing_set, write_dataset
 
     # everything that can be refused is refused before the work starts
     if len(films) > 1 and not (pair[0] != pair[1] and all(1 <= k <= len(films) for k in pair)):
@@ -61,10 +66,8 @@ def compare(
             f"Expected two different films from 1 to {len(films)} for the difference map; got "
             f"{pair[0]} and {pair[1]}. Choose two of them."
         )
-    names = ("compare.nc", "compare.csv", "compare.html")
-    pictures = ("films", "difference_map", "control_patch", "control_calibration")
     if output is not None:
-        for name in (*names, *(f"{each}.png" for each in pictures)):
+        for name in (*_TABLES, *_FIGURES):
             refuse_existing(output / name, overwrite=overwrite, holds="difference_at")
     with show_progress() as progress:
         found = compare_films(
@@ -81,9 +84,11 @@ def compare(
 
     from erlif.plots import write_comparison_figures
 
-    write_dataset(found, output / names[0])
-    for name in names[1:]:
-        write_pair_table(found, output / name)
-    figures = write_comparison_figures(found, output)
-    written = ", ".join(str(path) for path in (*(output / name for name in names), *figures))
-    click.echo(f"written: {written}")
+    # one file of an earlier comparison beside those of this one would belong to other films
+    with replacing_set(output, (*_TABLES, *_FIGURES)) as scratch:
+        write_dataset(found, scratch / _TABLES[0])
+        for name in _TABLES[1:]:
+            write_pair_table(found, scratch / name)
+        figures = write_comparison_figures(found, scratch)
+    written = (*_TABLES, *(path.name for path in figures))
+    click.echo(f"written: {', '.join(str(output / name) for name in written)}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any, cast
@@ -26,7 +27,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.files import fastest_trigger, open_film, reading_film, take
+from erlif.files import fastest_trigger, label_films, open_film, reading_film, take
 
 SIGNIFICANT = 0.05
 """Corrected probability below which two runs are stated to differ."""
@@ -81,13 +82,18 @@ def compare(
     >>> found.differs.sel(statistic="film_min").values.tolist()
     [1]
     """
+    _refuse_repeated(films)
     with ExitStack() as stack:
         opened = [_open(film, stack) for film in films]
         records = []
         for k, film in enumerate(opened):
             records.append(read_run(film))
             progress("films", k + 1, len(opened))
-        records = refuse_unlike(records)
+        labels = label_films([record.name for record in records], _files_of(opened))
+        records = [
+            replace(record, name=label) for record, label in zip(records, labels, strict=True)
+        ]
+        refuse_unlike(records)
         first, second = _check_pair(pair, len(records))
 
         found = _compare_pairs(records).merge(_compare_powers(records))
@@ -117,6 +123,23 @@ def _open(film: xr.Dataset | str | Path, stack: ExitStack) -> xr.Dataset:
     opened = stack.enter_context(open_film(film))
     stack.enter_context(reading_film(film))
     return opened
+
+
+def _files_of(films: Sequence[xr.Dataset]) -> list[Path | None]:
+    """Files of the films; None for one that is in memory only."""
+    sources = [film.encoding.get("source") for film in films]
+    return [Path(source) if source else None for source in sources]
+
+
+def _refuse_repeated(films: Sequence[xr.Dataset | str | Path]) -> None:
+    """Refuse a file that is named twice."""
+    files = [Path(film).resolve() for film in films if not isinstance(film, xr.Dataset)]
+    twice = [file for file in files if files.count(file) > 1]
+    if twice:
+        raise ErlifError(
+            f"Expected films of different runs; {twice[0]} is named {len(twice)} times. Name each "
+            "film once."
+        )
 
 
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -44,7 +44,7 @@ class RunRecord:
     Attributes
     ----------
     name : str
-        Name of the run, with a number where two runs share it.
+        Name of the run; `erlif.files.label_films` tells runs of one name apart.
     settings : RunSettings
     calibration : Calibration
     calibration_key : str
@@ -255,17 +255,12 @@ def _frames_key(film: xr.Dataset, settings: RunSettings) -> str:
     return str(hashes.get(settings.camera1.files, ""))
 
 
-def refuse_unlike(records: Sequence[RunRecord]) -> list[RunRecord]:
-    """Refuse films that are no runs to be compared, and number runs of one name.
+def refuse_unlike(records: Sequence[RunRecord]) -> None:
+    """Refuse films that are no runs to be compared.
 
     Parameters
     ----------
     records : sequence of RunRecord
-
-    Returns
-    -------
-    list of RunRecord
-        With names that differ.
 
     Raises
     ------
@@ -303,14 +298,6 @@ be compared.
                 f"Expected crank angles in all films or in none; of {one.name} and {other.name} "
                 "one has them. Compare runs with the same kind of log."
             )
-
-    names = [record.name for record in records]
-    return [
-        replace(record, name=f"{record.name} ({names[:k].count(record.name) + 1})")
-        if names.count(record.name) > 1
-        else record
-        for k, record in enumerate(records)
-    ]
 
 
 def _motion(settings: RunSettings) -> dict[str, object]:

@@ -14,9 +14,10 @@ from erlif.files.contents import (
 )
 from erlif.files.coordinates import set_coordinates
 from erlif.files.film import describe_hashes, open_film, reading_film, write_dataset, write_film
+from erlif.files.labels import label_films
 from erlif.files.netcdf import fix_text, has_group, open_netcdf
 from erlif.files.netcdf_maps import NetcdfMaps
-from erlif.files.replacing import refuse_existing, replacing
+from erlif.files.replacing import refuse_existing, replacing, replacing_set
 from erlif.files.store import MapStore
 from erlif.files.unfinished import PartialFilm, remove_remains
 from erlif.files.wanted import take, takes, takes_products
@@ -37,6 +38,7 @@ __all__ = [
     "flag_shares",
     "has_group",
     "has_identity",
+    "label_films",
     "motion_of",
     "open_film",
     "open_netcdf",
@@ -45,6 +47,7 @@ __all__ = [
     "region_of",
     "remove_remains",
     "replacing",
+    "replacing_set",
     "round_map",
     "set_coordinates",
     "settings_of",

@@ -6,7 +6,7 @@ import errno
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -182,6 +182,60 @@ def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
         raise write_error(output, error) from error
     finally:
         remove(scratch)
+
+
+@contextmanager
+def replacing_set(folder: Path, names: Collection[str]) -> Iterator[Path]:
+    """Write files that belong together, and give them their names when all are complete.
+
+    Parameters
+    ----------
+    folder : Path
+        Directory of the files; other files in it stay.
+    names : collection of str
+        Names of the files of the set. One that is not written is removed, as it belongs to an
+        earlier set.
+
+    Returns
+    -------
+    context manager
+        Gives a directory to write to. Its files take their names when the block ends without an
+        exception, and are removed otherwise.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written; the previous ones are then intact.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     with replacing_set(Path(folder), ["a.csv", "b.csv"]) as scratch:
+    ...         _ = (scratch / "a.csv").write_text("complete")
+    ...         any(Path(folder).glob("*.csv"))
+    ...     [path.name for path in Path(folder).iterdir()]
+    False
+    ['a.csv']
+    """
+    scratch = folder / ".unfinished"
+    found = folder.is_dir()
+    try:
+        remove(scratch)
+        scratch.mkdir(parents=True)
+        yield scratch
+        written = sorted(scratch.iterdir())
+        for path in written:
+            path.replace(folder / path.name)
+        for name in sorted(set(names) - {path.name for path in written}):
+            remove(folder / name)
+    except OSError as error:
+        raise write_error(folder, error) from error
+    finally:
+        remove(scratch)
+        if not found:
+            with suppress(OSError):  # it holds files where the work was completed
+                folder.rmdir()
 
 
 def take_name(scratch: Path, output: Path) -> None:

@@ -18,6 +18,7 @@ from erlif.files import (
     describe_trigger,
     fastest_trigger,
     flag_shares,
+    label_films,
     open_film,
     reading_film,
     refuse_existing,
@@ -39,7 +40,7 @@ _MOST_COMPARED = 12  # runs whose pairs a figure still shows
 _COMPARED = Caption(
     "Runs compared",
     "Minimum film thickness against the duty parameter, where speed and load are known, and the "
-    "differences of all pairs. erlif compare states which differ.",
+    "differences of all pairs, second run less first. erlif compare states which differ.",
 )
 _HEAD = (
     *("Run", "Load [N]", "Oil", "Speed [mm/s]", "Thinnest film of the run [µm]"),
@@ -110,6 +111,10 @@ def write_runs_report(
         numbers.append(values)
         report("films", done + 1, len(paths))
 
+    labels = label_films([values["run"] for values in numbers], paths)
+    for cells, values, label in zip(rows, numbers, labels, strict=True):
+        cells[0], values["run"] = escape(label), label
+
     link = download_link(runs_csv(numbers), name="runs.csv", label="Save as CSV")
     table = make_table(rows, head=_HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9])
     look = 'class="wide" tabindex="0" role="region" aria-label="Table of the runs"'
@@ -120,7 +125,11 @@ def write_runs_report(
         [
             ("runs", "Runs", f"<p>{link}</p><div {look}>{table}</div>"),
             ("compared", "Comparison", compared),
-            ("maps", "Maps at the fastest trigger", _map_section(paths, ends, room, report)),
+            (
+                "maps",
+                "Maps at the fastest trigger",
+                _map_section(paths, labels, ends, room, report),
+            ),
         ],
         name=f"{len(paths)} runs",
         subject="oil-film thickness",
@@ -197,13 +206,17 @@ def _compare_runs(paths: list[Path]) -> str:
 
 
 def _map_section(
-    paths: list[Path], limits: tuple[float, float], room: float, progress: Progress
+    paths: list[Path],
+    labels: list[str],
+    limits: tuple[float, float],
+    room: float,
+    progress: Progress,
 ) -> str:
     """Maps of the runs on one colour scale, as many as there is room for."""
     parts: list[PageFigure] = []
     for done, path in enumerate(paths):
         with reading_film(path), open_film(path) as film:
-            part = _draw_map(film, done, limits)
+            part = _draw_map(film, labels[done], done, limits)
         room -= len((part.image + part.caption).encode())
         if room < 0:
             left = len(paths) - done
@@ -219,10 +232,10 @@ def _map_section(
     return arrange_figures(parts)
 
 
-def _draw_map(film: xr.Dataset, number: int, limits: tuple[float, float]) -> PageFigure:
+def _draw_map(film: xr.Dataset, label: str, number: int, limits: tuple[float, float]) -> PageFigure:
     """The map of a run at its fastest trigger."""
     trigger = fastest_trigger(film)
-    caption = Caption(settings_of(film).name, "", "png", 110)
+    caption = Caption(label, "", "png", 110)
     with in_style(None):
         image = thickness_map(film, trigger=trigger, limits=limits)
         figure = image.axes.figure

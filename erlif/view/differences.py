@@ -10,12 +10,12 @@ from erlif.core.arrays import FlagImage, Image
 def subtract_maps(
     one: tuple[Image, Image, FlagImage], other: tuple[Image, Image, FlagImage]
 ) -> tuple[Image, Image, FlagImage]:
-    """Subtract the second map from the first.
+    """Subtract the first map from the second.
 
     Parameters
     ----------
     one, other : tuple of array, (y, x)
-        Values, random standard deviation and flags of a map.
+        First and second map: values, random standard deviation and flags of a map.
 
     Returns
     -------
@@ -28,13 +28,13 @@ def subtract_maps(
     >>> flags = np.zeros((1, 2), np.uint8)
     >>> thick = (np.full((1, 2), 5, np.float32), np.full((1, 2), 0.3, np.float32), flags)
     >>> thin = (np.full((1, 2), 4, np.float32), np.full((1, 2), 0.4, np.float32), flags | [0, 2])
-    >>> difference, std, flags = subtract_maps(thick, thin)
+    >>> difference, std, flags = subtract_maps(thin, thick)
     >>> difference.tolist(), std.tolist(), flags.tolist()
     ([[1.0, nan]], [[0.5, nan]], [[0, 2]])
     """
     flags = (one[2] | other[2]).astype(np.uint8)
     valid = flags == 0
-    difference = np.where(valid, one[0] - other[0], np.nan).astype(np.float32)
+    difference = np.where(valid, other[0] - one[0], np.nan).astype(np.float32)
     std = np.where(valid, np.hypot(one[1], other[1]), np.nan).astype(np.float32)
     return difference, std, flags
 

@@ -16,6 +16,7 @@ from erlif.core.errors import ErlifError, FrameError
 from erlif.files import (
     check_trigger,
     describe_trigger,
+    label_films,
     open_film,
     reading_film,
     region_of,
@@ -70,7 +71,7 @@ class FilmReader:
         """The film; its maps are not in memory."""
         settings = settings_of(self.film)
         self.name = settings.name
-        """Name of the run, as the settings state it."""
+        """Name of the run, as the settings state it; `open_films` adds what tells films apart."""
         self.region: RegionOfInterest = region_of(self.film)
         """Region of interest that the film was made with."""
         self.run_dir = _find_run(path, run_dir)
@@ -245,6 +246,10 @@ def open_films(paths: Sequence[Path], run_dirs: Sequence[Path] = ()) -> list[Fil
         for reader in readers:
             reader.close()
         raise
+    for reader, label in zip(
+        readers, label_films([one.name for one in readers], paths), strict=True
+    ):
+        reader.name = label
     return readers
 
 

@@ -49,10 +49,12 @@ LAYERS = {
 }
 """Layers by their names, in the order of the page."""
 
-DIFFERENCE = Layer("difference", "difference", "µm", "vik")
-"""Difference of two maps of film thickness."""
+DIFFERENCE = Layer("difference", "difference, second − first", "µm", "vik")
+"""Second map of film thickness less the first."""
 
-SIGNIFICANCE = Layer("significance", "difference over its random standard deviation", "1", "vik")
+SIGNIFICANCE = Layer(
+    "significance", "second − first over its random standard deviation", "1", "vik"
+)
 """The same in standard deviations of single pixels."""
 
 

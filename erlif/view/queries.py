@@ -206,7 +206,7 @@ def _read_chosen(request: Request) -> _Chosen:
     if name in (DIFFERENCE.name, SIGNIFICANCE.name):
         values, std, flags = _subtract(request)
         other = request.film("film2").describe(request.whole("trigger2"))
-        text = f"{text} − {other}"
+        text = f"{other} − {text}"
         if name == DIFFERENCE.name:
             return _Chosen(reader, DIFFERENCE, values, flags, text)
         return _Chosen(reader, SIGNIFICANCE, significance(values, std), flags, text)

@@ -18,7 +18,7 @@ def write_other(path):
 def test_a_comparison_is_printed_and_written(tmp_path, command, refused):
     films = write_example(tmp_path / "a.nc"), write_other(tmp_path / "b.nc")
     shown = command("compare", *films, "--angle", 112)
-    assert "conclusion: example (1) and example (2) differ in minimum film" in shown.stdout
+    assert "conclusion: example (a.nc) and example (b.nc) differ in minimum film" in shown.stdout
     assert not (tmp_path / "out").exists()
 
     out = tmp_path / "out"
@@ -31,9 +31,37 @@ def test_a_comparison_is_printed_and_written(tmp_path, command, refused):
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
+def test_a_comparison_that_fails_leaves_the_earlier_one_whole(
+    tmp_path, command, refused, monkeypatch
+):
+    films = write_example(tmp_path / "a.nc"), write_other(tmp_path / "b.nc")
+    out = tmp_path / "out"
+    command("compare", *films, "-o", out)
+    (out / "control_patch.png").write_bytes((out / "films.png").read_bytes())
+    (out / "notes.txt").write_text("of the user")
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    thicker = write_other(tmp_path / "c.nc")
+    with monkeypatch.context() as patch:
+        patch.setattr("erlif.plots.write_comparison_figures", fail)
+        refusal = refused("compare", films[1], thicker, "-o", out, "--overwrite")
+    assert "No space left" in refusal
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+    # of an earlier comparison nothing stays that is not of this one
+    command("compare", films[1], thicker, "-o", out, "--overwrite")
+    assert "control_patch.png" not in {path.name for path in out.iterdir()}
+    assert (out / "notes.txt").read_text() == "of the user"
+    assert (out / "compare.csv").read_bytes() != before["compare.csv"]
+
+
 def test_what_cannot_be_compared_is_refused_in_one_message(tmp_path, refused):
     film = write_example(tmp_path / "a.nc")
     assert "two films or more; got 1" in refused("compare", film)
+    assert f"{film} is named 2 times" in refused("compare", film, film)
     assert "does not exist" in refused("compare", film, tmp_path / "b.nc")
     assert "two different films from 1 to 2" in refused(
         "compare", film, write_other(tmp_path / "b.nc"), "--pair", 1, 3

@@ -39,11 +39,6 @@ def test_a_mean_over_a_part_of_the_region_is_not_compared(film):
     assert np.isnan(read_run(partly).value["film_mean"]).tolist() == [False, True] + 4 * [False]
 
 
-def test_runs_of_one_name_are_numbered(record, other):
-    runs = refuse_unlike([record, read_run(other)])
-    assert [run.name for run in runs] == ["example (1)", "example (2)"]
-
-
 def test_what_cannot_be_compared_is_refused_in_one_message(film, record):
     with pytest.raises(ErlifError, match="two films or more; got 1"):
         refuse_unlike([record])
@@ -56,6 +51,6 @@ def test_what_cannot_be_compared_is_refused_in_one_message(film, record):
     with pytest.raises(ErlifError, match=r"one mechanism; example has crank-rocker \(crank 55 mm"):
         refuse_unlike([record, read_run(longer)])
     faster = film.assign_attrs(settings=film.attrs["settings"].replace("114 rpm", "60 rpm"))
-    assert len(refuse_unlike([record, read_run(faster)])) == 2
+    refuse_unlike([record, read_run(faster)])
     with pytest.raises(ErlifError, match="crank angles in all films or in none"):
         refuse_unlike([record, replace(record, by_angle=False)])

@@ -209,6 +209,7 @@ def test_a_file_cut_off_is_named_without_words_of_the_library(film, tmp_path, si
     path = tmp_path / "film.nc"
     path.write_bytes(film.read_bytes()[:size])
     for reader in (erlif.open_film, erlif.open_calibration):
-        with pytest.raises(ErlifError, match=r"no HDF5 file|header is damaged|5000 of its \d+ bytes") as found:
+        words = r"no HDF5 file|header is damaged|5000 of its \d+ bytes"
+        with pytest.raises(ErlifError, match=words) as found:
             reader(path)
         assert "synchronously" not in str(found.value)

@@ -26,7 +26,7 @@ def test_a_pixel_is_valid_where_both_maps_are():
     assert flags[0, :3].tolist() == [16, 128, 0]
     assert np.isnan(difference[0, :2]).all()
     assert np.isnan(std[0, :2]).all()
-    npt.assert_allclose(difference[0, 2], one[0][0, 2] - other[0][0, 2])
+    npt.assert_allclose(difference[0, 2], other[0][0, 2] - one[0][0, 2])
 
 
 def test_no_standard_deviation_gives_no_significance():

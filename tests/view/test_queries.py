@@ -61,7 +61,7 @@ def test_a_small_screen_receives_means(ask):
 def test_a_difference_is_that_of_the_films(ask):
     values = unpack(queries.pack_map(ask(layer="difference", film2=1, trigger2=5)))[1]
     film = example_film().thickness.values
-    npt.assert_allclose(values, film[2] - film[5], rtol=1e-6)
+    npt.assert_allclose(values, film[5] - film[2], rtol=1e-6)
     about, pull, _ = unpack(queries.pack_map(ask(layer="significance", film2=1, trigger2=5)))
     npt.assert_allclose(pull, values / np.float32(0.05 * 2**0.5), rtol=1e-5)
     assert about["limits"][0] == -about["limits"][1]

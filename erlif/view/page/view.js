@@ -222,7 +222,7 @@ const refreshValues = latest(async () => {
   }
   if (state.region) {
     const rows = which().map((name) => [name === "a" ? "first" : "second", one(name)]);
-    if (state.two) rows.push(["difference", mapQuery.d()]);
+    if (state.two) rows.push(["second − first", mapQuery.d()]);
     const found = await Promise.all(rows.map(async ([title, query]) =>
       [title, await (await get("region", { ...query, region: state.region.join() })).json()]));
     showStatistics(found);
