@@ -49,7 +49,9 @@ def export(
 
     with open_film(film) as opened:
         chosen = choose_trigger(opened, trigger=trigger, angle=angle)
-        described = "" if chosen is None else describe_trigger(opened, chosen)
+        described = (
+            "" if chosen is None else describe_trigger(opened, chosen, by_crank=angle is not None)
+        )
     part = "" if chosen is None else f"_trigger{chosen}"
     output = output or film.with_name(f"{film.stem}{part}{FORMATS[to].ending}")
     with show_progress() as progress:

@@ -61,5 +61,6 @@ def predict(
         from erlif.pipeline.fit import fit_film
         from erlif.report.fit import summarise_comparison
 
-        with announced_compiling():
-            click.echo(summarise_comparison(fit_film(source)))
+        with announced_compiling(), show_progress() as progress:
+            compared = fit_film(source, progress=progress)
+        click.echo(summarise_comparison(compared))

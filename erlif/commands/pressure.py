@@ -9,6 +9,7 @@ import click
 from erlif.commands.compiling import announced_compiling
 from erlif.commands.loading import large_imports
 from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.commands.progress import show_progress
 
 
 @click.command()
@@ -36,8 +37,8 @@ def pressure(film: Path, output: Path | None, overwrite: bool) -> None:
     expect_suffix(output, ".nc")
     refuse_existing(output, overwrite=overwrite, holds="peak_pressure")
     refuse_existing(picture, overwrite=overwrite)
-    with announced_compiling():
-        found = pressure_from_film(film)
+    with announced_compiling(), show_progress() as progress:
+        found = pressure_from_film(film, progress=progress)
     write_dataset(found, output)
     click.echo(found.attrs["statement"])
     written = [output]

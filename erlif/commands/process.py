@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os.path import normpath
 from pathlib import Path
 
 import click
@@ -60,6 +61,8 @@ def process(
     output = output or run_dir / "film.nc"
     expect_suffix(output, ".nc", ".zarr")
 
+    source = calibration or _named_calibration(run_dir)
+    found = source is None or source.exists()
     with (
         second_compiler(),
         announced_compiling(first=compile_aside),
@@ -80,4 +83,19 @@ def process(
     # the film stays open while it is summarised: its maps are read when they are used
     with film:
         click.echo(summarise(film))
-    click.echo(f"written: {output}")
+    if source is not None and found:
+        click.echo(f"used: {source}")
+    made = [source] if source is not None and not found and source.exists() else []
+    click.echo(f"written: {', '.join(str(path) for path in (*made, output))}")
+
+
+def _named_calibration(run_dir: Path) -> Path | None:
+    """The calibration that run.toml names; None where it cannot be read, which is refused later."""
+    from erlif.core.errors import ErlifError
+    from erlif.settings import read_run_settings
+
+    try:
+        named = read_run_settings(run_dir).calibration
+    except ErlifError:
+        return None
+    return None if named is None else Path(normpath(run_dir / named))

@@ -12,13 +12,21 @@ import click
 from erlif.commands.ending import echo_aside
 from erlif.core.progress import Progress
 
-_UNITS = {"figures": "figure", "movie": "frame", "maps": "map", "films": "film"}
+_UNITS = {
+    "figures": "figure",
+    "movie": "frame",
+    "maps": "map",
+    "films": "film",
+    "check": "part",
+    "fit": "model",
+    "pressure": "trigger",
+}
 """What is counted, where it is not frame pairs."""
 
 
 @contextmanager
-def show_progress() -> Iterator[Progress]:
-    """Show a bar on a terminal, and a line for each finished piece of work elsewhere."""
+def show_progress(*, lines: bool = True) -> Iterator[Progress]:
+    """Show a bar on a terminal, and, with `lines`, each finished piece of work elsewhere."""
     from tqdm import tqdm
 
     plain = not sys.stderr.isatty()
@@ -26,7 +34,7 @@ def show_progress() -> Iterator[Progress]:
 
     def show(what: str, done: int, total: int) -> None:
         if plain:
-            if done == total and what not in bars:
+            if lines and done == total and what not in bars:
                 bars[what] = None
                 echo_aside(f"{what}: {total} done")
             return

@@ -13,6 +13,7 @@ import xarray as xr
 from erlif.core.arrays import AnyArray
 from erlif.core.errors import ErlifError
 from erlif.files import check_trigger, takes
+from erlif.files.soundness import FILM
 
 MAPS = ("thickness", "thickness_std", "thickness_std_shared", "flags")
 """Maps of a film, in the order in which they are written."""
@@ -62,20 +63,20 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
     Returns
     -------
     list of TriggerColumn
-        ``trigger`` and ``frames_used`` first, then in the order of the film.
+        ``trigger`` and ``frames_used`` first, then those that erlif writes, in one order for all
+        films, then further ones of the log by their names: a zarr store has no order of its own.
 
     Examples
     --------
     >>> from erlif.plots import example_film
     >>> columns = trigger_columns(example_film())
     >>> [column.heading for column in columns[:3]]
-    ['trigger', 'frames_used [1]', 'encoder_angle [degree]']
+    ['trigger', 'frames_used [1]', 'film_mean [um]']
     >>> next(column.name for column in columns if column.name.startswith("pin"))
     'pin_displacement_load'
     """
-    others = [str(name) for name in film.variables if name not in _FIRST]
     columns = []
-    for name in (*_FIRST, *others):
+    for name in _ordered(film):
         variable = film[name]
         if variable.dims[:1] != ("trigger",) or variable.dims[1:3] == ("y", "x"):
             continue
@@ -87,6 +88,13 @@ def trigger_columns(film: xr.Dataset) -> list[TriggerColumn]:
         for words, column in zip(labels, flat.T, strict=True):
             columns.append(TriggerColumn("_".join([name, *words]), unit, column))
     return columns
+
+
+def _ordered(film: xr.Dataset) -> list[str]:
+    """Names of all variables in an order that does not depend on the file."""
+    known = (*_FIRST, *(name for name in FILM if name not in _FIRST))
+    names = {str(name) for name in film.variables}
+    return [*(name for name in known if name in names), *sorted(names.difference(known))]
 
 
 def _labels(film: xr.Dataset, dim: str) -> list[str]:
@@ -208,9 +216,9 @@ def attributes_of(film: xr.Dataset) -> dict[str, str]:
 def describe_units(film: xr.Dataset) -> dict[str, str]:
     """Unit of every variable that is converted, by its name."""
     return {
-        str(name): str(variable.attrs.get("units", ""))
-        for name, variable in film.variables.items()
-        if variable.dtype.kind in "iufb"
+        name: str(film[name].attrs.get("units", ""))
+        for name in _ordered(film)
+        if film[name].dtype.kind in "iufb"
     }
 
 
@@ -218,7 +226,7 @@ def small_variables(film: xr.Dataset, triggers: list[int]) -> dict[str, Any]:
     """Numbers and texts that are no maps, of the chosen triggers."""
     chosen = film.drop_vars(MAPS).isel(trigger=triggers)
     return {
-        str(name): variable.values
-        for name, variable in chosen.variables.items()
-        if variable.dtype.kind in "iufbOUST"
+        name: chosen[name].values
+        for name in _ordered(chosen)
+        if chosen[name].dtype.kind in "iufbOUST"
     }

@@ -219,7 +219,7 @@ def fastest_trigger(film: xr.Dataset) -> int:
 
 
 @takes(film="part of a film")
-def describe_trigger(film: xr.Dataset, trigger: int) -> str:
+def describe_trigger(film: xr.Dataset, trigger: int, *, by_crank: bool = False) -> str:
     """Describe a trigger in one line: angle or time, stroke and speed, as far as they are known.
 
     Parameters
@@ -228,6 +228,8 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
         With encoder_angle, time, rocker_speed, sliding_speed or stroke (trigger).
     trigger : int
         Number of the trigger, from 0.
+    by_crank : bool
+        Name the crank angle in place of the encoder angle, where the film has one.
 
     Returns
     -------
@@ -237,6 +239,7 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     --------
     >>> film = xr.Dataset(
     ...     {
+    ...         "crank_angle": ("trigger", [75.0]),
     ...         "encoder_angle": ("trigger", [12.5]),
     ...         "rocker_speed": ("trigger", [-2.5]),
     ...         "stroke": ("trigger", [-1]),
@@ -244,12 +247,16 @@ def describe_trigger(film: xr.Dataset, trigger: int) -> str:
     ... )
     >>> describe_trigger(film, 0)
     'trigger 0, 12.50°, return, 2.50 rad/s'
+    >>> describe_trigger(film, 0, by_crank=True)
+    'trigger 0, crank 75.00°, return, 2.50 rad/s'
     >>> describe_trigger(xr.Dataset({"sliding_speed": ("trigger", [0.25])}), 0)
     'trigger 0, 250 mm/s'
     """
     one = film.isel(trigger=trigger)
     parts = [f"trigger {trigger}"]
-    if "encoder_angle" in one:
+    if by_crank and "crank_angle" in one:
+        parts.append(f"crank {float(one.crank_angle):.2f}°")
+    elif "encoder_angle" in one:
         parts.append(f"{float(one.encoder_angle):.2f}°")
     elif "time" in one:
         parts.append(f"{float(one.time):.3f} s")

@@ -31,7 +31,7 @@ class MapAccessor:
         self._array = array
 
     def plot(self, **style: Any) -> Any:
-        """Draw a map with y downwards and square pixels.
+        """Draw a map with y downwards and square pixels, in the colours of `erlif.plots`.
 
         `xarray.DataArray.plot` draws y upwards. xarray has no setting and no attribute that turns
         an axis for all plots.
@@ -56,7 +56,12 @@ class MapAccessor:
                 f"Expected a map on the dims y and x, got {tuple(self._array.dims)}. Choose one "
                 "first, such as film.thickness.isel(trigger=3)."
             )
-        drawn = self._array.plot.pcolormesh(**{"x": "x", "y": "y", "yincrease": False, **style})
+        from erlif.plots.style import colour_map  # matplotlib is loaded for a figure alone
+
+        usual: dict[str, Any] = {"x": "x", "y": "y", "yincrease": False}
+        if not {"cmap", "colors"} & set(style):
+            usual["cmap"] = colour_map("batlow")  # that of erlif.plots
+        drawn = self._array.plot.pcolormesh(**(usual | style))
         drawn.axes.set_aspect("equal")
         drawn.axes.set_title(_title(self._array))
         return drawn

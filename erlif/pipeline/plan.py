@@ -54,7 +54,7 @@ _DIGITS = 3  # significant digits of a proposed concentration
 _RIG_STEP = 0.25  # nm: spectra that the virtual rig is given
 
 _EXAMPLE = {
-    "plan.name": "films of 2 to 10 um",
+    "plan.name": "example rig",
     "dye1.name": "like Pyrromethene 605",
     "dye1.concentration": "0.008 mol/L",
     "dye1.quantum_yield": 0.7,

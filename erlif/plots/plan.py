@@ -239,7 +239,9 @@ def plan_figure(plan: xr.Dataset) -> Figure:
         letter(ax, text)
     about = "; invented spectra" if plan.attrs["synthetic"] else ""
     one, two = plan.concentration.values
-    figure.suptitle(f"{plan.attrs['title']}: dyes {one:.3g} and {two:.3g} mol/L{about}")
+    first, last = plan.film_range.values
+    films = f"{first:g} to {last:g} µm"
+    figure.suptitle(f"{plan.attrs['title']}, {films}: dyes {one:.3g} and {two:.3g} mol/L{about}")
     return figure
 
 

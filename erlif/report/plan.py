@@ -44,16 +44,22 @@ def summarise_plan(plan: xr.Dataset) -> str:
     --------
     >>> from erlif.plots import example_plan_results
     >>> print(summarise_plan(example_plan_results()).splitlines()[0])
-    Plan: films of 2 to 10 um
+    Plan: example rig, films of 2 to 10 um
     """
     blocks = [
-        [f"Plan: {plan.attrs['title']}", *_describe_dyes(plan), *_describe_range(plan)],
+        [_describe_title(plan), *_describe_dyes(plan), *_describe_range(plan)],
         _film_table(plan),
         _describe_optimum(plan),
         _tolerance_table(plan),
         _describe_limits(plan),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _describe_title(plan: xr.Dataset) -> str:
+    """Name of the plan, with its films: a name is often kept where the films have changed."""
+    first, last = plan.film_range.values
+    return f"Plan: {plan.attrs['title']}, films of {first:g} to {last:g} um"
 
 
 def _describe_dyes(plan: xr.Dataset) -> list[str]:
@@ -145,21 +151,24 @@ def _film_table(plan: xr.Dataset) -> list[str]:
     plan_label = f"{count_of(frames, 'frame')}" + (f", {average} px" if average > 1 else "")
     head = (
         f"{'film um':>8} {'ratio':>7} {'electrons 1':>11} {'electrons 2':>11} "
-        f"{'std um':>8} {'of film':>8} {plan_label:>14} {'frames needed':>13}"
+        f"{'std um':>8} {'of film':>8} {plan_label:>14} {'frames needed':>13} {'best conc.':>10}"
     )
     first, last = plan.film_range.values
     rows = plan.interp(thickness=np.geomspace(first, last, _ROWS))
-    exact = plan.frames_needed.sel(thickness=rows.thickness, method="nearest")
+    near = plan.sel(thickness=rows.thickness, method="nearest")
     lines = [head]
     for k in range(_ROWS):
         film = float(rows.thickness[k])
         std, averaged = float(rows.thickness_std[k]), float(rows.thickness_std_frames[k])
         one, two = rows.signal.values[:, k]
-        needed = float(exact[k])
-        count = f"{needed:.0f}" if math.isfinite(needed) else "never"
+        count, best = (
+            f"{needed:.0f}" if math.isfinite(needed) else "never"
+            for needed in (float(near.frames_needed[k]), float(near.optimum_frames_needed[k]))
+        )
         lines.append(
             f"{film:8.3g} {float(rows.ratio[k]):7.4f} {one:11.0f} {two:11.0f} "
-            f"{_um(std, film):>8} {_percent(std / film, 8)} {_um(averaged, film):>14} {count:>13}"
+            f"{_um(std, film):>8} {_percent(std / film, 8)} {_um(averaged, film):>14} {count:>13} "
+            f"{best:>10}"
         )
     return lines
 
@@ -193,8 +202,15 @@ def _describe_optimum(plan: xr.Dataset) -> list[str]:
     if math.isfinite(needed):
         pairs = count_of(round(needed), "frame pair")
         lines.append(f"{wanted} over the whole range then needs {pairs} in {how}.")
+    else:
+        lines.append(f"{wanted} is not reached over the whole range with them either.")
     if math.isfinite(low):
         lines.append(f"One pixel of one frame is then measurable from {low:.3g} to {high:.3g} um.")
+    frames, (several, to) = int(plan.attrs["frames"]), plan.optimum_measurable_range_frames.values
+    if frames > 1 and math.isfinite(several):
+        lines.append(
+            f"With {frames} frames it is then measurable from {several:.3g} to {to:.3g} um."
+        )
     if energy < _NEARLY_ALL:
         lines.append(f"They need {energy:.1%} of the pulse energy, or a camera would saturate.")
     return lines
@@ -274,6 +290,7 @@ def table_of_films(plan: xr.Dataset) -> str:
         "optimum_ratio": plan.optimum_ratio,
         "optimum_std_um": plan.optimum_thickness_std,
         "optimum_std_frames_um": plan.optimum_thickness_std_frames,
+        "optimum_frames_needed": plan.optimum_frames_needed,
     }
     values = np.stack([column.values for column in columns.values()], axis=1)
     lines = [",".join(f"{value:.6g}" for value in row) for row in values]

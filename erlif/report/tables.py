@@ -283,6 +283,17 @@ def _number(name: str, digits: int, scale: float = 1.0) -> Callable[[dict[str, f
     return lambda one: with_digits(scale * one[name], digits)
 
 
+def _significant(name: str) -> Callable[[dict[str, float]], str]:
+    """Three significant digits, without an exponent."""
+
+    def write(one: dict[str, float]) -> str:
+        size = abs(one[name])
+        before = math.floor(math.log10(size)) if math.isfinite(size) and size > 0 else 0
+        return with_digits(one[name], max(2 - before, 0))
+
+    return write
+
+
 def _film(name: str) -> Callable[[dict[str, float]], str]:
     return lambda one: with_error(one[name], one[f"{name}_std"])
 
@@ -306,8 +317,8 @@ _COLUMNS = (
     _Column("Mean film thickness [µm]", ("film_mean",), _film("film_mean")),
     _Column("Minimum film thickness [µm]", ("film_min",), _film("film_min")),
     _Column("at column, row [px]", ("film_min_x", "film_min_y"), _place),
-    _Column("Theory [µm]", ("film_theory",), _number("film_theory", 1)),
-    _Column("2.65 formula [µm]", ("film_hamrock_dowson",), _number("film_hamrock_dowson", 3)),
+    _Column("Theory [µm]", ("film_theory",), _significant("film_theory")),
+    _Column("2.65 formula [µm]", ("film_hamrock_dowson",), _significant("film_hamrock_dowson")),
     _Column("Λ", ("film_parameter",), _number("film_parameter", 1)),
 )
 

@@ -291,7 +291,7 @@ class ToleranceOptions(Settings):
 class NameOfPlan(Settings):
     """The plan."""
 
-    name: Text = Field(description="Name, for figures and tables.", examples=["2 to 10 um"])
+    name: Text = Field(description="Name, for figures and tables.", examples=["pin of the crank"])
 
 
 class PlanSettings(Settings):

@@ -21,6 +21,7 @@ def test_a_run_is_checked_and_processed(lab, film, command):
     assert "error" not in command("check", lab.fixture).stdout
     result = command("process", lab.run)
     assert "6 triggers from 6 frame pairs of 128 x 96 pixels" in result.stdout
+    assert f"used: {lab.fixture / 'calibration.nc'}" in result.stdout
     assert f"written: {lab.film}" in result.stdout
     assert "film: 6 done" in result.stderr
     assert lab.film.read_bytes() == film.read_bytes()

@@ -3,7 +3,12 @@
 import io
 import sys
 
+import pytest
+import xarray as xr
+
+from erlif.commands.main import main
 from erlif.commands.progress import echo_above, show_progress
+from erlif.core.errors import ErlifError
 
 
 class Terminal(io.StringIO):
@@ -49,3 +54,30 @@ def test_a_line_of_result_stands_above_the_bar(monkeypatch, capsys):
 def test_elsewhere_a_line_of_result_goes_to_standard_output(capsys):
     echo_above("monday: finished")
     assert capsys.readouterr().out == "monday: finished\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "work", "step"),
+    [
+        ("check", "erlif.audit.audit", "check"),
+        ("pressure", "erlif.pipeline.pressure.pressure_from_film", "pressure"),
+        ("predict", "erlif.pipeline.fit.fit_film", "fit"),
+    ],
+)
+def test_long_work_shows_its_bar_on_a_terminal(name, work, step, monkeypatch, tmp_path):
+    """The work itself is replaced: it reports one of four pieces, and fails."""
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+
+    def report(*_, progress, **__):
+        progress(step, 1, 4)
+        raise ErlifError("Expected an end.")
+
+    monkeypatch.setattr(work, report)
+    if name == "predict":
+        monkeypatch.setattr("erlif.pipeline.predict.predict", lambda *_, **__: xr.Dataset())
+        monkeypatch.setattr("erlif.report.summarise_prediction", lambda _: "")
+    options = ["--fit"] if name == "predict" else []
+    with pytest.raises(ErlifError, match="Expected an end"):
+        main.commands[name].main([str(tmp_path), *options], standalone_mode=False)
+    assert f"{step}:  25%" in terminal.getvalue()

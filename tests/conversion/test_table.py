@@ -6,6 +6,7 @@ import numpy as np
 
 from erlif.conversion.table import write_map_table, write_trigger_table
 from erlif.core.progress import silent
+from erlif.files import open_film
 
 
 def read(path):
@@ -56,3 +57,17 @@ def test_positions_have_no_rounding_error(film, tmp_path):
     tenths = film.assign_coords(x=("x", 0.1 * np.arange(64), {"units": "mm"}))
     write_map_table(tenths, tmp_path / "map.csv", trigger=0, progress=silent)
     assert read(tmp_path / "map.csv")[3]["x [mm]"] == "0.3"
+
+
+def test_a_film_in_zarr_has_the_table_of_that_in_netcdf(film, film_path, tmp_path):
+    """Names of regimes are texts of another type in zarr; its variables have no order."""
+    store = tmp_path / "film.zarr"
+    shuffled = film[sorted(film.data_vars, reverse=True)].drop_encoding()
+    shuffled.to_zarr(store, zarr_format=3, consolidated=False)
+    for path in (film_path, store):
+        with open_film(path) as opened:
+            write_trigger_table(opened, tmp_path / f"{path.suffix}.csv")
+    found = (tmp_path / ".zarr.csv").read_bytes()
+    assert found == (tmp_path / ".nc.csv").read_bytes()
+    regimes = [row["film_regime"] for row in read(tmp_path / ".zarr.csv")]
+    assert regimes == film.film_regime.values.tolist()

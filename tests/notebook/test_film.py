@@ -51,6 +51,8 @@ def test_a_map_is_drawn_with_y_downwards_in_the_axes_given(example):
 
     ax = Figure().subplots()
     drawn = example.erlif.plot_map("thickness_std", trigger=1, ax=ax)
+    assert drawn.get_cmap() == erlif.plots.thickness_map(example, trigger=1).get_cmap()
+    assert example.erlif.plot_map(trigger=1, cmap="gray").get_cmap().name == "gray"
     assert drawn.axes is ax
     assert ax.yaxis_inverted()
     assert ax.get_aspect() == 1

@@ -116,7 +116,7 @@ def test_the_rig_has_the_dyes_of_the_plan():
 
 
 def test_a_plan_is_a_dataset_with_units(planned):
-    assert planned.attrs["title"] == "films of 2 to 10 um"
+    assert planned.attrs["title"] == "example rig"
     for name, variable in planned.data_vars.items():
         assert "units" in variable.attrs or variable.dtype.kind in "UO", name
         assert variable.attrs["long_name"], name

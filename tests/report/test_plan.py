@@ -63,6 +63,29 @@ def test_a_plan_beyond_its_range_is_reported():
     assert re.search(r"They need \d\d\.\d% of the pulse energy, or a camera would saturate", text)
 
 
+def test_the_heading_has_the_films_of_the_plan_and_not_those_of_another():
+    text = summarise_plan(planned_with(('thickest = "10 um"', 'thickest = "16 um"')))
+    assert text.startswith("Plan: example rig, films of 2 to 16 um\n")
+    assert "10 um" not in text
+
+
+def test_frames_are_given_for_the_best_concentrations_too(planned):
+    """The best concentrations need fewer frames over the whole range, film by film as computed."""
+    text = summarise_plan(planned)
+    head, *rows = (line for line in text.splitlines() if re.match(r" +(film um|\d)", line))
+    assert head.split()[-4:] == ["frames", "needed", "best", "conc."]
+    films = np.array([float(row.split()[0]) for row in rows])
+    best = [int(row.split()[-1]) for row in rows]
+    assert len(films) == 7
+    known = planned.optimum_frames_needed.sel(thickness=films, method="nearest")
+    npt.assert_allclose(best, known, atol=1)
+    assert max(best) < max(int(row.split()[-2]) for row in rows)
+    table = list(csv.DictReader(io.StringIO(table_of_films(planned))))
+    npt.assert_allclose(
+        [float(row["optimum_frames_needed"]) for row in table], planned.optimum_frames_needed
+    )
+
+
 def test_weak_reabsorption_behind_wide_filters():
     """Light of a thick film: 11,000 and 11,500 electrons, whatever dyes and filters."""
     wide = planned_with(
@@ -102,7 +125,7 @@ def test_files_are_complete_and_read_back(planned, tmp_path, monkeypatch):
     output = tmp_path / "plan"
     paths = write_plan(planned, output)
     assert {path.name for path in output.iterdir()} == {path.name for path in paths}
-    assert read_plan_settings(output / "plan.toml").name == "films of 2 to 10 um"
+    assert read_plan_settings(output / "plan.toml").name == "example rig"
     best = read_plan_settings(output / "optimum.toml")
     npt.assert_allclose(
         [best.dye1.concentration, best.dye2.concentration],
@@ -141,5 +164,5 @@ def test_frames_of_the_table_are_those_of_the_nearest_film(planned):
     (head,) = [n for n, line in enumerate(lines) if line.startswith(" film um")]
     first = lines[head + 1].split()
     assert float(first[0]) == 2.0
-    assert float(first[-1]) == 20
+    assert float(first[-2]) == 20
     assert np.isfinite(float(first[4]))

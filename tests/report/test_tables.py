@@ -165,6 +165,18 @@ def test_triggers_have_their_numbers(film):
     assert "Oil [°C]" not in head
 
 
+def test_theory_has_three_significant_digits(changed):
+    changed["film_theory"] = changed.film_theory.copy(
+        data=np.resize([0.04567, 7.654, 123.4], scene.TRIGGERS)
+    )
+    changed["film_min_x"] = ("trigger", np.full(scene.TRIGGERS, 68.5))
+    changed["film_min_y"] = ("trigger", np.full(scene.TRIGGERS, 13.0))
+    head, *rows = rows_of(trigger_table(changed, np.ones(scene.TRIGGERS)))
+    found = [row[head.index("Theory [µm]")] for row in rows[:3]]
+    assert found == ["0.0457", "7.65", "123"]
+    assert rows[0][head.index("at column, row [px]")] == "68, 13"
+
+
 def test_temperature_is_listed_where_it_was_logged(changed):
     changed["temperature"] = ("trigger", np.full(scene.TRIGGERS, 40.0))
     changed["operator"] = ("trigger", np.full(scene.TRIGGERS, "A. N."))

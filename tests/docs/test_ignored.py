@@ -1,0 +1,46 @@
+"""What the commands of the pages write is no change of the repository."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SAMPLE = "data_samples/straight_bushing"
+WRITTEN = [
+    *(f"{SAMPLE}/{name}" for name in ("film.nc", "film.zarr/zarr.json", ".film.nc.unfinished")),
+    *(f"{SAMPLE}/film.{suffix}" for suffix in ("csv", "mat", "tif", "npz")),
+    *(f"{SAMPLE}/{name}" for name in ("film_vtk/film.pvd", "film_trigger13.csv", "figures/a.png")),
+    *(f"{SAMPLE}/{name}" for name in ("report.html", "prediction.nc", "pressure.nc")),
+    f"{SAMPLE}/pressure.png",
+    "calibration/wedge/calibration.nc",
+    *("calibration/wedge/calibration.png", "scheduler.json"),
+]
+
+
+def ignored(names):
+    found = subprocess.run(
+        ["git", "check-ignore", "--no-index", *names], cwd=ROOT, capture_output=True, text=True
+    )
+    if found.returncode > 1:
+        pytest.skip("no checkout")
+    return set(found.stdout.split())
+
+
+def test_outputs_of_the_commands_are_ignored():
+    text = (ROOT / "README.md").read_text("utf-8")
+    named = re.findall(r"-o ([\w./]+)", text)
+    assert named
+    assert ignored([*WRITTEN, *named]) == {*WRITTEN, *named}
+
+
+def test_what_belongs_to_the_sample_is_not():
+    names = [
+        path.relative_to(ROOT).as_posix()
+        for place in ("data_samples", "calibration")
+        for path in (ROOT / place).rglob("*")
+        if path.suffix in (".tif", ".toml", ".csv", ".md", ".py") and "film" not in path.name
+    ]
+    assert len(names) > 100
+    assert not ignored(names)
