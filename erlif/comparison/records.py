@@ -44,7 +44,7 @@ class RunRecord:
     Attributes
     ----------
     name : str
-        Name of the run; `erlif.files.label_films` tells runs of one name apart.
+        Name of the run; `erlif.files.label_films` distinguishes runs of one name.
     settings : RunSettings
     calibration : Calibration
     calibration_key : str

@@ -1,4 +1,4 @@
-"""Names by which several films are told apart."""
+"""Names by which several films are distinguished."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def label_films(names: Sequence[str], paths: Sequence[Path | None]) -> list[str]
     for name in dict.fromkeys(names):
         chosen = [k for k, each in enumerate(names) if each == name]
         if len(chosen) > 1:
-            places = _tell_apart([paths[k] for k in chosen])
+            places = _distinguish([paths[k] for k in chosen])
             for k, place in zip(chosen, places, strict=True):
                 labels[k] = f"{name} ({place})"
 
@@ -44,8 +44,8 @@ def label_films(names: Sequence[str], paths: Sequence[Path | None]) -> list[str]
     return labels if len(set(labels)) == len(labels) else _number(labels)
 
 
-def _tell_apart(paths: Sequence[Path | None]) -> list[str]:
-    """Short texts that tell files apart; numbers where nothing else does."""
+def _distinguish(paths: Sequence[Path | None]) -> list[str]:
+    """Short texts that distinguish files; numbers where nothing else does."""
     numbers = [f"{k + 1}" for k in range(len(paths))]
     files = [path.resolve() for path in paths if path is not None]
     if len(files) < len(paths) or len(set(files)) < len(files):

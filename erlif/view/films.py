@@ -71,7 +71,7 @@ class FilmReader:
         """The film; its maps are not in memory."""
         settings = settings_of(self.film)
         self.name = settings.name
-        """Name of the run, as the settings state it; `open_films` adds what tells films apart."""
+        """Name of the run, as the settings state it; `open_films` adds what distinguishes films."""
         self.region: RegionOfInterest = region_of(self.film)
         """Region of interest that the film was made with."""
         self.run_dir = _find_run(path, run_dir)

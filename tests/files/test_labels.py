@@ -1,4 +1,4 @@
-"""Films of one name told apart by their folders."""
+"""Films of one name distinguished by their folders."""
 
 from pathlib import Path
 
