@@ -24,6 +24,7 @@ ORDER = (
     "calibration",
     "thickness",
     "planning",
+    "sizing",
     "kinematics",
     "trend",
     "prediction",

@@ -1,0 +1,31 @@
+"""A pin joint as the guide designs it: Strand (2005), chapter 2, from load and motion to sizes."""
+
+from erlif.sizing.example import example_joint
+from erlif.sizing.joint import DIMENSIONS, Dimensions, Joint, Lock, dimensions_of
+from erlif.sizing.materials import Material, read_materials
+from erlif.sizing.outcome import BearingDesign
+from erlif.sizing.preferred import round_up
+from erlif.sizing.pressure import contact_of, pressure_over_arc
+from erlif.sizing.size import size_joint
+from erlif.sizing.steps import ROUNDING, Step
+from erlif.sizing.walk import Walk, walk_guide
+
+__all__ = [
+    "DIMENSIONS",
+    "ROUNDING",
+    "BearingDesign",
+    "Dimensions",
+    "Joint",
+    "Lock",
+    "Material",
+    "Step",
+    "Walk",
+    "contact_of",
+    "dimensions_of",
+    "example_joint",
+    "pressure_over_arc",
+    "read_materials",
+    "round_up",
+    "size_joint",
+    "walk_guide",
+]

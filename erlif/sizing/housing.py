@@ -1,0 +1,119 @@
+"""The eye of the housing."""
+
+from __future__ import annotations
+
+import math
+
+from erlif.models.bearing import RECOMMENDED_HOUSING
+from erlif.sizing.joint import Joint, dimensions_of
+from erlif.sizing.steps import Step, make_step, missing_step
+
+
+def housing_steps(joint: Joint) -> list[Step]:
+    """Check the eye of the housing.
+
+    Parameters
+    ----------
+    joint : Joint
+        With all dimensions.
+
+    Returns
+    -------
+    list of Step
+        Stress and proportion.
+
+    Examples
+    --------
+    >>> from erlif.sizing import example_joint
+    >>> [step.key for step in housing_steps(example_joint())]
+    ['housing_eye', 'housing_ratio']
+    """
+    return [_eye(joint), _ratio(joint)]
+
+
+def least_eye(load: float, *, bore: float, width: float, allowed: float) -> float:
+    """Return the least outer diameter of an eye; infinite where none carries the load. Eq. 14.
+
+    Parameters
+    ----------
+    load : float
+        F. [N]
+    bore, width : float
+        d and s of the eye. [m]
+    allowed : float
+        Yield stress over safety factor. [Pa]
+
+    Returns
+    -------
+    float
+        [m]
+
+    Examples
+    --------
+    >>> eye = least_eye(100e3, bore=0.08, width=0.04, allowed=300e6)
+    >>> print(f"{eye * 1e3:.2f} mm")
+    96.98 mm
+    >>> least_eye(100e3, bore=0.08, width=0.004, allowed=300e6)
+    inf
+    """
+    capacity = allowed * width * bore
+    if capacity <= load:
+        return math.inf
+    root = math.sqrt(capacity**2 + 4 * capacity * load - 4 * load**2)
+    return bore * (capacity + root) / (2 * (capacity - load))
+
+
+def _eye(joint: Joint) -> Step:
+    key, title, equation = "housing_eye", "eye of the housing", "eq. 14"
+    strength = joint.housing.yield_stress
+    if strength is None:
+        return missing_step(key, title, equation, "limit", "yield_stress of [housing]")
+    size = dimensions_of(joint)
+    bore, outer = size.fit, size.housing
+    allowed = strength / joint.safety
+    least = least_eye(joint.force, bore=bore, width=size.width, allowed=allowed)
+
+    stress = math.inf
+    if outer > bore:
+        stress = joint.force * (bore / outer + outer / bore) / (size.width * (outer - bore))
+    width = joint.force / (allowed * bore)
+    others = (
+        f"outer diameter of at least {least * 1e3:.4g} mm"
+        if math.isfinite(least)
+        else f"no outer diameter is enough; the eye must be wider than {width * 1e3:.4g} mm"
+    )
+    return make_step(
+        key,
+        title,
+        equation,
+        "limit",
+        "stress beside the bore",
+        "MPa",
+        stress / 1e6,
+        most=allowed / 1e6,
+        validity="an eye as wide as the bushing, larger than its bore",
+        reason="The load pulls the two sides of the eye apart; the bore concentrates the stress.",
+        alternatives=(others, f"yield stress of at least {stress * joint.safety / 1e6:.4g} MPa"),
+        numbers=(("least outer diameter", least * 1e3, "mm"),),
+    )
+
+
+def _ratio(joint: Joint) -> Step:
+    size = dimensions_of(joint)
+    low, high = RECOMMENDED_HOUSING
+    return make_step(
+        "housing_ratio",
+        "outer over inner diameter",
+        "section 2.1.6",
+        "recommendation",
+        "outer over inner diameter",
+        "1",
+        size.housing / size.fit,
+        least=low,
+        most=high,
+        validity="common practice",
+        reason="A stiff housing keeps its shape; one that is too stiff loads the edges.",
+        alternatives=(
+            f"outer diameter from {low * size.fit * 1e3:.4g} to {high * size.fit * 1e3:.4g} mm",
+        ),
+    )

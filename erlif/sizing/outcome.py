@@ -1,0 +1,43 @@
+"""The design of a joint: its steps, what was chosen, and what the weakest margin depends on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from erlif.sizing.joint import Joint
+from erlif.sizing.walk import Walk
+
+
+@dataclass(frozen=True)
+class BearingDesign:
+    """A designed joint.
+
+    Attributes
+    ----------
+    name : str
+        Name of the joint.
+    walk : Walk
+        All steps of the guide.
+    chosen : tuple[str, ...]
+        Dimensions that were chosen, in the order of `erlif.sizing.DIMENSIONS`.
+    series : str
+        Preferred numbers to which they were rounded up; ``"none"`` for the least ones.
+    settings : str
+        The joint with all its dimensions, TOML.
+    """
+
+    name: str
+    walk: Walk
+    chosen: tuple[str, ...]
+    series: str
+    settings: str
+
+    @property
+    def joint(self) -> Joint:
+        """The joint with all dimensions. SI units."""
+        return self.walk.joint
+
+    @property
+    def sound(self) -> bool:
+        """Whether all limits hold."""
+        return self.walk.sound

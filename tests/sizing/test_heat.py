@@ -1,0 +1,72 @@
+"""Speed, heat, temperature and wear."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from erlif.models.wear import steady_bushing_wear, surface_temperature
+from erlif.sizing import example_joint, walk_guide
+from erlif.sizing.heat import bushing_heat, surface_rise, wear_after
+
+
+def test_heat_divides_as_the_bodies_conduct():
+    """4/7 of it into a bushing of 60 W/(m K) on a pin of 45."""
+    joint = example_joint()
+    joint = replace(
+        joint,
+        pin=replace(joint.pin, conductivity=45.0),
+        bushing=replace(joint.bushing, conductivity=60.0),
+    )
+    whole = 0.1 * 60e3 * joint.speed(0.08)
+    assert bushing_heat(joint, 0.08) == pytest.approx(whole * 4 / 7)
+
+
+def test_the_rise_is_that_of_the_models_through_half_of_the_ring():
+    joint = example_joint()
+    expected = surface_temperature(
+        300.0,
+        heat=bushing_heat(joint, 0.08),
+        pin_diameter=0.08,
+        wall=0.01,
+        width=0.1,
+        conductivity=39.0,
+        arc=math.pi,
+    )
+    assert surface_rise(joint) == pytest.approx(expected - 300.0, rel=1e-9)
+
+
+def test_grease_that_is_cooler_than_the_outside_is_reported():
+    walk = walk_guide(replace(example_joint(), outside_temperature=130.0))
+    assert walk.step("temperature").margin == -1.0
+    assert not walk.sound
+
+
+def test_wear_is_the_steady_wear_of_colbert():
+    joint = example_joint()
+    joint = replace(joint, bushing=replace(joint.bushing, wear=5.05e-13))
+    expected = steady_bushing_wear(
+        60e3, shaft_radius=0.04, width=0.1, sliding_distance=1e3, specific_wear=5.05e-13
+    )
+    assert wear_after(joint, 1e3) == pytest.approx(expected.depth)
+
+
+def test_the_life_ends_where_the_largest_wear_is_reached():
+    joint = example_joint()
+    joint = replace(joint, bushing=replace(joint.bushing, wear=1e-17))
+    step = walk_guide(joint).step("wear")
+    hours = step.number("life to the largest wear")
+    at_end = replace(joint, life=hours * 3600)
+    assert walk_guide(at_end).step("wear").margin == pytest.approx(0, abs=1e-9)
+
+
+def test_limits_of_the_bushing_govern_where_they_are_known():
+    joint = example_joint()
+    slow = replace(joint.bushing, speed=0.01, pv=0.05e6)
+    walk = walk_guide(replace(joint, bushing=slow))
+    assert walk.step("speed").state == walk.step("pv").state == "fails"
+    assert walk_guide(joint).step("pv").state == "result"
+
+
+def test_friction_outside_of_the_range_of_the_guide_is_marked():
+    assert not walk_guide(replace(example_joint(), friction=0.05)).step("friction").valid
