@@ -13,6 +13,7 @@ from pathlib import Path
 
 from erlif.core.flags import Flag
 from erlif.settings import (
+    DesignSettings,
     FixtureSettings,
     Key,
     PlanSettings,
@@ -1075,6 +1076,11 @@ What a rig is to be, for `erlif plan` ([Planning](planning.md)). Spectra are CSV
 columns `wavelength_nm,value`; lines that begin with # are remarks."""
 
 
+JOINT_TEXT = """\
+What a pin joint is to be, for `erlif design` ([Design](design.md)). Keys of a part that state a
+value of its material replace that of the table."""
+
+
 def render() -> str:
     """The page as Markdown."""
     shared = ("camera1", "camera2", "optics", "registration", "thickness", "thickness.roi")
@@ -1138,6 +1144,8 @@ def render() -> str:
 
     lines += ["## plan.toml", "", PLAN_TEXT, ""]
     lines += settings_section(PlanSettings, "plan.toml")
+    lines += ["## joint.toml", "", JOINT_TEXT, ""]
+    lines += settings_section(DesignSettings, "joint.toml")
     lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
     lines += variables_table(PREDICTION)
     lines += ["Attributes of the file:", ""]
@@ -1157,6 +1165,7 @@ def schemas() -> dict[str, str]:
         "run.schema.json": RunSettings,
         "fixture.schema.json": FixtureSettings,
         "plan.schema.json": PlanSettings,
+        "joint.schema.json": DesignSettings,
     }
     return {
         name: json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n"

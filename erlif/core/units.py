@@ -48,7 +48,13 @@ _USUAL: dict[str, dict[str, Fraction | int]] = {
     "rad": {"rad": 1, "deg": _PI / 180},
     # a cycle is one turn: pint would count 1 rpm as 0.105 Hz
     "Hz": {"Hz": 1, "kHz": 10**3, "1/s": 1, "1/min": Fraction(1, 60), "rpm": Fraction(1, 60)},
-    "s": {"s": 1, "ms": Fraction(1, 10**3), "us": Fraction(1, 10**6)},
+    "s": {
+        "s": 1,
+        "ms": Fraction(1, 10**3),
+        "us": Fraction(1, 10**6),
+        "min": 60,
+        "h": 3600,
+    },
     "J": {"J": 1, "mJ": Fraction(1, 10**3), "uJ": Fraction(1, 10**6), "µJ": Fraction(1, 10**6)},
     "mol/L": {
         "mol/L": 1,
@@ -67,6 +73,28 @@ _USUAL: dict[str, dict[str, Fraction | int]] = {
     "electron": {"electron": 1},
     "DN": {"DN": 1},
     "degC": {"degC": 1},
+    # hardness as a pressure of a kilogram-force on a square millimetre; Vickers after ISO 18265,
+    # whose Brinell numbers of steel are 0.95 of it
+    "HB": {
+        "HB": 1,
+        "HBW": 1,
+        "HBS": 1,
+        "HV": Fraction(95, 100),
+        "MPa": Fraction(100000, 980665),
+        "N/mm^2": Fraction(100000, 980665),
+        "GPa": Fraction(100000000, 980665),
+    },
+    "m^2/N": {
+        "mm3/N/m": Fraction(1, 10**9),
+        "mm^3/N/m": Fraction(1, 10**9),
+        "mm3/(N m)": Fraction(1, 10**9),
+        "1/Pa": 1,
+        "1/MPa": Fraction(1, 10**6),
+    },
+    "W/m^2": {"W/m^2": 1, "W/mm^2": 10**6, "W/mm2": 10**6, "MPa m/s": 10**6, "N/mm2 m/s": 10**6},
+    "W/m/K": {"W/m/K": 1, "W/(m K)": 1},
+    "1/K": {"1/K": 1},
+    "m/s": {"m/s": 1, "mm/s": Fraction(1, 10**3)},
     "delta_degC": {"K": 1},
 }
 """By the unit of the result, what one of each usual unit is in it; loading pint takes 0.2 s."""

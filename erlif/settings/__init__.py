@@ -1,8 +1,14 @@
-"""run.toml, fixture.toml and plan.toml as frozen, checked tables, with descriptions of keys."""
+"""run.toml, fixture.toml, plan.toml and joint.toml as frozen, checked tables with descriptions."""
 
+from erlif.settings.design import DesignSettings, LockOfJoint, PartOfJoint
 from erlif.settings.keys import Key, Table, keys_of, tables_of
 from erlif.settings.planning import CoefficientSettings, DyeSettings, PlanSettings
-from erlif.settings.reading import read_fixture_settings, read_plan_settings, read_run_settings
+from erlif.settings.reading import (
+    read_design_settings,
+    read_fixture_settings,
+    read_plan_settings,
+    read_run_settings,
+)
 from erlif.settings.schema import json_schema
 from erlif.settings.tables import (
     Angle,
@@ -57,6 +63,7 @@ __all__ = [
     "CoefficientSettings",
     "Counts",
     "CrankRockerSettings",
+    "DesignSettings",
     "DyeSettings",
     "Electrons",
     "EncoderSettings",
@@ -72,10 +79,12 @@ __all__ = [
     "Key",
     "Length",
     "LightOptions",
+    "LockOfJoint",
     "MaterialSettings",
     "MechanismSettings",
     "OilSettings",
     "OpticsSettings",
+    "PartOfJoint",
     "PlanSettings",
     "PredictionOptions",
     "Pressure",
@@ -100,6 +109,7 @@ __all__ = [
     "Wavelength",
     "json_schema",
     "keys_of",
+    "read_design_settings",
     "read_fixture_settings",
     "read_plan_settings",
     "read_run_settings",

@@ -1,4 +1,4 @@
-"""run.toml, fixture.toml and plan.toml, checked: all faults and all gaps stand in one message."""
+"""run.toml, fixture.toml, plan.toml, joint.toml, checked: one message has all faults and gaps."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails
 
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
+from erlif.settings.design import DesignSettings
 from erlif.settings.keys import Key, keys_of, tables_in
 from erlif.settings.planning import PlanSettings
 from erlif.settings.tables import (
@@ -133,6 +134,39 @@ def read_plan_settings(path: Path) -> PlanSettings:
             f"Expected a plan in {path}; {what}. Make one with: erlif plan --example > plan.toml"
         )
     return _check(path, _load(path), PlanSettings)
+
+
+def read_design_settings(path: Path) -> DesignSettings:
+    """Read and check a joint, the input of `erlif.design`.
+
+    Parameters
+    ----------
+    path : Path
+        The file, joint.toml.
+
+    Returns
+    -------
+    DesignSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_design_settings(Path("no joint.toml"))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected a joint in no joint.toml; there is no such file. ...
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(
+            f"Expected a joint in {path}; {what}. Make one with: erlif design --example > "
+            "joint.toml"
+        )
+    return _check(path, _load(path), DesignSettings)
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
