@@ -7,7 +7,7 @@
 
 The stages, in the order of the pipeline: `ingest`, `correction`, `registration`, `ratio`,
 `calibration`, `thickness`, `kinematics`, `trend`, `prediction`. Each holds plain functions.
-`models` is theory, `rig` the virtual rig, `plots` the figures.
+`models` is theory, `sizing` the design of joints, `rig` the virtual rig, `plots` the figures.
 """
 
 from importlib import import_module
@@ -28,6 +28,7 @@ _FUNCTIONS = {
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.audit",
     "compare": "erlif.comparison",
+    "design": "erlif.pipeline.design",
     "export": "erlif.conversion",
     "find_pin_position": "erlif.trend",
     "init": "erlif.pipeline.init",
@@ -61,6 +62,7 @@ _MODULES = (
     "report",
     "rig",
     "settings",
+    "sizing",
     "thickness",
     "trend",
 )
@@ -80,6 +82,7 @@ __all__ = [
     "comparison",
     "conversion",
     "correction",
+    "design",
     "export",
     "files",
     "find_pin_position",
@@ -105,6 +108,7 @@ __all__ = [
     "save_calibration",
     "settings",
     "simulate",
+    "sizing",
     "summarise",
     "thickness",
     "trend",
@@ -131,6 +135,7 @@ if TYPE_CHECKING:
         report,
         rig,
         settings,
+        sizing,
         thickness,
         trend,
     )
@@ -143,6 +148,7 @@ if TYPE_CHECKING:
     from erlif.files import open_film
     from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget
+    from erlif.pipeline.design import design
     from erlif.pipeline.fixture import calibrate
     from erlif.pipeline.init import init
     from erlif.pipeline.plan import plan

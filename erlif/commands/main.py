@@ -16,6 +16,7 @@ from erlif.commands.budget import budget
 from erlif.commands.calibrate import calibrate
 from erlif.commands.check import check
 from erlif.commands.compare import compare
+from erlif.commands.design import design
 from erlif.commands.ending import (
     EndedBySignal,
     echo_aside,
@@ -131,6 +132,7 @@ for command in (
     compare,
     export,
     view,
+    design,
     sources,
 ):
     main.add_command(command)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from erlif.report.budget import render_budget
+from erlif.report.design import list_materials, summarise_design
 from erlif.report.maps import MapCoding, decode_map, embed_map
 from erlif.report.plan import check_plan_output, summarise_plan, write_plan
 from erlif.report.prediction import summarise_prediction
@@ -19,8 +20,10 @@ __all__ = [
     "decode_map",
     "describe_calibration",
     "embed_map",
+    "list_materials",
     "render_budget",
     "summarise",
+    "summarise_design",
     "summarise_in_a_line",
     "summarise_plan",
     "summarise_prediction",

@@ -1,0 +1,45 @@
+"""``erlif design``: a pin joint from load, motion, life and materials."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import PATH
+
+
+@click.command()
+@click.argument("source", metavar="JOINT.TOML", type=PATH, required=False)
+@click.option("--example", is_flag=True, help="Print a commented joint that works as it is.")
+@click.option("--materials", is_flag=True, help="Print the table of materials with its sources.")
+def design(source: Path | None, example: bool, materials: bool) -> None:
+    """Size a pin joint and check it step by step (Strand 2005, chapter 2).
+
+    Dimensions that are not given are chosen. Prints dimensions and the margin of each step. A joint
+    that exceeds a limit is reported; the exit status is 0 all the same.
+
+    \b
+    Example:
+      erlif design --example > joint.toml
+      erlif design joint.toml
+    """
+    with large_imports():
+        from erlif.pipeline.design import design as size
+        from erlif.pipeline.design import example_joint_file
+        from erlif.report import list_materials, summarise_design
+
+    if example:
+        click.echo(example_joint_file(), nl=False)
+        return
+    if materials:
+        from erlif.sizing import read_materials
+
+        click.echo(list_materials(read_materials()))
+        return
+    if source is None:
+        raise click.UsageError(
+            "Expected the name of a joint. Make one with: erlif design --example > joint.toml"
+        )
+    click.echo(summarise_design(size(source)))

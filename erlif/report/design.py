@@ -1,0 +1,240 @@
+"""The design of a joint in sentences and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from erlif.core.units import count_of
+from erlif.sizing import ROUNDING, BearingDesign, Material, Step
+
+_NAMES = {
+    "pin_diameter": "pin diameter",
+    "bushing_width": "bushing width",
+    "wall": "bushing wall",
+    "seat_width": "seat width",
+    "housing_diameter": "housing diameter",
+    "play": "play before pressing",
+}
+"""Dimensions as a reader names them."""
+
+
+def summarise_design(design: BearingDesign) -> str:
+    """State a joint, its dimensions and the margin of each step.
+
+    Parameters
+    ----------
+    design : BearingDesign
+        From `erlif.design`.
+
+    Returns
+    -------
+    str
+        Verdict, dimensions, a table of the steps, and what could not be computed.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> print(summarise_design(example_design()).splitlines()[0])
+    Joint: boom of a loader
+    """
+    blocks = [
+        [f"Joint: {design.name}", *verdict(design)],
+        _dimension_lines(design),
+        _step_lines(design),
+        _missing_lines(design),
+    ]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def verdict(design: BearingDesign) -> list[str]:
+    """Return the sentences that sum up a design.
+
+    Parameters
+    ----------
+    design : BearingDesign
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> verdict(example_design())[0].split(";")[0]
+    'All limits hold'
+    """
+    walk, weakest = design.walk, design.walk.weakest
+    if weakest is None:
+        return ["No limit is known: give the strength of the materials."]
+    governing = f"{weakest.title} ({weakest.equation}) with a margin of {margin(weakest.margin)}"
+    if walk.sound:
+        lines = [f"All limits hold; the weakest is: {governing}."]
+    else:
+        failed = count_of(len(walk.failed), "limit")
+        verb = "is" if len(walk.failed) == 1 else "are"
+        lines = [f"{failed} {verb} exceeded; the worst is: {governing}."]
+        lines += [f"  {step.title}: {'; '.join(step.alternatives)}." for step in walk.failed]
+    if walk.doubtful:
+        named = "; ".join(
+            f"{step.title} ({step.equation}): {step.validity}" for step in walk.doubtful
+        )
+        lines.append(f"Outside of the validity of the equation: {named}.")
+    if walk.unusual:
+        named = ", ".join(step.title for step in walk.unusual)
+        lines.append(f"Outside of what is recommended: {named}.")
+    return lines
+
+
+def margin(value: float) -> str:
+    """Write a margin in per cent; large ones as a factor.
+
+    Parameters
+    ----------
+    value : float
+        Allowed over present value less 1.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> margin(0.125), margin(-0.5), margin(30.0), margin(float("inf"))
+    ('+12 %', '-50 %', 'x 31', 'unlimited')
+    """
+    if math.isnan(value):
+        return "-"
+    if math.isinf(value):
+        return "unlimited"
+    if abs(value) < ROUNDING:
+        return "0 %"
+    if value > _FACTOR:
+        return f"x {value + 1:.3g}"
+    # the sign of a small margin is what matters
+    return f"{100 * value:+.0f} %" if abs(value) >= _SMALL else f"{100 * value:+.2g} %"
+
+
+_SMALL = 0.01
+_FACTOR = 10.0  # a margin above 1000 % is written as a factor
+
+
+def within(step: Step) -> str:
+    """Write what is allowed, in the unit of the step.
+
+    Parameters
+    ----------
+    step : Step
+
+    Returns
+    -------
+    str
+        Empty for a result without a limit.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> within(example_design().walk.step("width_ratio"))
+    '0.5 to 1.5'
+    """
+    low, high = step.allowed
+    if math.isinf(low) and math.isinf(high):
+        return ""
+    if math.isinf(low):
+        return f"up to {high:.4g}"
+    return f"from {low:.4g}" if math.isinf(high) else f"{low:.4g} to {high:.4g}"
+
+
+def dimensions(design: BearingDesign) -> list[tuple[str, str, str]]:
+    """Return the dimensions of a design.
+
+    Parameters
+    ----------
+    design : BearingDesign
+
+    Returns
+    -------
+    list of (str, str, str)
+        Name, value with unit, and whether it was chosen or given.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> dimensions(example_design())[0][0]
+    'pin diameter'
+    """
+    joint = design.joint
+    rows = []
+    for name, title in _NAMES.items():
+        value = float(getattr(joint, name))
+        text = f"{value * 1e6:.4g} um" if name == "play" else f"{value * 1e3:.5g} mm"
+        rows.append((title, text, "chosen" if name in design.chosen else "given"))
+    return rows
+
+
+def _dimension_lines(design: BearingDesign) -> list[str]:
+    how = "least that are enough" if design.series == "none" else f"rounded up to {design.series}"
+    rows = dimensions(design)
+    lines = [f"{title:<22} {value:>11}  {source}" for title, value, source in rows]
+    return [f"Dimensions (chosen: {how})" if design.chosen else "Dimensions", *lines]
+
+
+def _step_lines(design: BearingDesign) -> list[str]:
+    lines = [f"{'step':<34} {'source':<15} {'present':>19} {'allowed':>15} {'margin':>10}  state"]
+    for step in design.walk.steps:
+        if step.missing:
+            continue
+        unit = "" if step.unit == "1" else step.unit
+        present = f"{step.present:.4g} {unit}".strip()
+        source = step.equation.replace("section ", "")
+        lines.append(
+            f"{step.title:<34} {source:<15} {present:>19} {within(step):>15} "
+            f"{margin(step.margin):>10}  {step.state}"
+        )
+    return lines
+
+
+def _missing_lines(design: BearingDesign) -> list[str]:
+    missing = design.walk.missing
+    lines = [f"  {step.title} ({step.equation}): give {step.missing}" for step in missing]
+    return ["Not computed:", *lines] if lines else []
+
+
+def list_materials(materials: Mapping[str, Material]) -> str:
+    """Write a table of materials.
+
+    Parameters
+    ----------
+    materials : mapping of str to Material
+
+    Returns
+    -------
+    str
+        One line for each, with hardness, strength, limits and source.
+
+    Examples
+    --------
+    >>> from erlif.sizing import read_materials
+    >>> list_materials(read_materials()).splitlines()[1].split()[0]
+    '42CrMo4'
+    """
+    head = (
+        f"{'material':<26} {'use':<10} {'yield MPa':>9} {'hardness HB':>12} {'E GPa':>6} "
+        f"{'degC':>5} {'p MPa':>6} {'pv W/mm2':>8}  source"
+    )
+    lines = [head]
+    for one in materials.values():
+        low, high = one.hardness_low, one.hardness_high
+        hardness = (
+            "-" if low is None else f"{low:g}" if low == high else f"{low:g} to {high or low:g}"
+        )
+        lines.append(
+            f"{one.name:<26} {one.use:<10} {_cell(one.yield_stress, 1e6):>9} {hardness:>12} "
+            f"{_cell(one.youngs_modulus, 1e9):>6} {_cell(one.temperature, 1):>5} "
+            f"{_cell(one.pressure, 1e6):>6} {_cell(one.pv, 1e6):>8}  {one.source}"
+        )
+    return "\n".join(lines)
+
+
+def _cell(value: float | None, scale: float) -> str:
+    return "-" if value is None else f"{value / scale:g}"

@@ -1,0 +1,54 @@
+"""``erlif design``."""
+
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+from erlif.pipeline.design import example_joint_file
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "joint.toml"
+    path.write_text(example_joint_file(), encoding="utf-8")
+    return path
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def test_the_example_works_as_it_is_printed(tmp_path):
+    path = tmp_path / "joint.toml"
+    path.write_text(run("design", "--example").stdout, encoding="utf-8")
+    result = run("design", path)
+    assert result.exit_code == 0, result.output
+    assert "All limits hold" in result.stdout
+
+
+def test_without_a_joint_the_example_is_named():
+    result = run("design")
+    assert result.exit_code == 2
+    assert "erlif design --example > joint.toml" in result.stderr
+
+
+def test_an_unsound_joint_is_reported_with_status_0(path):
+    text = example_joint_file().replace('# diameter = "80 mm"', 'diameter = "20 mm"')
+    path.write_text(text, encoding="utf-8")
+    result = run("design", path)
+    assert result.exit_code == 0
+    assert "limits are exceeded" in result.stdout
+
+
+def test_bad_input_is_one_message_with_status_2(path):
+    path.write_text(example_joint_file().replace('"150 kN"', '"150"'), encoding="utf-8")
+    result = run("design", path)
+    assert result.exit_code == 2
+    assert "[load] force: expected a number with a unit" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_the_table_of_materials_is_printed():
+    result = run("design", "--materials")
+    assert result.exit_code == 0
+    assert "aluminium bronze, Strand (2005)" in result.stdout

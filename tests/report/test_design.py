@@ -1,0 +1,45 @@
+"""A design in sentences and tables."""
+
+import tomllib
+
+from erlif.pipeline.design import design, example_design, example_joint_file
+from erlif.report import list_materials, summarise_design
+from erlif.settings import DesignSettings
+from erlif.sizing import read_materials
+
+
+def changed(*changes):
+    text = example_joint_file()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return design(DesignSettings.model_validate(tomllib.loads(text)))
+
+
+def test_a_sound_design_names_its_weakest_margin():
+    text = summarise_design(example_design())
+    assert "All limits hold; the weakest is:" in text
+    assert "rounded up to R20" in text
+    assert "pressure limit of the bushing (section 2.1.13): give largest_pressure" in text
+    assert max(len(line) for line in text.splitlines()) <= 120
+
+
+def test_an_unsound_design_names_what_to_change():
+    text = summarise_design(changed(('# diameter = "80 mm"', 'diameter = "20 mm"')))
+    assert "limits are exceeded; the worst is:" in text
+    assert "pin diameter of at least" in text
+
+
+def test_a_design_without_motion_lists_what_is_missing():
+    text = example_joint_file()
+    start, end = text.index("[motion]"), text.index("[life]")
+    text = text[:start] + text[end:]
+    found = summarise_design(design(DesignSettings.model_validate(tomllib.loads(text))))
+    assert "give [motion] half_swing and period" in found
+    assert "speed not known" in found
+
+
+def test_the_list_of_materials_has_all_of_them_with_their_sources():
+    lines = list_materials(read_materials()).splitlines()
+    assert len(lines) == len(read_materials()) + 1
+    assert "EN 1982:2017" in "\n".join(lines)
