@@ -11,9 +11,23 @@ from pathlib import Path
 
 from erlif.core.errors import ModelError, OutputError
 from erlif.core.progress import ShowProgress, choose_progress
+from erlif.rig.endurance import (
+    EnduranceRig,
+    EnduranceTruth,
+    simulate_endurance,
+    write_endurance_log,
+)
 from erlif.rig.settings import DyeSpectra, RigSettings
 
-__all__ = ["DyeSpectra", "RigSettings", "simulate"]
+__all__ = [
+    "DyeSpectra",
+    "EnduranceRig",
+    "EnduranceTruth",
+    "RigSettings",
+    "simulate",
+    "simulate_endurance",
+    "write_endurance_log",
+]
 
 WRITTEN = ("fixture", "run", "truth.nc")
 """Names that a simulation writes into its directory."""
