@@ -14,6 +14,7 @@ SOURCES = sorted(Path(erlif.__file__).parent.rglob("*.py"))
 ERRORS = (
     *("ErlifError", "ConfigError", "FrameError", "EncoderError", "RegistrationError"),
     *("CalibrationError", "OutputError", "ClusterError", "ModelError"),
+    "EnduranceError",
 )
 
 COMPLETED = {

@@ -35,6 +35,10 @@ class CalibrationError(ErlifError):
     """A calibration that could not be made, or that does not belong to the run."""
 
 
+class EnduranceError(ErlifError):
+    """The log of an endurance test that cannot be read or analysed."""
+
+
 class OutputError(ErlifError):
     """An output that exists already or could not be written."""
 

@@ -195,7 +195,7 @@ def find_columns(table: LogTable, choice: ColumnChoice) -> tuple[dict[str, LogCo
             column
             for column in table.columns
             if column not in found.values()
-            and _plain(column.name) in names
+            and plain_name(column.name) in names
             and (quantity in _WITHOUT_UNIT or _has_unit(column, quantity, choice))
         ]
         if len(fitting) > 1:
@@ -254,7 +254,7 @@ def convert_column(
     documented = CONTRACT.get(column.name, ("", ""))
     unit = choice.units.get(quantity, "")
     unit = unit or (documented[1] if documented[0] == quantity else "")
-    unit = unit or column.unit or _suffix(column.name)
+    unit = unit or column.unit or unit_suffix(column.name)
     if not unit and quantity == "pulse_energy":
         unit = "1"  # its mean is all that matters
     scale = find_scale(quantity, unit) if unit else None
@@ -365,24 +365,53 @@ def _choose(quantity: str, name: str, table: LogTable) -> str:
     )
 
 
-def _plain(name: str) -> str:
-    """A name without its unit, in lower case, words apart."""
+def plain_name(name: str) -> str:
+    """Reduce the name of a column to lower case, without its unit, words apart.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> plain_name("Encoder_Angle [deg]"), plain_name("time_ms"), plain_name("Log/Force")
+    ('encoder angle', 'time', 'force')
+    """
     base = split_unit(name.rpartition("/")[2] if " / " not in name else name)[0]
-    suffix = _suffix(base)
+    suffix = unit_suffix(base)
     if suffix:
         base = base[: -len(suffix) - 1]
     return re.sub(r"[\s_]+", " ", base).strip().lower()
 
 
-def _suffix(name: str) -> str:
-    """Unit behind the last underscore of a name, "time_ms"; empty where it is none."""
+def unit_suffix(name: str) -> str:
+    """Find the unit behind the last underscore of a name.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+        Empty where there is none.
+
+    Examples
+    --------
+    >>> unit_suffix("time_ms"), unit_suffix("load_cell")
+    ('ms', '')
+    """
     text = name.rpartition("_")[2] if "_" in name else ""
     known = text and any(find_scale(quantity, text) for quantity in UNITS)
     return text if known else ""
 
 
 def _has_unit(column: LogColumn, quantity: str, choice: ColumnChoice) -> bool:
-    unit = choice.units.get(quantity) or column.unit or _suffix(column.name)
+    unit = choice.units.get(quantity) or column.unit or unit_suffix(column.name)
     return find_scale(quantity, unit) is not None
 
 
