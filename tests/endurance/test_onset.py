@@ -1,0 +1,69 @@
+"""The onset of galling against simulated friction."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from erlif.endurance.onset import StageFriction, find_onset
+
+
+def friction_of(*, rise, kept=0.9, at=170.0, rng, stages=2, noise=0.004):
+    """Stages of 150 samples of 2 s; levels, running-in and drift differ from stage to stage."""
+    found = []
+    for k in range(stages):
+        time = 1000.0 * k + np.arange(0.0, 300.0, 2.0)
+        shape = lfilter([np.sqrt(1 - kept**2)], [1, -kept], rng.standard_normal(400))[-150:]
+        passed = time - time[0]
+        friction = 0.14 + 0.03 * (k == 0) + 0.02 * np.exp(-passed / 60) + 0.01 * passed / 300
+        friction = friction + noise * shape
+        if k == stages - 1:
+            friction = friction + rise * -np.expm1(-np.maximum(passed - at, 0) / 4)
+        found.append(StageFriction(time, friction))
+    return found
+
+
+def test_a_jump_is_found_where_it_is():
+    """The first stage runs 0.03 higher, which hid jumps from a search for two levels."""
+    search = find_onset(friction_of(rise=0.12, rng=np.random.default_rng(1)))
+    assert search.p_value < 1e-9
+    assert search.onset.stage == 1
+    assert search.onset.earliest < 1170 < search.onset.latest
+    assert search.onset.latest - search.onset.earliest < 10
+    assert search.onset.rise == pytest.approx(0.12, abs=3 * search.onset.rise_std)
+
+
+def test_running_in_drift_and_correlated_noise_are_no_galling():
+    searches = [
+        find_onset(friction_of(rise=0.0, rng=np.random.default_rng(seed)), significance=0.05)
+        for seed in range(6)
+    ]
+    assert sum(search.onset is not None for search in searches) <= 1  # of 6, 0.3 expected
+    assert np.mean([search.p_value for search in searches]) > 0.3
+
+
+def test_a_drift_of_the_whole_test_is_no_galling():
+    stages = [
+        StageFriction(one.time, one.friction + 0.08 * one.time / 3300)
+        for one in friction_of(rise=0.0, rng=np.random.default_rng(5), stages=4)
+    ]
+    assert find_onset(stages).onset is None
+
+
+def test_a_rise_that_is_significant_but_small_is_not_called_galling():
+    stages = friction_of(rise=0.012, kept=0.0, noise=0.001, rng=np.random.default_rng(2))
+    assert find_onset(stages).p_value < 1e-6
+    assert find_onset(stages).onset is None
+    assert find_onset(stages, least_rise=0.005).onset is not None
+
+
+def test_posterior_adds_up_and_holds_its_interval():
+    onset = find_onset(friction_of(rise=0.06, rng=np.random.default_rng(8))).onset
+    assert onset.weights.sum() == pytest.approx(1.0)
+    inside = (onset.places >= onset.earliest) & (onset.places <= onset.latest)
+    assert onset.weights[inside].sum() == pytest.approx(0.95, abs=0.03)
+
+
+def test_a_test_without_a_searchable_stage_has_no_onset():
+    short = StageFriction(np.arange(5.0), np.full(5, 0.1))
+    assert find_onset([short]).onset is None
+    assert find_onset([]).p_value == 1.0
