@@ -1,0 +1,27 @@
+"""Endurance tests of bearings: log to friction, stages, onset of galling and load at failure."""
+
+from erlif.endurance.analysis import EnduranceResult, analyse_endurance
+from erlif.endurance.failure import FailureLoad, failure_load
+from erlif.endurance.friction import measure_friction
+from erlif.endurance.log import LogColumns, read_endurance_log
+from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
+from erlif.endurance.stages import Stage, find_stages
+from erlif.endurance.summary import describe_test, write_test_table
+
+__all__ = [
+    "EnduranceResult",
+    "FailureLoad",
+    "LogColumns",
+    "Onset",
+    "OnsetSearch",
+    "Stage",
+    "StageFriction",
+    "analyse_endurance",
+    "describe_test",
+    "failure_load",
+    "find_onset",
+    "find_stages",
+    "measure_friction",
+    "read_endurance_log",
+    "write_test_table",
+]

@@ -1,0 +1,131 @@
+"""A test log to stages, onset of galling and load at failure: the order of the steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.errors import EnduranceError
+from erlif.endurance.failure import FailureLoad, failure_load
+from erlif.endurance.friction import measure_friction
+from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
+from erlif.endurance.stages import Stage, find_stages
+
+
+@dataclass(frozen=True)
+class EnduranceResult:
+    """What an endurance test shows.
+
+    Attributes
+    ----------
+    name : str
+        Name of the test.
+    test : xarray.Dataset
+        Load, torque, friction and witnesses over time.
+    stages : tuple[Stage, ...]
+        Stages and idle runs in the order of time.
+    search : OnsetSearch
+        The search for galling, with its p-value.
+    failure : FailureLoad
+        Load at failure, or the load survived.
+    """
+
+    name: str
+    test: xr.Dataset
+    stages: tuple[Stage, ...]
+    search: OnsetSearch
+    failure: FailureLoad
+
+    @property
+    def onset(self) -> Onset | None:
+        """The onset of galling, or None."""
+        return self.search.onset
+
+    @property
+    def loaded(self) -> tuple[Stage, ...]:
+        """The stages under load."""
+        return tuple(stage for stage in self.stages if not stage.is_idle)
+
+
+def analyse_endurance(
+    log: xr.Dataset,
+    *,
+    pin_radius: float,
+    arm: float | None = None,
+    torque_ratio: float = 1.0,
+    tare: float = 0.0,
+    calibration: float = 0.005,
+    idle_load: float | None = None,
+    significance: float = 0.01,
+    least_rise: float = 0.02,
+    name: str = "",
+) -> EnduranceResult:
+    """Find stages, onset of galling and load at failure of an endurance test.
+
+    Parameters
+    ----------
+    log : xarray.Dataset
+        From `erlif.read_endurance_log`.
+    pin_radius, arm, torque_ratio, tare
+        As for `erlif.endurance.measure_friction`.
+    calibration : float
+        Relative standard deviation of the calibration of the load cells. [1]
+    idle_load : float, optional
+        As for `erlif.endurance.find_stages`. [N]
+    significance : float
+        Largest probability of a false alarm in a test. [1]
+    least_rise : float
+        Smallest rise of friction that is called galling. [1]
+    name : str
+        Name of the test; default: that of its file.
+
+    Returns
+    -------
+    EnduranceResult
+
+    Raises
+    ------
+    EnduranceError
+        If there is no stage, or as `erlif.endurance.measure_friction`.
+
+    Examples
+    --------
+    >>> from erlif.rig import simulate_endurance
+    >>> log, truth = simulate_endurance(rng=np.random.default_rng(5))
+    >>> cells = log[["cell_1", "cell_2"]].to_dataarray("cell")
+    >>> log = xr.Dataset({"cells": cells, "arm_force": log.arm})
+    >>> found = analyse_endurance(log, pin_radius=0.03336, arm=0.3)
+    >>> len(found.loaded), found.failure.stage
+    (6, 6)
+    >>> found.onset.earliest < truth.onset < found.onset.latest
+    True
+    """
+    test = measure_friction(
+        log, pin_radius=pin_radius, arm=arm, torque_ratio=torque_ratio, tare=tare
+    )
+    time, friction = test["time"].values, test["friction"].values
+    stages = find_stages(time, test["load"].values, test["torque"].values, idle_load=idle_load)
+    loaded = [stage for stage in stages if not stage.is_idle]
+    if not loaded:
+        raise EnduranceError(
+            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; "
+            f"there is none among {len(stages)} stretches. Check the columns of the load cells, or "
+            "give the load up to which a run is idle with --idle-load."
+        )
+
+    # the cells may read nothing for a moment even in a stage
+    known = [np.flatnonzero(np.isfinite(friction[stage.samples])) + stage.first for stage in loaded]
+    search = find_onset(
+        [StageFriction(time[places], friction[places]) for places in known],
+        significance=significance,
+        least_rise=least_rise,
+    )
+    return EnduranceResult(
+        name=name or str(log.attrs.get("file", "")).rpartition(".")[0],
+        test=test,
+        stages=stages,
+        search=search,
+        failure=failure_load(test, loaded, search.onset, calibration=calibration),
+    )

@@ -1,0 +1,147 @@
+"""An endurance test in sentences and as a row of a table."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+from erlif.core.units import count_of
+from erlif.endurance.analysis import EnduranceResult
+from erlif.endurance.onset import Onset
+from erlif.files import replacing
+
+HEADINGS = (
+    "test",
+    "stages",
+    "failed",
+    "load at failure [N]",
+    "std [N]",
+    "survived [N]",
+    "stage",
+    "onset [s]",
+    "earliest [s]",
+    "latest [s]",
+    "friction before",
+    "rise",
+    "rise std",
+    "p-value",
+)
+"""Headings of the table of tests."""
+
+_NO_CHANCE = 1e-12  # probabilities below it depend on tails that nobody has measured
+
+
+def describe_test(found: EnduranceResult) -> list[str]:
+    """Describe an endurance test in lines of text.
+
+    Parameters
+    ----------
+    found : EnduranceResult
+        From `erlif.analyse_endurance`.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.endurance.example import example_test
+    >>> print(describe_test(example_test())[-1])
+    load at failure: 123.85 ± 0.62 kN; 106.6 kN were survived
+    """
+    test, failure = found.test, found.failure
+    last = float(test["time"][-1])
+    idle = len(found.stages) - len(found.loaded)
+    lines = [
+        f"{found.name}: {count_of(len(found.loaded), 'stage')} and {count_of(idle, 'idle run')} in "
+        f"{last - float(test['time'][0]):.0f} s"
+    ]
+    for stage in found.loaded:
+        friction = float(test["friction"][stage.samples].median())
+        line = (
+            f"  stage {stage.number}: {stage.load / 1e3:.1f} kN, {stage.start:.0f} to "
+            f"{stage.end:.0f} s, friction {friction:.3f}"
+        )
+        if "temperature" in test:
+            line += f", {float(test['temperature'][stage.last]):.1f} degC at its end"
+        lines.append(line)
+
+    chance = found.search.p_value
+    p = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
+    onset = found.onset
+    if onset is None:
+        lines.append(f"no galling found ({p})")
+        lines.append(f"load survived: {failure.load / 1e3:.1f} kN")
+        return lines
+    into = onset.time - found.loaded[onset.stage].start
+    lines.append(
+        f"galling in stage {failure.stage} at {onset.time:.1f} s (95 %: {onset.earliest:.1f} to "
+        f"{onset.latest:.1f} s), {into:.0f} s into it; {p}"
+    )
+    lines.append(_describe_rise(onset))
+    lines.append(
+        f"load at failure: {failure.load / 1e3:.2f} ± {failure.std / 1e3:.2f} kN; "
+        f"{failure.survived / 1e3:.1f} kN were survived"
+    )
+    return lines
+
+
+def _describe_rise(onset: Onset) -> str:
+    after = onset.friction_before + onset.rise
+    return (
+        f"friction: {onset.friction_before:.3f} to {after:.3f}, a rise of {onset.rise:.3f} ± "
+        f"{onset.rise_std:.3f}"
+    )
+
+
+def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
+    """Write one row for each test as CSV.
+
+    Parameters
+    ----------
+    found : sequence of EnduranceResult
+    output : Path
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from erlif.endurance.example import example_test
+    >>> path = Path(tempfile.mkdtemp(), "endurance.csv")
+    >>> write_test_table([example_test()], path).read_text().splitlines()[1][:12]
+    'example,6,1,'
+    """
+    with replacing(output) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEADINGS)
+        writer.writerows(_row(one) for one in found)
+    return output
+
+
+def _row(found: EnduranceResult) -> list[str]:
+    failure, onset = found.failure, found.onset
+    row = [
+        found.name,
+        str(len(found.loaded)),
+        str(int(failure.failed)),
+        f"{failure.load:.1f}",
+        f"{failure.std:.1f}",
+        f"{failure.survived:.1f}",
+        str(failure.stage),
+    ]
+    if onset is None:
+        row += [""] * 6
+    else:
+        row += [f"{value:.2f}" for value in (onset.time, onset.earliest, onset.latest)]
+        row += [f"{value:.4f}" for value in (onset.friction_before, onset.rise, onset.rise_std)]
+    return [*row, f"{found.search.p_value:.3g}"]

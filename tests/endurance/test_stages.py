@@ -1,0 +1,64 @@
+"""Stages and idle runs from the load."""
+
+import numpy as np
+import pytest
+
+from erlif.endurance import find_stages
+
+TIME = np.arange(0.0, 2000.0, 2.0)
+
+
+def load_of(*steps, noise=100.0):
+    """A load by its stretches (seconds, load), with noise and a steady loss of 1 %."""
+    load = np.concatenate([level * np.linspace(1, 0.99, round(span / 2)) for span, level in steps])
+    return load + noise * np.random.default_rng(1).standard_normal(load.size)
+
+
+@pytest.mark.parametrize("idle", [0.0, 1e3, 12e3, 30e3])
+@pytest.mark.parametrize("span", [30, 40, 90])
+def test_idle_runs_are_recognised_whatever_their_load(idle, span):
+    load = load_of((span, idle), (300, 36e3), (span, idle), (300, 54e3), (span, idle), (200, 72e3))
+    stages = find_stages(TIME[: load.size], load)
+    assert [stage.number for stage in stages] == [0, 1, 0, 2, 0, 3]
+    loads = [stage.load for stage in stages if not stage.is_idle]
+    assert loads == pytest.approx([36e3, 54e3, 72e3], rel=0.01)
+
+
+def test_stages_without_idle_runs_follow_each_other():
+    stages = find_stages(TIME[:600], load_of((400, 36e3), (400, 40e3), (400, 44e3)))
+    assert [stage.number for stage in stages] == [1, 2, 3]
+
+
+def test_a_first_run_without_load_is_idle_even_alone():
+    stages = find_stages(TIME[:300], load_of((100, 500.0), (500, 36e3)))
+    assert [stage.number for stage in stages] == [0, 1]
+
+
+def test_a_load_that_is_being_raised_is_no_stage():
+    ramp = np.concatenate([np.full(100, 1e3), np.linspace(1e3, 36e3, 40), np.full(200, 36e3)])
+    stages = find_stages(TIME[:340], ramp)
+    assert [stage.number for stage in stages] == [0, 1]
+    assert stages[1].start >= 270
+
+
+def test_repeated_stages_of_one_load_are_stages():
+    load = load_of((40, 1e3), (300, 36e3), (40, 1e3), (300, 36e3), (40, 1e3), (300, 36e3))
+    assert [stage.number for stage in find_stages(TIME[: load.size], load)] == [0, 1, 0, 2, 0, 3]
+
+
+def test_a_given_idle_load_decides():
+    load = load_of((200, 36e3), (200, 20e3), (200, 5e3))
+    assert [stage.number for stage in find_stages(TIME[:300], load)] == [1, 0, 0]
+    stages = find_stages(TIME[:300], load, idle_load=6e3)
+    assert [stage.number for stage in stages] == [1, 2, 0]
+
+
+def test_time_at_rest_is_cut_off():
+    load = load_of((40, 1e3), (400, 36e3))
+    torque = np.where((TIME[:220] > 100) & (TIME[:220] < 400), 150.0, 0.5)
+    stage = find_stages(TIME[:220], load, torque)[1]
+    assert (stage.start, stage.end) == (102.0, 398.0)
+
+
+def test_no_sample_gives_no_stage():
+    assert find_stages(np.array([]), np.array([])) == ()
