@@ -142,6 +142,7 @@ STAGES = (
     "audit",
     "conversion",
     "comparison",
+    "endurance",
     "files",
     "plots",
     "report",

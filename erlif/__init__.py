@@ -23,6 +23,7 @@ _FUNCTIONS = {
     "Calibration": "erlif.calibration",
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
+    "analyse_endurance": "erlif.endurance",
     "batch": "erlif.pipeline.batch",
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
@@ -38,6 +39,7 @@ _FUNCTIONS = {
     "predict": "erlif.pipeline.predict",
     "pressure_from_film": "erlif.pipeline.pressure",
     "process": "erlif.pipeline.run",
+    "read_endurance_log": "erlif.endurance",
     "save_calibration": "erlif.calibration",
     "simulate": "erlif.rig",
     "summarise": "erlif.report",
@@ -48,6 +50,7 @@ _MODULES = (
     "comparison",
     "conversion",
     "correction",
+    "endurance",
     "files",
     "ingest",
     "kinematics",
@@ -72,6 +75,7 @@ __all__ = [
     "ErlifError",
     "Flag",
     "__version__",
+    "analyse_endurance",
     "audit",
     "batch",
     "budget",
@@ -83,6 +87,7 @@ __all__ = [
     "conversion",
     "correction",
     "design",
+    "endurance",
     "export",
     "files",
     "find_pin_position",
@@ -102,6 +107,7 @@ __all__ = [
     "pressure_from_film",
     "process",
     "ratio",
+    "read_endurance_log",
     "registration",
     "report",
     "rig",
@@ -121,6 +127,7 @@ if TYPE_CHECKING:
         comparison,
         conversion,
         correction,
+        endurance,
         files,
         ingest,
         kinematics,
@@ -145,6 +152,7 @@ if TYPE_CHECKING:
     from erlif.conversion import export
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
+    from erlif.endurance import analyse_endurance, read_endurance_log
     from erlif.files import open_film
     from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget

@@ -33,6 +33,7 @@ ORDER = (
     "audit",
     "conversion",
     "comparison",
+    "endurance",
     "plots",
     "report",
     "notebook",

@@ -24,6 +24,7 @@ from erlif.commands.ending import (
     signals_interrupt,
     silence,
 )
+from erlif.commands.endurance import endurance
 from erlif.commands.export import export
 from erlif.commands.figures import figures
 from erlif.commands.init import init
@@ -130,6 +131,7 @@ for command in (
     movie,
     report,
     compare,
+    endurance,
     export,
     view,
     design,

@@ -36,6 +36,7 @@ UNMARKED = {
         b"trigger,frames_used [1],",
         b"x [mm],y [mm],thickness [um],",
         b"first,second,statistic,",
+        b"test,stages,failed,",
     )
 }
 """First bytes of files that are read without the mark: headings of tables."""

@@ -1,0 +1,50 @@
+"""``erlif endurance``."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
+
+GIVEN = ("--radius", "33.36 mm", "--arm", "30 cm")
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    path = tmp_path_factory.mktemp("endurance") / "run_1.csv"
+    rig = EnduranceRig(interval=5.0, stage_duration=300.0, galling_time=200.0)
+    return write_endurance_log(simulate_endurance(rig, rng=np.random.default_rng(1))[0], path)
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["endurance", *map(str, words)])
+
+
+def test_a_log_gives_text_table_and_figure(log, tmp_path):
+    result = run(log, *GIVEN, "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "galling in stage 6" in result.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {"endurance.csv", "run_1.png"}
+    again = run(log, *GIVEN, "-o", tmp_path)
+    assert again.exit_code == 2
+    assert "exists already" in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--arm", "30 cm"), "--radius"),
+        (("--radius", "33.36 mm"), "--arm"),
+        (("--radius", "33.36"), "number with a unit"),
+        ((*GIVEN, "--column", "cells=Zelle"), "Expected column 'Zelle'"),
+        ((*GIVEN, "--column", "load=Cell 1"), "expected one of time, cells"),
+        ((*GIVEN, "--column", "time=a,b"), "expected one column for time"),
+        ((*GIVEN, "--unit", "cells"), "QUANTITY=NAME"),
+    ],
+)
+def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
+    result = run(log, *words, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert not (tmp_path / "out").exists()

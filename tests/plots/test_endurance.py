@@ -1,0 +1,36 @@
+"""Figures of endurance tests."""
+
+import numpy as np
+import pytest
+
+from erlif.endurance.example import example_test
+from erlif.plots import endurance_figure, friction_over_test, load_profile
+
+
+def test_onset_and_stages_are_marked():
+    result = example_test()
+    line, mark = friction_over_test(result)
+    assert mark.get_xdata()[0] == pytest.approx(result.onset.time / 60)
+    drawn = np.isfinite(line.get_ydata())
+    assert drawn.sum() == sum(stage.last - stage.first + 1 for stage in result.loaded)
+
+
+def test_a_survivor_has_no_mark():
+    assert len(friction_over_test(example_test(galls=False))) == 1
+
+
+def test_stages_are_numbered():
+    line, *_ = load_profile(example_test())
+    assert [text.get_text() for text in line.axes.texts] == ["1", "2", "3", "4", "5", "6"]
+
+
+def test_panels_are_those_of_the_log():
+    result = example_test()
+    labels = [ax.get_ylabel() for ax in endurance_figure(result).axes]
+    assert labels == [
+        "load [kN]",
+        "torque [N m]",
+        "friction coefficient",
+        "temperature [°C]",
+        "vibration",
+    ]
