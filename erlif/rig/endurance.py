@@ -10,12 +10,15 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
+
+if TYPE_CHECKING:
+    import xarray as xr  # loaded when a test is simulated: the commands import this stage
 
 _LBF = 4.4482216152605
 
@@ -189,6 +192,8 @@ def simulate_endurance(
     >>> list(log), truth.stage, round(truth.load / 4.4482)
     (['cell_1', 'cell_2', 'arm', 'temperature', 'vibration'], 6, 27748)
     """
+    import xarray as xr
+
     rig = rig or EnduranceRig()
     if not rig.loads or min(rig.stage_duration, rig.interval) <= 0:
         raise ModelError(
