@@ -12,7 +12,12 @@ from erlif.commands.options import OVERWRITE, PATH
 
 @click.command()
 @click.argument("source", metavar="PLAN.TOML", type=PATH, required=False)
-@click.option("-o", "--output", type=PATH, help="Directory; default: NAME/ beside NAME.toml.")
+@click.option(
+    "-o",
+    "--output",
+    type=PATH,
+    help="Directory; default: NAME/ beside NAME.toml, NAME_plan/ beside NAME.",
+)
 @click.option("--example", is_flag=True, help="Print a commented plan that works as it is.")
 @OVERWRITE
 def plan(source: Path | None, output: Path | None, example: bool, overwrite: bool) -> None:
@@ -42,7 +47,10 @@ def plan(source: Path | None, output: Path | None, example: bool, overwrite: boo
         )
     from erlif.report import check_plan_output, write_plan
 
-    output = output or source.with_suffix("")
+    # a plan without a suffix has the name that its directory would have
+    output = output or (
+        source.with_suffix("") if source.suffix else source.with_name(f"{source.name}_plan")
+    )
     check_plan_output(output, overwrite=overwrite, source=source)
     planned = predict(source)
     click.echo(summarise_plan(planned))
