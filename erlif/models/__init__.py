@@ -34,6 +34,7 @@ __all__ = [
     "Mount",
     "arguments",
     "bearing",
+    "clearance_fit",
     "contact",
     "crank_motion",
     "edge_exponent",
@@ -51,6 +52,7 @@ __all__ = [
     "reaction",
     "reynolds",
     "roller_shape",
+    "running_in",
     "solve_contact",
     "solve_film",
     "solve_journal",
@@ -85,6 +87,7 @@ if TYPE_CHECKING:
     from erlif.models import (
         arguments,
         bearing,
+        clearance_fit,
         contact,
         edges,
         film,
@@ -95,6 +98,7 @@ if TYPE_CHECKING:
         oil_fit,
         reaction,
         reynolds,
+        running_in,
         sources,
         wear,
     )

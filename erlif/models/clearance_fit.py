@@ -1,0 +1,244 @@
+"""Friction coefficient and stiffness of a wall, fitted to bushings of several clearances.
+
+The torque of a bushing is more than mu F R, and the more the smaller its clearance (Colbert et al.
+2009, figure 7). A series of clearances therefore holds both the true friction coefficient and the
+stiffness of the wall that spreads the contact.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    check_length,
+    check_line_load,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_single,
+)
+from erlif.models.running_in import thin_wall_torque_ratio
+
+_RANGE = (4e5, 9e12)
+"""Moduli among which the best is sought, from soft rubber to stiffer than any wall. [Pa]"""
+
+_TRIALS = 401
+"""Moduli that are tried: 4 % apart, well within their error."""
+
+_QUANTILES = (0.158655, 0.5, 0.841345)
+"""Of the moduli: median and interval of one standard deviation."""
+
+_OPEN = 0.1
+"""Weight of the last modulus over the largest, from which on an end is not determined."""
+
+_ROUNDS = 4
+"""Of the friction coefficient, on which the weight of the clearances depends."""
+
+_SLOPE = 1e-4
+"""Step of the slope by clearance, over the range of the clearances."""
+
+_FEWEST = 3
+"""Bushings: one more than there are unknowns."""
+
+
+@dataclass(frozen=True)
+class ClearanceFit:
+    """Friction and stiffness from a series of clearances.
+
+    Attributes
+    ----------
+    friction : float
+        True friction coefficient mu. [1]
+    friction_std : float
+        Its standard deviation. [1]
+    modulus : float
+        E' of the wall, the median. [Pa]
+    modulus_low : float
+        Lower end of its interval of 68 %; 0 where it is not determined. [Pa]
+    modulus_high : float
+        Upper end of its interval of 68 %; infinite where it is not determined. [Pa]
+    chi_square : float
+        Of the residuals at the best fit; errors of the clearances are in their weights.
+    degrees_of_freedom : int
+        Bushings less the two unknowns.
+    budget : dict[str, float]
+        Standard deviation of mu from each cause alone: torque, clearance, load, shaft radius. [1]
+    """
+
+    friction: float
+    friction_std: float
+    modulus: float
+    modulus_low: float
+    modulus_high: float
+    chi_square: float
+    degrees_of_freedom: int
+    budget: dict[str, float]
+
+
+def fit_clearances(
+    clearance: Values,
+    *,
+    friction: Values,
+    friction_std: Values,
+    clearance_std: Values,
+    load_per_length: float,
+    shaft_radius: float,
+    thickness: float,
+    load_std: float = 0.0,
+    radius_std: float = 0.0,
+    known_modulus: tuple[float, float] | None = None,
+) -> ClearanceFit:
+    """Fit mu and E' to apparent friction coefficients of bushings with several clearances.
+
+    mu' = mu mu*(c), with `erlif.models.running_in.thin_wall_torque_ratio` as mu*. For each of many
+    moduli the friction follows in closed form; an error of a clearance counts as that of the torque
+    which it makes. The moduli are weighed by their likelihood, evenly over their logarithm: a stiff
+    wall with much friction and a soft one with less often fit equally well.
+
+    Parameters
+    ----------
+    clearance : array of shape (n,)
+        Radial clearances, negative for an interference. [m]
+    friction : array of shape (n,)
+        Apparent coefficients mu' = T / (F R). [1]
+    friction_std, clearance_std : float or array of shape (n,)
+        Their standard deviations; a `clearance_std` of 0 takes the clearances as exact. [1, m]
+    load_per_length : float
+        Load over width. [N/m]
+    shaft_radius, thickness : float
+        Radius of the shaft and thickness of the wall. [m]
+    load_std, radius_std : float
+        Relative standard deviations of load and shaft radius, shared by all bushings. [1]
+    known_modulus : tuple[float, float], optional
+        E' of the wall and its relative standard deviation, where it is known. [Pa, 1]
+
+    Returns
+    -------
+    ClearanceFit
+        Friction coefficient, modulus, and the standard deviation of the former by cause.
+
+    Raises
+    ------
+    ModelError
+        Fewer than three bushings, clearances that are all equal, or values that are not positive.
+
+    Notes
+    -----
+    Wear during the test is not in the model, see `erlif.models.running_in.run_in_bushing`. A
+    relative error of load or radius changes all torques alike and therefore mu by as much.
+
+    Examples
+    --------
+    Four bushings with torques that follow the model for mu = 0.12 and E' = 1 GPa:
+
+    >>> wall = {"load_per_length": 4e4, "shaft_radius": 5e-3, "thickness": 3e-3}
+    >>> clearance = np.array([100e-6, 40e-6, 20e-6, 5e-6])
+    >>> torque = 0.12 * thin_wall_torque_ratio(clearance=clearance, modulus=1e9, **wall)
+    >>> found = fit_clearances(
+    ...     clearance, friction=torque, friction_std=0.002, clearance_std=5e-6, **wall
+    ... )
+    >>> print(f"{found.friction:.3f} ± {found.friction_std:.3f}, {found.modulus / 1e9:.1f} GPa")
+    0.119 ± 0.004, 0.9 GPa
+    """
+    measured = np.atleast_1d(np.asarray(friction, float))
+    places = np.atleast_1d(np.asarray(clearance, float))
+    _require(clearance=places, friction=measured)
+    torque_std = np.broadcast_to(np.asarray(friction_std, float), measured.shape)
+    place_std = np.broadcast_to(np.asarray(clearance_std, float), measured.shape)
+    require_positive(friction=measured, friction_std=torque_std)
+    require_not_negative(clearance_std=place_std, load_std=load_std, radius_std=radius_std)
+    require_single(load_per_length=load_per_length, shaft_radius=shaft_radius, thickness=thickness)
+    require_positive(load_per_length=load_per_length)
+    check_line_load(load_per_length=load_per_length)
+    check_length(shaft_radius=shaft_radius, thickness=thickness)
+    wall = {
+        "load_per_length": load_per_length,
+        "shaft_radius": shaft_radius,
+        "thickness": thickness,
+    }
+    moduli = np.geomspace(*_RANGE, _TRIALS)
+    prior = np.zeros(_TRIALS)
+    if known_modulus is not None:
+        value, std = known_modulus
+        require_positive(known_modulus=value, std_of_modulus=std)
+        prior = (np.log(moduli / value) / std) ** 2
+    both, torque_alone = (
+        _Profile.of(moduli, places, measured, torque_std, spread, wall)
+        for spread in (place_std, np.zeros(places.shape))
+    )
+    weight = np.exp(-(both.chi_square + prior - np.min(both.chi_square + prior)) / 2)
+    weight /= weight.sum()
+    friction_found = float(np.sum(weight * both.friction))
+    std = float(np.sqrt(np.sum(weight * ((both.friction - friction_found) ** 2 + both.std**2))))
+    exact = np.sum(weight * ((both.friction - friction_found) ** 2 + torque_alone.std**2))
+    scatter = min(float(np.sqrt(exact)), std)
+    budget = {
+        "torque": scatter,
+        "clearance": float(np.sqrt(std**2 - scatter**2)),
+        "load": friction_found * float(load_std),
+        "shaft radius": friction_found * float(radius_std),
+    }
+    low, middle, high = np.searchsorted(np.cumsum(weight), _QUANTILES)
+    return ClearanceFit(
+        friction=friction_found,
+        friction_std=float(np.sqrt(sum(part**2 for part in budget.values()))),
+        modulus=float(moduli[middle]),
+        modulus_low=float(moduli[low]) if weight[0] < _OPEN * weight.max() else 0.0,
+        modulus_high=float(moduli[high]) if weight[-1] < _OPEN * weight.max() else float("inf"),
+        chi_square=float(both.chi_square.min()),
+        degrees_of_freedom=measured.size - 2,
+        budget=budget,
+    )
+
+
+@dataclass(frozen=True)
+class _Profile:
+    """Friction that fits best at each modulus, its error there, and what remains."""
+
+    friction: NDArray[np.float64]
+    std: NDArray[np.float64]
+    chi_square: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls,
+        moduli: NDArray[np.float64],
+        places: NDArray[np.float64],
+        measured: NDArray[np.float64],
+        torque_std: NDArray[np.float64],
+        place_std: NDArray[np.float64],
+        wall: dict[str, float],
+    ) -> "_Profile":
+        """Weighted lines through the origin: measured torque over that of the model."""
+        near = _SLOPE * float(np.ptp(places))
+        trials = moduli[:, None]
+        shape = thin_wall_torque_ratio(clearance=places, modulus=trials, **wall)
+        beside = thin_wall_torque_ratio(clearance=places + near, modulus=trials, **wall)
+        slope = (beside - shape) / near
+
+        friction = np.full(moduli.shape, float(np.median(measured)))
+        for _ in range(_ROUNDS):
+            variance = torque_std**2 + (friction[:, None] * slope * place_std) ** 2
+            weight = np.sum(shape**2 / variance, axis=1)
+            friction = np.sum(shape * measured / variance, axis=1) / weight
+        left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
+        return cls(friction, weight**-0.5, left)
+
+
+def _require(*, clearance: NDArray[np.float64], friction: NDArray[np.float64]) -> None:
+    require_finite(clearance=clearance)
+    if clearance.shape != friction.shape or clearance.ndim != 1 or clearance.size < _FEWEST:
+        raise ModelError(
+            f"Expected clearance and friction of {_FEWEST} or more bushings, got "
+            f"{clearance.size} and {friction.size}. Measure more bushings."
+        )
+    if np.any(np.isnan(clearance)) or np.any(np.isnan(friction)):
+        raise ModelError("clearance and friction must not be NaN. Leave those bushings out.")
+    if np.ptp(clearance) == 0:
+        raise ModelError(
+            "clearance must differ between bushings: equal ones do not separate friction and "
+            "stiffness. Measure bushings of other clearances."
+        )
