@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import webbrowser
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Timer
 
 import click
 
 from erlif.commands.loading import large_imports
 from erlif.commands.options import PATH
+
+_KEPT = 60.0
+"""Time for which the file that opens the browser is kept. [s]"""
 
 
 @click.command()
@@ -33,12 +41,39 @@ def view(films: tuple[Path, ...], port: int, run_dirs: tuple[Path, ...], no_brow
     with large_imports():
         from erlif.view import serve_films
 
-    def show(address: str) -> None:
-        click.echo(f"The viewer is at {address}\nCtrl-C ends it.")
-        if not no_browser:
-            webbrowser.open(address)
+    with ExitStack() as opened:
 
-    try:
-        serve_films(films, run_dirs=run_dirs, port=port, ready=show)
-    except KeyboardInterrupt:
-        click.echo("The viewer has ended.")
+        def show(address: str) -> None:
+            click.echo(f"The viewer is at {address}\nCtrl-C ends it.")
+            if not no_browser:
+                webbrowser.open(opened.enter_context(leading_to(address)).as_uri())
+
+        try:
+            serve_films(films, run_dirs=run_dirs, port=port, ready=show)
+        except KeyboardInterrupt:
+            click.echo("The viewer has ended.")
+
+
+@contextmanager
+def leading_to(address: str) -> Iterator[Path]:
+    """Write a page that leads to an address and that only its owner can read.
+
+    Others on the machine see the command line of the browser, and with it the name of this file,
+    but not the address. The file is removed after a minute, and in any case at the end.
+    """
+    # the directory is readable by its owner only as well
+    with TemporaryDirectory(prefix="erlif_view_") as directory:
+        page = Path(directory) / "view.html"
+        with open(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(
+                '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>erlif view</title>'
+                f'<meta http-equiv="refresh" content="0; url={address}">'
+                f'<p><a href="{address}">Open the viewer</a></p></html>\n'
+            )
+        removal = Timer(_KEPT, page.unlink, kwargs={"missing_ok": True})
+        removal.daemon = True
+        removal.start()
+        try:
+            yield page
+        finally:
+            removal.cancel()

@@ -66,7 +66,8 @@ class Door:
         path : str
             Path of the request.
         headers : dict of str to str
-            Its headers, by the names "Host", "Origin", "Sec-Fetch-Site" and "Upgrade".
+            Its headers, by the names "Host", "Origin", "Sec-Fetch-Site", "Sec-Fetch-Mode",
+            "Sec-Fetch-Dest" and "Upgrade".
 
         Returns
         -------
@@ -78,7 +79,11 @@ class Door:
             return "the host is not this machine"
         if headers.get("Origin", "") not in {"", *(f"http://{host}" for host in hosts)}:
             return "the origin is another page"
-        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+        # the file that opens the viewer is another page; it may lead here, and not load anything
+        leads = headers.get("Sec-Fetch-Mode") == "navigate"
+        leads = leads and headers.get("Sec-Fetch-Dest") == "document" and path.count("/") == 2
+        leads = leads and path.endswith("/")
+        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not leads:
             return "the request comes from another page"
         if "Upgrade" in headers:
             return "there is no websocket"

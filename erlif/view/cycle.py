@@ -63,6 +63,12 @@ def describe_cycle(film: xr.Dataset) -> dict[str, Any]:
     count = film.sizes["trigger"]
     columns = {name: to_list(film[name].values) for name in (*axes, *films, *stds)}
     columns["trigger"] = list(range(count))
+
+    # the theory of a film with a transient prediction is this prediction
+    if {"film_theory", "film_predicted_min"} <= films.keys() and np.array_equal(
+        film.film_theory.values, film.film_predicted_min.values, equal_nan=True
+    ):
+        del films["film_theory"]
     axes.setdefault("trigger", _AXES["trigger"])
     stroke = np.sign(film.stroke.values) if "stroke" in film else np.zeros(count)
     return {

@@ -17,6 +17,7 @@ from erlif.files import (
     check_trigger,
     describe_trigger,
     label_films,
+    motion_of,
     open_film,
     reading_film,
     region_of,
@@ -104,9 +105,12 @@ class FilmReader:
         return float(values[0]), float(values[-1] - values[0]) / (values.size - 1)
 
     def describe(self, trigger: int) -> str:
-        """Describe a trigger in one line, as `erlif.files.describe_trigger`."""
+        """Describe a trigger in one line with its crank angle, as far as they are known."""
         check_trigger(self.film, trigger)
-        return describe_trigger(self._numbers, trigger)
+        text = describe_trigger(self._numbers, trigger)
+        if "crank_angle" in self._numbers and motion_of(self.film) != "rotation":
+            text += f", crank at {float(self._numbers.crank_angle[trigger]):.1f}°"
+        return text
 
     def read(self, layer: str, trigger: int) -> tuple[Image, FlagImage]:
         """Read one layer at one trigger.

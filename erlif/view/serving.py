@@ -96,5 +96,8 @@ async def _serve(films: Sequence[FilmReader], port: int, ready: Callable[[str], 
     with ThreadPoolExecutor(_THREADS) as executor:
         server = HTTPServer(make_application(door, films, executor), max_body_size=2**16)
         server.add_socket(listening)
-        ready(door.address)
-        await asyncio.Event().wait()
+        try:
+            ready(door.address)
+            await asyncio.Event().wait()
+        finally:
+            server.stop()

@@ -20,9 +20,25 @@ def test_the_page_itself_is_served(headers):
     assert DOOR.refusal("/right/map", headers) == ""
 
 
+LED = {
+    **HOST,
+    "Sec-Fetch-Site": "cross-site",
+    "Sec-Fetch-Mode": "navigate",
+    "Sec-Fetch-Dest": "document",
+}
+
+
+def test_a_file_may_lead_to_the_page():
+    assert DOOR.refusal("/right/", LED) == ""
+
+
 @pytest.mark.parametrize(
     ("path", "headers"),
     [
+        ("/wrong/", LED),
+        ("/right/map", LED),
+        ("/right/", {**LED, "Sec-Fetch-Dest": "iframe"}),
+        ("/right/", {**LED, "Sec-Fetch-Mode": "no-cors"}),
         ("/wrong/map", HOST),
         ("/", HOST),
         ("", HOST),

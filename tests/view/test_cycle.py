@@ -27,3 +27,12 @@ def test_a_film_at_rest_has_the_number_of_its_triggers():
 
 def test_unknown_numbers_are_none():
     assert to_list(np.array([1.0, np.nan, np.inf])) == [1.0, None, None]
+
+
+def test_a_theory_that_is_the_transient_prediction_is_drawn_once():
+    film = example_film()
+    same = film.assign(film_theory=film.film_predicted_min)
+    other = film.assign(film_theory=film.film_predicted_min + 1)
+    assert "film_theory" not in describe_cycle(same)["films"]
+    assert "film_theory" in describe_cycle(same)["columns"]
+    assert "film_theory" in describe_cycle(other)["films"]

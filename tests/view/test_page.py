@@ -442,3 +442,38 @@ def test_a_wrong_token_and_a_foreign_page_see_nothing(chromium, address):
             address,
         )
         assert found == ["refused", "refused"]
+
+
+def test_what_cannot_be_shown_is_refused_where_it_is_seen(visit, address):
+    page = visit(address, width=390, height=800)
+    page.fill("#trigger-number", "99999")
+    page.press("#trigger-number", "Enter")
+    until(page, lambda: "from 0 to 4999; got 99999" in page.inner_text("#status"), True)
+    assert page.input_value("#trigger-number") == "4999"
+    page.mouse.wheel(0, 1000)
+    box = page.locator("#status").bounding_box()
+    assert 0 <= box["y"] < 800
+
+
+def test_arrows_on_the_map_move_the_region_and_with_shift_its_end(page):
+    def ends():
+        return [float(page.input_value(f"#region-form [name={name}]")) for name in ("x0", "x1")]
+
+    page.check("input[name=tool][value=region]")
+    page.focus("#panel-a canvas")
+    before, trigger = ends(), page.input_value("#trigger")
+    page.keyboard.press("ArrowRight")
+    npt.assert_allclose(ends(), np.add(before, 0.05), atol=1e-3)  # one pixel
+    page.keyboard.press("Shift+ArrowLeft")
+    npt.assert_allclose(ends(), np.add(before, [0.05, 0.0]), atol=1e-3)
+    assert page.input_value("#trigger") == trigger
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_statistics_are_not_cut(visit, address, width):
+    page = visit(address, width=width)
+    cut = "[...document.querySelectorAll('#statistics td')].map((cell) => [cell.scrollWidth, "
+    cut += "cell.clientWidth, cell.getBoundingClientRect().right])"
+    for content, room, right in page.evaluate(cut):
+        assert content <= room + 1
+        assert right <= width

@@ -106,13 +106,42 @@ export class ProfileChart extends Chart {
 
 // blue for means, orange for minima; lines are theory, and their dashes distinguish them
 const LOOKS = {
-  film_mean: { colour: "--first", mark: true },
-  film_min: { colour: "--second", mark: true },
+  film_mean: { colour: "--first", mark: true, data: true },
+  film_min: { colour: "--second", mark: true, data: true },
   film_theory: { colour: "--second", dash: [], border: "solid" },
-  film_hamrock_dowson: { colour: "--second", dash: [2, 3], border: "dotted" },
+  film_hamrock_dowson: { colour: "--theory", dash: [2, 3], border: "dotted" },
   film_predicted_min: { colour: "--second", dash: [8, 4], border: "dashed" },
   film_predicted_mean: { colour: "--first", dash: [8, 4], border: "dashed" },
 };
+
+// Along these the triggers follow each other, so that a line between them is meant.
+const ALONG = ["encoder_angle", "crank_angle", "time", "position", "trigger"];
+const GAP = 1.75; // step over the longer steps of a line above which nothing was measured
+
+// Limits of the film: those of the data with their 95 % bands, from zero where they come close.
+function filmLimits(films) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const [values, std] of films) {
+    values.forEach((value, n) => {
+      if (value === null) return;
+      const reach = 1.96 * (std?.[n] ?? 0);
+      low = Math.min(low, value - reach);
+      high = Math.max(high, value + reach);
+    });
+  }
+  if (low > high) return [0, 1];
+  const span = Math.max(high - low, 0.02 * Math.abs(high)) || 1;
+  const [middle, room] = [(low + high) / 2, 0.55 * span];
+  return [low >= 0 && low < span ? 0 : middle - room, middle + room];
+}
+
+// Steps of a line at which it is cut because nothing was measured in them: from, to.
+function cuts(places) {
+  const steps = places.slice(1).map((place, n) => place - places[n]);
+  if (steps.length < 2) return [];
+  const long = [...steps].sort((a, b) => a - b)[Math.floor(0.95 * (steps.length - 1))];
+  return steps.flatMap((step, n) => (step > GAP * long ? [[places[n], places[n + 1]]] : []));
+}
 
 export class CycleChart extends Chart {
   constructor(place, use) {
@@ -151,27 +180,60 @@ export class CycleChart extends Chart {
         }
       }
     });
+    // rows without a trigger cut the lines of a stroke
+    const isOf = (row, one) => row.number === one.number && row.stroke === one.stroke;
+    const gaps = new Map();
+    const lines = columns.filter(({ film, number }) =>
+      film === Object.keys(cycles.get(number).films)[0]);
+    for (const one of lines) {
+      const places = rows.filter((row) => isOf(row, one)).map((row) => row.place);
+      places.sort((a, b) => a - b);
+      const found = cuts(places);
+      gaps.set(`${one.number},${one.stroke}`, found);
+      for (const [from, to] of found) {
+        rows.push({ ...one, place: (from + to) / 2, trigger: null });
+      }
+    }
     rows.sort((one, two) => one.place - two.place);
     this.rows = rows;
     const data = [rows.map((row) => row.place)];
     for (const one of columns) {
       const values = cycles.get(one.number).columns[one.film];
-      data.push(rows.map((row) => (row.number === one.number
-        && row.stroke === one.stroke ? values[row.trigger] : null)));
+      const own = gaps.get(`${one.number},${one.stroke}`);
+      const isCut = ({ place }) => own.some(([from, to]) => place > from && place < to);
+      // undefined: a row of another line, which does not cut this one
+      data.push(rows.map((row) => {
+        if (isOf(row, one) && row.trigger !== null) return values[row.trigger];
+        return LOOKS[one.film].mark || isCut(row) ? null : undefined;
+      }));
     }
+    const measured = columns.filter(({ film }) => LOOKS[film].data)
+      .map(({ number, film }) => [cycles.get(number).columns[film],
+        cycles.get(number).columns[`${film}_std`]]);
+    const [least, most] = filmLimits(measured);
+    const fromZero = this.use.zero();
+    const outside = ({ number, film }) => !fromZero
+      && !cycles.get(number).columns[film].some((v) => v !== null && v >= least && v <= most);
+    const along = ALONG.includes(name);
     this.make({
-      scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(0, low ?? 0),
-        1.05 * (high ?? 1)] } },
-      series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map((one) => look(one, rows.length > 600 ? 4 : 7))],
+      scales: { x: { time: false }, y: { range: (u, low, high) => (fromZero
+        ? [Math.min(0, low ?? 0), 1.05 * (high ?? 1)] : [least, most]) } },
+      series: [{ label: cycles.get(state.a.film).axes[name] ?? name }, ...columns.map((one) =>
+        look({ ...one, along, outside: outside(one) }, rows.length > 600 ? 4 : 7))],
       axes: [{ ...axis(cycles.get(state.a.film).axes[name] ?? name), size: 34 },
         { ...axis("film thickness [µm]"), size: 48 }],
       cursor: { drag: { x: true, y: false }, points: { show: false } },
       legend: { live: false,
-        markers: { dash: (u, k) => LOOKS[columns[k - 1]?.film]?.border ?? "solid" } },
+        markers: {
+          dash: (u, k) => LOOKS[columns[k - 1]?.film]?.border ?? "solid",
+          fill: (u, k) => (LOOKS[columns[k - 1]?.film]?.mark && columns[k - 1].stroke >= 0
+            ? u.series[k].stroke(u, k) : "transparent"),
+        } },
       hooks: { draw: [() => this.mark()], setSize: [() => this.mark()] },
     }, data);
     // one entry for the lines of a theory on both strokes
     [...this.plot.root.querySelectorAll(".u-series")].slice(-columns.length).forEach((row, k) => {
+      row.classList.toggle("line", !LOOKS[columns[k].film].mark);
       row.hidden = !LOOKS[columns[k].film].mark && columns[k].stroke !== strokesOf(columns[k])[0];
     });
     this.here = ["a", "b"].map((which) => {
@@ -206,7 +268,7 @@ export class CycleChart extends Chart {
       const across = u.valToPos(row.place, "x") - x;
       if (Math.abs(across) > least) return;
       for (let k = 1; k < u.data.length; k++) {
-        if (!u.series[k].show || u.data[k][n] === null) continue;
+        if (!u.series[k].show || (u.data[k][n] ?? null) === null) continue;
         const distance = Math.hypot(across, u.valToPos(u.data[k][n], "y") - y);
         if (distance < least) [least, best] = [distance, row];
       }
@@ -215,13 +277,14 @@ export class CycleChart extends Chart {
   }
 }
 
-function look({ film, stroke, title, second }, size) {
+function look({ film, stroke, title, second, along, outside }, size) {
   const { colour, mark, dash } = LOOKS[film];
   const name = stroke && mark ? `${title}, ${stroke > 0 ? "outward" : "return"}` : title;
-  const label = second ? `${name}, second film` : name;
+  const label = `${name}${second ? ", second film" : ""}${outside ? " (outside the axis)" : ""}`;
   if (!mark) {
-    return { label, stroke: ink(colour), width: 1.5, dash, spanGaps: true,
-      points: { show: false } };
+    const points = { show: !along, size: 3, stroke: ink(colour), fill: ink(colour) };
+    return { label, stroke: ink(colour), width: 1.5, dash, spanGaps: false, points,
+      ...(along ? {} : { paths: () => null }) };
   }
   // filled circles outward, open ones on the return; the second film is paler
   const tint = second ? () => `color-mix(in srgb, ${css(colour).trim()} 55%, ${css("--ink")})`

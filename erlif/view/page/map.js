@@ -70,12 +70,16 @@ export class MapPanel {
       const ratio = devicePixelRatio;
       const room = `${Math.round(this.width * ratio)},${Math.round(this.height * ratio)}`;
       let data;
+      const busy = setTimeout(() => this.figure.classList.add("busy"), 400); // most are faster
       try {
         data = await this.use.load({ window, room });
       } catch (error) {
         this.shown = null;
         this.draw();
         throw error;
+      } finally {
+        clearTimeout(busy);
+        this.figure.classList.remove("busy");
       }
       this.show(data);
     } while (this.again);

@@ -146,6 +146,17 @@ function setTrigger(trigger, which = "a") {
   return refreshAll();
 }
 
+// A number that no trigger has is reported; the nearest trigger is shown.
+async function typeTrigger(id, which) {
+  const given = byId(id).value;
+  await setTrigger(byId(id).valueAsNumber, which);
+  const shown = state[which].trigger;
+  if (given !== `${shown}`) {
+    report(`Expected a trigger from 0 to ${film(which).triggers - 1}; got ${given || "none"}. `
+      + `Trigger ${shown} is shown.`, true);
+  }
+}
+
 async function refreshAll() {
   await refreshMaps(); // numbers follow, and do not delay the maps
   if (!state.playing) await refreshValues();
@@ -245,10 +256,11 @@ function showStatistics(rows) {
   const table = byId("statistics");
   table.replaceChildren(...[head, ...cells].map((row, n) => {
     const line = document.createElement("tr");
-    line.append(...row.map((text) => {
+    line.append(...row.map((text, k) => {
       const cell = document.createElement(n ? "td" : "th");
       if (!n) cell.scope = "col";
       cell.textContent = text;
+      if (n) cell.dataset.title = head[k];
       return cell;
     }));
     return line;
@@ -482,10 +494,10 @@ function on(id, event, action) {
 
 function connect() {
   on("trigger", "input", () => setTrigger(byId("trigger").valueAsNumber));
-  on("trigger-number", "change", () => setTrigger(byId("trigger-number").valueAsNumber));
+  on("trigger-number", "change", () => typeTrigger("trigger-number", "a"));
   on("trigger-b", "change", () => {
     state.linked = byId("linked").checked = false;
-    return setTrigger(byId("trigger-b").valueAsNumber, "b");
+    return typeTrigger("trigger-b", "b");
   });
   on("linked", "change", () => {
     state.linked = byId("linked").checked;
@@ -531,16 +543,22 @@ function connect() {
   on("whole", "click", () => panels.a.zoom(Infinity));
   on("two", "change", () => showTwo(byId("two").checked));
   on("axis", "change", () => cycleChart.build());
+  on("zero", "change", () => cycleChart.build());
   on("line-form", "submit", (event) => {
     event.preventDefault();
-    state.line = readForm("line-form", ["x0", "y0", "x1", "y1"]) ?? state.line;
+    const found = readForm("line-form", ["x0", "y0", "x1", "y1"]);
+    if (!found) throw new Error("The line needs four numbers: x and y of both ends.");
+    state.line = found;
     state.width = Math.max(1, byId("line-form").elements.width.valueAsNumber || 1);
     drawn("line");
   });
   on("region-form", "submit", (event) => {
     event.preventDefault();
     const found = readForm("region-form", ["x0", "x1", "y0", "y1"]);
-    if (found) state.region = found;
+    if (!found || found[0] >= found[1] || found[2] >= found[3]) {
+      throw new Error("The region needs four numbers: x and y, each from low to high.");
+    }
+    state.region = found;
     drawn("region");
   });
   on("what", "change", allowExports);
@@ -563,11 +581,33 @@ function connect() {
   }).observe(document.body);
 }
 
+// Arrows on the map move what is drawn by a pixel of the map or, zoomed out, about one of the screen.
+function moveDrawn(event) {
+  const across = { ArrowLeft: -1, ArrowRight: 1 }[event.key] ?? 0;
+  const down = { ArrowUp: -1, ArrowDown: 1 }[event.key] ?? 0;
+  const drawing = state.tool === "line" ? "line" : "region";
+  const places = state[drawing];
+  if (!places || (!across && !down)) return false;
+  const pixels = Math.max(1, Math.round((state.window[2] - state.window[0]) / 400));
+  const [dx, dy] = [across * pixels * film().x[1], down * pixels * film().y[1]];
+  const change = drawing === "line" ? [dx, dy, dx, dy] : [dx, dx, dy, dy];
+  if (event.shiftKey) for (const n of drawing === "line" ? [0, 1] : [0, 2]) change[n] = 0;
+  const moved = places.map((value, n) => value + change[n]);
+  if (drawing === "region" && (moved[0] >= moved[1] || moved[2] >= moved[3])) return true;
+  state[drawing] = moved;
+  drawn(drawing);
+  return true;
+}
+
 function pressed(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || byId("confirm").open) return;
   const target = event.target;
   const types = target.matches("input:not([type=checkbox]):not([type=radio]), select, textarea");
   if (types && target.id !== "trigger") return;
+  if (target.matches("canvas") && state.tool !== "move" && moveDrawn(event)) {
+    event.preventDefault();
+    return;
+  }
   const many = event.shiftKey ? 10 : 1;
   const last = film().triggers - 1;
   const actions = {
@@ -604,7 +644,7 @@ const start = guarded(async () => {
     },
   });
   cycleChart = new CycleChart(byId("cycle"), {
-    state, cycles, axis: () => byId("axis").value,
+    state, cycles, axis: () => byId("axis").value, zero: () => byId("zero").checked,
     chosen: guarded((number, trigger) => {
       const second = number !== state.a.film && state.two && number === state.b.film;
       return setTrigger(trigger, second && !state.linked ? "b" : "a");
