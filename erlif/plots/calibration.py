@@ -31,6 +31,7 @@ from erlif.plots.style import (
     letter,
     new_figure,
     pt,
+    room_for,
     rows_or_columns,
     save_figure,
     styled,
@@ -45,6 +46,7 @@ _SHADE: dict[str, Any] = {
 """Look of the calibrated range."""
 
 _PANELS = (2.1, 1)  # heights of curve and residuals
+_ABOVE = 1.6  # lines of text above the curve
 _GRID = 400  # points of a curve
 
 
@@ -202,6 +204,10 @@ def ratio_against_thickness(calibration: Calibration, *, ax: Axes | None = None)
     if is_visible(ax, ratio * np.sinh(share) * 2, pt(1.0)):
         band.set_label("fit, 95 % band")
     frame_legend(ax, loc="lower right")
+
+    # the parameters stand above the steep part of the curve
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + room_for(ax, _ABOVE) * (high - low))
     ax.annotate(
         _parameters(calibration),
         (0.04, 0.97),

@@ -37,6 +37,7 @@ _RADII = math.sqrt(-2 * math.log(0.05))
 
 _TALL = 1.7  # height by width of three panels
 _ROOM, _LEAST_SPAN = 0.15, 0.1  # on either side of the values, of their range; its least [um]
+_MARKER = 2.2  # point
 _DASHES = (0, (3, 1.5))
 _RANDOM: dict[str, Any] = {"facecolor": MEAN, "edgecolor": "none", "alpha": 0.5, "zorder": 2}
 _WHOLE: dict[str, Any] = {
@@ -98,7 +99,7 @@ def pin_orbit(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     artists: list[Artist] = [*ax.plot(across, wall, color=MUTED, label="clearance", zorder=1)]
     for members, look in stroke_looks(film):
         which = members & known
-        artists += ax.plot(side[which], load[which], linestyle="none", zorder=3, **look)
+        artists += _draw_points(ax, side[which], load[which], look)
     for k in np.flatnonzero(known):
         covariance = film.pin_position_cov_random.values[k, :2, :2]
         artists.append(ax.add_patch(_ellipse(side[k], load[k], covariance[::-1, ::-1], **_RANDOM)))
@@ -153,7 +154,7 @@ def closest_film(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
     artists: list[Artist] = []
     for members, look in stroke_looks(film):
         which = members & known
-        artists += ax.plot(angle[which], closest[which], linestyle="none", zorder=3, **look)
+        artists += _draw_points(ax, angle[which], closest[which], look)
 
     # the errors of both displacements, turned to angle and film
     last = int(np.flatnonzero(known)[-1])
@@ -217,7 +218,10 @@ def gap_curvature(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
             fmt=str(look["marker"]),
             color=look["color"],
             markerfacecolor=look["markerfacecolor"],
-            elinewidth=pt(0.7),
+            # fifty bars stand side by side
+            elinewidth=pt(0.5),
+            capsize=0,
+            markersize=pt(_MARKER),
             label=look["label"],
         )
         artists.append(bars.lines[0])
@@ -294,6 +298,11 @@ def _require_position(film: xr.Dataset) -> None:
             "Expected a film with the position of the pin at two triggers or more; this one has "
             "none. Give [joint] in run.toml and process the run again."
         )
+
+
+def _draw_points(ax: Axes, x: Array, y: Array, look: dict[str, Any]) -> list[Line2D]:
+    """Draw the triggers of a stroke, small enough to lie side by side."""
+    return ax.plot(x, y, linestyle="none", markersize=pt(_MARKER), zorder=3, **look)
 
 
 def _around(values: Array) -> tuple[float, float]:

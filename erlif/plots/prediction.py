@@ -333,11 +333,11 @@ def prediction_map_figure(
             strict=True,
         )
     ]
-    add_colour_bar(images[1], panels[1], "film thickness, (a, b) [µm]")
+    add_colour_bar(images[1], panels[1], "film, (a, b) [µm]\ngrey: flagged")
     add_colour_bar(images[2], panels[2], "difference [µm]")
     if reason := reason_empty(film.flags.isel(trigger=trigger).values):
         state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
-    titles = ("measured; grey: flagged", "predicted", "measured − predicted")
+    titles = ("measured", "predicted", "measured − predicted")
     for ax, name, title in zip(panels, "abc", titles, strict=True):
         ax.set_title(title)
         letter(ax, name)

@@ -121,6 +121,7 @@ _METADATA: dict[str, Mapping[str, Any]] = {
 }
 
 _PANEL = 17.0  # width of the letter of a panel, with a gap [point]
+_BROKEN = 0.6  # part of a long label that its first line takes
 _ACROSS = 0.92  # width of laid out axes over the one before
 _TITLE = 0.95  # part of its place that a title may take
 _NARROWEST = 0.3  # part of its place that an image keeps beside colour bar and legend
@@ -366,8 +367,15 @@ def _fit_columns(ax: Axes, room: float, *, ncols: int, **options: Any) -> Legend
     """Add a legend of as many columns as a width has room for. [px]"""
     for columns in range(ncols, 0, -1):
         legend = ax.legend(ncols=columns, **options)
-        if legend.get_window_extent().width <= room:
-            break
+        width = legend.get_window_extent().width
+        if width <= room:
+            return legend
+
+    # still too wide: its labels take two lines
+    for text in legend.get_texts():
+        letters = int(_BROKEN * len(text.get_text()))
+        if text.get_window_extent().width > _BROKEN * width:
+            text.set_text("\n".join(wrap(text.get_text(), max(letters, _SHORTEST))))
     return legend
 
 
@@ -490,9 +498,10 @@ def signed(value: float, digits: int = 2) -> str:
 
 
 def letter(ax: Axes, text: str) -> None:
-    """Mark a panel as (a), (b), ... at its upper left; on a page, its title follows."""
+    """Mark a panel as (a), (b), ... at its upper left; its title follows where it is long."""
     title = ax.get_title()
-    if is_page() and title:
+    beside = (_ACROSS * ax.get_window_extent().width - ax.title.get_window_extent().width) / 2
+    if title and (is_page() or beside < pt(_PANEL) * figure_of(ax).dpi / 72):
         ax.set_title("")
         ax.set_title(f"({text}) {title}", loc="left")
     else:
