@@ -164,6 +164,7 @@ MODELS = (
     "oil",
     "reaction",
     "reynolds",
+    "slider_dynamics",
     "wear",
 )
 

@@ -54,6 +54,7 @@ __all__ = [
     "reynolds",
     "roller_shape",
     "running_in",
+    "slider_dynamics",
     "solve_contact",
     "solve_film",
     "solve_journal",
@@ -101,6 +102,7 @@ if TYPE_CHECKING:
         reaction,
         reynolds,
         running_in,
+        slider_dynamics,
         sources,
         wear,
     )

@@ -701,7 +701,7 @@ def warn_of_range(equation: str, name: str, value: Values, lowest: float, highes
         f"{equation} was fitted for {name} = {lowest:g} to {highest:g}; {name} = {got:.3g} here. "
         "Take its result as an order of magnitude.",
         RangeWarning,
-        stacklevel=_depth_of_caller(),
+        stacklevel=depth_of_caller(),
     )
 
 
@@ -726,14 +726,24 @@ def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
         f"{', '.join(found)} {'is' if len(found) == 1 else 'are'} implausible "
         f"({expected} expected): in {scale.others}?",
         UnitWarning,
-        stacklevel=_depth_of_caller(),
+        stacklevel=depth_of_caller(),
     )
 
 
-def _depth_of_caller() -> int:
+def depth_of_caller() -> int:
     """Stack level of the first frame outside the models, so that a warning shows the user's line.
 
     All nested formulas then warn from that line, and Python's default filter shows the text once.
+
+    Returns
+    -------
+    int
+        For `warnings.warn`.
+
+    Examples
+    --------
+    >>> depth_of_caller() >= 1
+    True
     """
     depth, frame = 1, sys._getframe(1)  # level 1 is the function that warns
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(

@@ -5,15 +5,18 @@ of the machine of Farzaneh (2002), appendix A: coupler, rolling bearings and thr
 that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
 """
 
+import warnings
 from dataclasses import dataclass, fields
 
 import numpy as np
 
+from erlif.core.errors import RangeWarning
 from erlif.models.arguments import (
     Values,
     broadcasting,
     check_length,
     check_load,
+    depth_of_caller,
     require_finite,
     require_not_negative,
     require_positive,
@@ -125,6 +128,11 @@ def joint_reaction(
     ModelError
         An infinite angle or speed.
 
+    Warns
+    -----
+    RangeWarning
+        Where the rod is in compression although the continuous-contact joint presumes tension.
+
     Notes
     -----
     Friction acts where pin and bushing touch, so it is a couple mu N r on both links and makes the
@@ -176,9 +184,67 @@ def joint_reaction(
         force = np.sqrt(force_x**2 + force_y**2)
         couple = sense * bodies.friction * normal_share * force * bodies.pin_radius
 
+    # a clearance lengthens the rod only while the pin pulls it
+    if linkage.clearance > 0:
+        warn_of_compression(crank_angle, pull=-(force_x * ux + force_y * uy))
+
     # the torque balances the pin force on the crank and the couple of friction
     lever = linkage.crank * (np.cos(crank_angle) * force_y - np.sin(crank_angle) * force_x)
     return JointReaction(force_x, force_y, force, normal_share * force, lever + couple)
+
+
+def warn_of_compression(crank_angle: Values, *, pull: Values) -> None:
+    """Warn where a pin that is presumed to pull its rod pushes it.
+
+    The continuous-contact joint of Mukras et al. (2008), eqs. 15 to 19, holds the pin at the end of
+    the bushing that carries tension.
+
+    Parameters
+    ----------
+    crank_angle : float or array
+        Angle of the crank. [rad]
+    pull : float or array
+        Force of the pin along the rod, positive in tension. [N]
+
+    Returns
+    -------
+    None
+
+    Warns
+    -----
+    RangeWarning
+        With the crank angles in compression.
+
+    Examples
+    --------
+    >>> warn_of_compression([0.0, 1.0], pull=[10.0, 5.0])
+    """
+    angle, along = np.broadcast_arrays(np.asarray(crank_angle, float), np.asarray(pull, float))
+    pushed = along < 0
+    if not np.any(pushed):
+        return
+    warnings.warn(
+        "The joint with continuous contact presumes a rod in tension; it is in compression at "
+        f"crank angles of {_ranges(angle, pushed)}, by up to {-float(along[pushed].min()):.3g} "
+        "N. Use erlif.models.slider_dynamics.simulate_slider_crank with a ContactLaw there.",
+        RangeWarning,
+        stacklevel=depth_of_caller(),
+    )
+
+
+def _ranges(angle: Values, chosen: Values) -> str:
+    """Text of the chosen angles in degrees, neighbours among the given ones as one range."""
+    degrees = np.round(np.degrees(angle) % 360, 6).ravel() % 360
+    every, inverse = np.unique(degrees, return_inverse=True)
+    among = np.zeros(every.size, bool)
+    among[inverse[chosen.ravel()]] = True
+    starts = np.flatnonzero(among & ~np.concatenate([[False], among[:-1]]))
+    ends = np.flatnonzero(among & ~np.concatenate([among[1:], [False]]))
+    parts = [
+        f"{every[start]:.4g}" + (f" to {every[end]:.4g}" if end > start else "")
+        for start, end in zip(starts, ends, strict=True)
+    ]
+    return " and ".join(parts) + " degrees"
 
 
 @broadcasting

@@ -12,7 +12,7 @@ from scenes.formulas import (
     evaluate,
 )
 
-from erlif.core.errors import ModelError, UnitWarning
+from erlif.core.errors import ModelError, RangeWarning, UnitWarning
 from erlif.models.mechanism import CrankRocker, SliderCrank
 from erlif.models.reaction import (
     SliderCrankBodies,
@@ -20,6 +20,7 @@ from erlif.models.reaction import (
     joint_reaction,
     rod_stress,
     rolling_bearing_life,
+    warn_of_compression,
 )
 
 MUKRAS = SliderCrank(crank=0.0762, coupler=0.2032)
@@ -30,8 +31,11 @@ BODIES = {
     "spring_stiffness": 525.4,
 }
 TURN = np.linspace(0, 2 * np.pi, 721)
+IN_COMPRESSION = pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
+"""Balances hold for a pin that pushes its rod as well."""
 
 
+@IN_COMPRESSION
 @given(
     st.floats(0.2, 20.0),
     st.floats(0, 100.0),
@@ -140,6 +144,15 @@ def test_the_slow_linkage_carries_the_spring_alone():
     reaction = joint_reaction(MUKRAS, crank_angle=TURN, crank_speed=1e-6, bodies=bodies)
     spring = 10.0 + 525.4 * (0.2794 - MUKRAS.slider_position(TURN))
     npt.assert_allclose(reaction.force * np.cos(MUKRAS.coupler_angle(TURN)), spring)
+
+
+def test_compression_of_the_worn_joint_is_reported_by_its_crank_angles():
+    bodies = SliderCrankBodies(**BODIES)
+    case = {"crank_angle": TURN, "crank_speed": 25.0, "bodies": bodies}
+    with pytest.warns(RangeWarning, match="angles of 77 to 283 degrees, by up to 15"):
+        joint_reaction(SliderCrank(0.0762, 0.2032, 1e-4), **case)
+    with pytest.warns(RangeWarning, match="angles of 0 to 30 and 200 degrees, by up to 3 N"):
+        warn_of_compression(np.radians([0, 10, 30, 40, 200, 210]), pull=[-1, -1, -3, 1, -1, 0])
 
 
 def test_perfect_joint_is_the_limit_of_the_worn_one():

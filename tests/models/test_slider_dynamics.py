@@ -1,0 +1,233 @@
+"""Forward dynamics of the slider-crank: balances, inverse dynamics, closed forms of impacts."""
+
+import warnings
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from scipy.optimize import brentq
+
+from erlif.core.errors import ModelError, RangeWarning
+from erlif.models.mechanism import SliderCrank
+from erlif.models.reaction import SliderCrankBodies, joint_reaction
+from erlif.models.slider_dynamics import ContactLaw, simulate_slider_crank
+
+MASSES = {"rod_mass": 0.8175, "rod_inertia": 5500e-6, "slider_mass": 5.5487}
+BODIES = MASSES | {"spring_stiffness": 525.4, "spring_preload": 68.354}
+RUBBED = SliderCrankBodies(**BODIES, friction=0.15, pin_radius=9.525e-3)
+CRANK_INERTIA = 204e-6 + 0.4045 * 0.0381**2  # Mukras et al. (2008), Table 1
+PTFE = ContactLaw(stiffness=6.523e8)  # eqs. 12 and 13 with the moduli of Table 2 in GPa
+
+
+def linkage(clearance=0.0):
+    return SliderCrank(crank=0.0762, coupler=0.2032, clearance=clearance)
+
+
+def stored_energy(found):
+    """Kinetic and elastic energy from the motion alone."""
+    rod_x = found.slider_speed + 0.1016 * np.sin(found.rod_angle) * found.rod_speed
+    rod_y = -0.1016 * np.cos(found.rod_angle) * found.rod_speed
+    stretch = 0.0762 + 0.2032 - found.slider_position
+    kinetic = (
+        CRANK_INERTIA * found.crank_speed**2
+        + 0.8175 * (rod_x**2 + rod_y**2)
+        + 5500e-6 * found.rod_speed**2
+        + 5.5487 * found.slider_speed**2
+    ) / 2
+    elastic = 0.4 * 6.523e8 * found.penetration.clip(min=0) ** 2.5
+    return kinetic + 68.354 * stretch + 525.4 * stretch**2 / 2 + elastic
+
+
+def slowed(_time, angle):
+    return 2.0 + np.sin(angle)
+
+
+@pytest.mark.parametrize("contact", [None, PTFE], ids=["simplified", "general"])
+@pytest.mark.parametrize("torque", [None, slowed], ids=["speed", "torque"])
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
+def test_drive_supplies_what_motion_spring_and_losses_take(contact, torque):
+    found = simulate_slider_crank(
+        linkage(1e-4),
+        bodies=RUBBED,
+        crank_speed=25.0,
+        duration=0.1,
+        torque=torque,
+        crank_inertia=CRANK_INERTIA,
+        contact=contact,
+    )
+    energy = stored_energy(found)
+    losses = found.friction_loss + found.impact_loss
+    scale = float(energy.max() - energy.min())
+    npt.assert_allclose(energy - energy[0] + losses, found.drive_work, atol=1e-6 * scale)
+    assert np.all(np.diff(found.friction_loss) >= 0)
+    assert np.all(np.diff(found.impact_loss) >= 0)
+    assert found.friction_loss[-1] > 0.01 * scale
+    npt.assert_allclose(found.friction_loss, 0.15 * found.rubbing, rtol=2e-3)
+
+
+def test_work_of_the_drive_is_the_integral_of_its_torque():
+    found = simulate_slider_crank(linkage(), bodies=RUBBED, crank_speed=np.pi, duration=2.0)
+    turn = found.crank_torque[:-1]  # the last sample is the first one again
+    npt.assert_allclose(found.drive_work[-1], 2 * np.pi * turn.mean(), rtol=1e-9)
+    npt.assert_allclose(found.friction_loss[-1], found.drive_work[-1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 1e-3])
+def test_simplified_joint_is_that_of_inverse_dynamics(clearance):
+    found = simulate_slider_crank(
+        linkage(clearance), bodies=RUBBED, crank_speed=np.pi, duration=2.0, samples=73
+    )
+    inverse = joint_reaction(
+        linkage(clearance), crank_angle=found.crank_angle.values, crank_speed=np.pi, bodies=RUBBED
+    )
+    for name in ("force_x", "force_y", "force", "normal", "crank_torque"):
+        npt.assert_allclose(found[name], getattr(inverse, name), atol=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
+def test_torque_of_inverse_dynamics_holds_the_speed():
+    def torque(_time, angle):
+        return joint_reaction(
+            linkage(1e-4), crank_angle=angle, crank_speed=25.0, bodies=RUBBED
+        ).crank_torque
+
+    found = simulate_slider_crank(
+        linkage(1e-4),
+        bodies=RUBBED,
+        crank_speed=25.0,
+        duration=0.1,
+        torque=torque,
+        crank_inertia=CRANK_INERTIA,
+        samples=11,
+    )
+    npt.assert_allclose(found.crank_speed, 25.0, rtol=1e-8)
+
+
+def test_general_joint_becomes_the_perfect_one_as_it_stiffens():
+    """Without clearance the joint differs by its penetration, (F/K)^(2/3)."""
+    case = {"bodies": SliderCrankBodies(**BODIES), "crank_speed": 12.0, "duration": 0.05}
+    perfect = simulate_slider_crank(linkage(), **case, samples=21)
+    error = []
+    for stiffness in (1e9, 1e11):
+        law = ContactLaw(stiffness, restitution=0.5)
+        found = simulate_slider_crank(linkage(), **case, contact=law, samples=21)
+        error.append(float(abs(found.force - perfect.force).max() / perfect.force.max()))
+        depth = (found.force / stiffness) ** (2 / 3)
+        npt.assert_allclose(np.hypot(found.eccentricity_x, found.eccentricity_y), depth, rtol=0.05)
+    assert error[0] < 0.02
+    assert error[1] < error[0] / 10
+
+
+PULL = 20.0
+MASS = 0.8175 + 5.5487
+GAP = 0.05  # far above the penetration, so that the pull does little while the pin touches
+DROPPED = {
+    "bodies": SliderCrankBodies(**MASSES, spring_preload=PULL),
+    "crank_speed": 0.0,
+    "eccentricity": (0.0, 0.0),
+}
+"""Rod in line with the slider and the crank held: rod and slider fall by the gap under a pull."""
+
+
+def test_elastic_bounce_has_the_closed_form_of_hertz():
+    fall = np.sqrt(2 * GAP * MASS / PULL)
+    law = ContactLaw(1e8, restitution=1.0)
+    found = simulate_slider_crank(
+        linkage(GAP), **DROPPED, contact=law, duration=fall + 1e-2, samples=4001
+    )
+    falling = found.time < fall
+    npt.assert_allclose(
+        -found.eccentricity_x[falling], (PULL / MASS * found.time**2 / 2)[falling], atol=1e-12
+    )
+
+    # the work of the pull and the motion are in the spring 2 K d^2.5 / 5 where the rod turns back
+    deepest = brentq(lambda d: PULL * (GAP + d) - 0.4 * 1e8 * d**2.5, 1e-6, 1e-2, xtol=1e-15)
+    npt.assert_allclose(found.penetration.max(), deepest, rtol=1e-4)  # between two samples
+
+    # Hertz: the contact lasts 2.9432 d/v; the pull adds the share of its force
+    speed = np.sqrt(2 * PULL * GAP / MASS)
+    touching = found.time[found.penetration > 0]
+    npt.assert_allclose(touching[-1] - touching[0], 2.9432 * deepest / speed, rtol=0.02)
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
+def test_rebound_has_the_closed_form_of_the_law(restitution):
+    """One integral of m v dv/dd = -K d^1.5 (1 + a v): a v - ln(1 + a v) is equal at both ends."""
+    fall = np.sqrt(2 * GAP * MASS / PULL)
+    law = ContactLaw(1e12, restitution=restitution, slowest_impact=1e-6)
+    found = simulate_slider_crank(
+        linkage(GAP), **DROPPED, contact=law, duration=1.5 * fall, samples=31
+    )
+    assert found.touches == 1
+    touch = np.sqrt(2 * PULL * GAP / MASS)
+    a = 0.75 * (1 - restitution**2) / touch
+    start = a * touch - np.log1p(a * touch)
+    rebound = brentq(lambda v: -a * v - np.log1p(-a * v) - start, 0.1 * touch, touch)
+    npt.assert_allclose(found.impact_loss[-1], MASS * (touch**2 - rebound**2) / 2, rtol=2e-3)
+
+    # the law is meant for restitutions near 1; Lankarani and Nikravesh (1994)
+    npt.assert_allclose(rebound / touch, restitution, atol=0.5 * (1 - restitution))
+
+
+def test_tension_of_the_simplified_joint_is_checked():
+    fast = SliderCrankBodies(**MASSES, spring_stiffness=525.4)
+    case = {"bodies": fast, "crank_speed": 25.0}
+    with pytest.warns(RangeWarning, match="compression at crank angles of 77 to 283 degrees"):
+        simulate_slider_crank(linkage(1e-4), **case, duration=2 * np.pi / 25)
+    angle = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+    with pytest.warns(RangeWarning, match="ContactLaw"):
+        joint_reaction(linkage(1e-4), crank_angle=angle, **case)
+
+    # a perfect joint presumes nothing, and the spring of the source keeps the rod in tension
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        joint_reaction(linkage(), crank_angle=angle, **case)
+        joint_reaction(linkage(1e-4), crank_angle=angle, crank_speed=np.pi, bodies=RUBBED)
+
+
+def test_general_joint_bears_on_the_side_of_the_force():
+    """In tension the contact lies at 0, in compression at half a turn from it."""
+    bodies = SliderCrankBodies(**MASSES, spring_stiffness=525.4)
+    case = {"bodies": bodies, "crank_speed": 25.0, "samples": 91}
+    found = simulate_slider_crank(linkage(1e-5), **case, duration=0.15, contact=PTFE)
+    perfect = joint_reaction(
+        linkage(), crank_angle=found.crank_angle.values, crank_speed=25.0, bodies=bodies
+    )
+    along = perfect.force_x * np.cos(found.rod_angle) + perfect.force_y * np.sin(found.rod_angle)
+    for pushed, place in ((along > 60, np.pi), (along < -60, 0.0)):
+        pressed = pushed & (found.normal > 0)
+        assert pressed.sum() > 20
+        npt.assert_allclose(abs(found.contact_angle[pressed]), place, atol=0.3)
+
+
+def test_every_variable_has_its_unit():
+    found = simulate_slider_crank(
+        linkage(), bodies=RUBBED, crank_speed=np.pi, duration=0.1, samples=2
+    )
+    assert all(found[name].attrs["units"] for name in found.variables)
+    assert found.time.values.tolist() == [0.0, 0.1]
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"duration": 0.0}, "duration must be positive"),
+        ({"crank_speed": np.nan}, "crank_speed must be a number"),
+        ({"crank_speed": np.inf}, "crank_speed must be finite"),
+        ({"crank_speed": [1.0, 2.0]}, "crank_speed must be one number"),
+        ({"crank_inertia": -1.0}, "crank_inertia"),
+        ({"contact": PTFE, "torque": slowed}, "crank_inertia must be positive"),
+        ({"bodies": SliderCrankBodies(**MASSES | {"slider_mass": 0.0})}, "slider_mass"),
+    ],
+)
+def test_what_cannot_be_simulated_is_refused(changed, message):
+    case = {"bodies": RUBBED, "crank_speed": 3.0, "duration": 1.0}
+    with pytest.raises(ModelError, match=message):
+        simulate_slider_crank(linkage(), **case | changed)
+
+
+def test_contact_law_refuses_what_has_no_meaning():
+    with pytest.raises(ModelError, match="stiffness must be positive"):
+        ContactLaw(stiffness=0.0)
+    with pytest.raises(ModelError, match="restitution"):
+        ContactLaw(stiffness=1e8, restitution=1.5)
