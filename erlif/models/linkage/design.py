@@ -1,0 +1,139 @@
+"""One crank-rocker with everything that a designer asks of it."""
+
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from erlif.models.arguments import require_positive, require_single
+from erlif.models.linkage.measures import (
+    Kind,
+    grashof_class,
+    links_of,
+    space,
+    speed_ratio,
+    stroke_excess,
+    swing,
+    transmission_limits,
+)
+from erlif.models.mechanism import CrankRocker
+
+Stroke: TypeAlias = Literal["rising", "falling", "neither"]
+"""A stroke of the rocker, by its angle while the crank angle grows."""
+
+EQUAL_STROKES = 1e-9
+"""Crank angle by which two strokes of equal duration may differ by rounding. [rad]"""
+
+
+@dataclass(frozen=True)
+class LinkageDesign:
+    """A crank-rocker and its measures.
+
+    Attributes
+    ----------
+    linkage : CrankRocker
+        The four lengths. [m]
+    swing : float
+        Largest less smallest rocker angle. [rad]
+    speed_ratio : float
+        Greatest rocker speed, of either sign, over crank speed. [1]
+    time_ratio : float
+        Duration of the slower stroke over that of the quicker one, at least 1. [1]
+    slower_stroke : str
+        "rising" where the rocker angle grows during the slower stroke, away from the crank,
+        "falling", or "neither".
+    transmission : (float, float)
+        Smallest and largest angle between coupler and rocker. [rad]
+    space : (float, float)
+        Sides of the box of all joint centres over a turn, along and across the ground link. [m]
+    kind : str
+        Class by Grashof's condition.
+    crank_speed : float
+        Speed of the crank; NaN where no speed is given. [rad/s]
+    departures : tuple of str
+        Targets and limits that it misses, one sentence each.
+    """
+
+    linkage: CrankRocker
+    swing: float
+    speed_ratio: float
+    time_ratio: float
+    slower_stroke: Stroke
+    transmission: tuple[float, float]
+    space: tuple[float, float]
+    kind: Kind
+    crank_speed: float = np.nan
+    departures: tuple[str, ...] = ()
+
+    @property
+    def rocker_speed(self) -> float:
+        """Greatest rocker speed. [rad/s]"""
+        return self.speed_ratio * self.crank_speed
+
+    @property
+    def least_transmission(self) -> float:
+        """Smallest acute angle between coupler and rocker. [rad]"""
+        smallest, largest = self.transmission
+        return min(smallest, np.pi - largest)
+
+
+def measure_linkage(
+    linkage: CrankRocker, *, crank_speed: float | None = None, rocker_speed: float | None = None
+) -> LinkageDesign:
+    """Measure a crank-rocker.
+
+    Parameters
+    ----------
+    linkage : CrankRocker
+        The four lengths. [m]
+    crank_speed : float, optional
+        Speed of the crank, positive. [rad/s]
+    rocker_speed : float, optional
+        Wanted greatest rocker speed, which gives the crank speed. [rad/s]
+
+    Returns
+    -------
+    LinkageDesign
+        Swing, ratios, transmission angles and space.
+
+    Raises
+    ------
+    ModelError
+        A speed that is not one positive number.
+
+    Examples
+    --------
+    The rig of Farzaneh (2002): 24 rpm of the rocker need 112.29 rpm of the crank, not 114.
+
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> found = measure_linkage(rig, rocker_speed=24 * np.pi / 30)
+    >>> print(f"{found.speed_ratio:.5f} {found.crank_speed * 30 / np.pi:.2f} rpm")
+    0.21378 112.27 rpm
+    >>> print(f"{np.degrees(found.swing):.3f} degrees, {found.time_ratio:.4f}")
+    24.426 degrees, 1.0014
+    """
+    links = links_of(linkage)
+    excess = float(stroke_excess(links))
+    slower: Stroke = "rising" if excess > 0 else "falling"
+    smallest, largest = transmission_limits(links)
+    along, across = space(links)
+    found = LinkageDesign(
+        linkage=linkage,
+        swing=float(swing(links)),
+        speed_ratio=float(max(speed_ratio(links, rising=up) for up in (True, False))),
+        time_ratio=float((np.pi + abs(excess)) / (np.pi - abs(excess))),
+        slower_stroke=slower if abs(excess) > EQUAL_STROKES else "neither",
+        transmission=(float(smallest), float(largest)),
+        space=(float(along), float(across)),
+        kind=grashof_class(**links._asdict()),
+    )
+
+    given = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}
+    known = {name: value for name, value in given.items() if value is not None}
+    require_single(**known)
+    require_positive(**known)
+    if crank_speed is not None:
+        return replace(found, crank_speed=float(crank_speed))
+    if rocker_speed is not None:
+        return replace(found, crank_speed=float(rocker_speed) / found.speed_ratio)
+    return found
