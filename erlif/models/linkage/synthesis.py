@@ -1,0 +1,498 @@
+"""Crank-rockers for a wanted swing, speed and time ratio, within limits. Farzaneh (2002), app. A.2.
+
+The source finds its links "through successive iterations" of eq. A.1. Here the unknown lengths are
+searched over all crank-rockers that the given ones allow, and every solution is refined by root
+finding or least squares to rounding.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+import scipy
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    Values,
+    check_length,
+    require_between,
+    require_positive,
+    require_single,
+)
+from erlif.models.linkage import measures
+from erlif.models.linkage.design import LinkageDesign, measure_linkage
+from erlif.models.linkage.domain import EDGE, Domain, find_domain
+from erlif.models.linkage.measures import Links, least_transmission, space, stroke_excess
+from erlif.models.mechanism import CrankRocker
+
+LINE, SQUARE = 257, 49
+"""Places of the search along one unknown length, and along each of two."""
+
+ATTAINED = 1e-9
+"""Relative deviation of a target that counts as none."""
+
+SAME = 1e-6
+"""Relative difference of lengths below which two solutions are one."""
+
+STEP = 1e-11
+"""Step at which least squares end; as they converge, the error is then far below."""
+
+LARGE = 1e6
+"""Deviation in the place of an infinite one."""
+
+CALLS = 15
+"""Steps of a search from such a minimum where a crossing is a solution already."""
+
+NEIGHBOURS = 0.25
+"""Distance on the square up to which two points of neighbouring rows lie on one curve."""
+
+STARTS = 3
+"""Minima of the deviation on the square from which a search starts beside the crossings."""
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """Crank-rockers that meet the targets, or the nearest one.
+
+    Attributes
+    ----------
+    designs : tuple of LinkageDesign
+        All that meet the targets: those within the limits first, then by transmission angle.
+    nearest : LinkageDesign or None
+        Without a design, the one with the least sum of squared relative deviations.
+    statement : str
+        The result in one sentence.
+    """
+
+    designs: tuple[LinkageDesign, ...]
+    nearest: LinkageDesign | None
+    statement: str
+
+
+@dataclass(frozen=True)
+class _Target:
+    """A measure and the value that it must take."""
+
+    name: str
+    measure: Callable[[Links], Values]
+    wanted: float
+
+    def deviation(self, links: Links) -> Values:
+        """Relative deviation from the wanted value; large where a linkage folds flat."""
+        deviation = self.measure(links) / self.wanted - 1
+        return np.clip(np.nan_to_num(deviation, nan=LARGE), -LARGE, LARGE)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """What a design must keep beside its targets."""
+
+    transmission: float
+    size: tuple[float, float]
+
+    def score(self, links: Links) -> Values:
+        """Least transmission angle, or minus the excess over the limits where one is broken."""
+        angle = least_transmission(links)
+        sides = zip(space(links), self.size, strict=True)
+        excess = sum(np.maximum(side / limit - 1, 0.0) for side, limit in sides)
+        excess = excess + np.maximum(self.transmission - angle, 0.0)
+        return np.where(excess > ATTAINED, -excess, angle)
+
+
+def synthesise_crank_rocker(
+    *,
+    swing: float | None = None,
+    speed_ratio: float | None = None,
+    time_ratio: float | None = None,
+    crank_speed: float | None = None,
+    rocker_speed: float | None = None,
+    least_transmission_angle: float = 0.0,
+    largest_size: tuple[float, float] = (np.inf, np.inf),
+    crank: float | None = None,
+    coupler: float | None = None,
+    rocker: float | None = None,
+    ground: float | None = None,
+    longest_link: float | None = None,
+) -> Synthesis:
+    """Find the crank-rockers that meet targets with two or more links given.
+
+    As many targets as unknown links: all solutions. Fewer: the one of a family with the largest
+    least transmission angle within the limits. More, or targets out of reach: the nearest linkage
+    by least squares of the relative deviations. Both senses of a time ratio are searched, and both
+    strokes for the speed. Mirrored assemblies have the same measures and are not listed twice.
+
+    Parameters
+    ----------
+    swing : float, optional
+        Wanted largest less smallest rocker angle. [rad]
+    speed_ratio : float, optional
+        Wanted greatest rocker speed over crank speed. [1]
+    time_ratio : float, optional
+        Wanted duration of the slower stroke over that of the quicker one, at least 1. [1]
+    crank_speed, rocker_speed : float, optional
+        Speed of the crank and wanted greatest rocker speed. Both make a speed ratio; the rocker
+        speed alone gives the crank speed of each design. [rad/s]
+    least_transmission_angle : float
+        Smallest acute angle between coupler and rocker that is accepted. [rad]
+    largest_size : (float, float)
+        Largest space of the joint centres along and across the ground link. [m]
+    crank, coupler, rocker, ground : float, optional
+        Given lengths, two at least. [m]
+    longest_link : float, optional
+        Longest link that is considered; default: ten times the longest given one. [m]
+
+    Returns
+    -------
+    Synthesis
+        All designs with their measures, or the nearest one, and a sentence.
+
+    Raises
+    ------
+    ModelError
+        Fewer than two lengths, two unknown lengths without a target, a value out of its range,
+        speeds that contradict the speed ratio, or lengths that no crank-rocker has.
+
+    Examples
+    --------
+    The crank that swings the rocker of Farzaneh (2002) by 26 degrees, and its speed for 24 rpm:
+
+    >>> found = synthesise_crank_rocker(
+    ...     swing=np.radians(26),
+    ...     rocker_speed=24 * np.pi / 30,
+    ...     coupler=0.44,
+    ...     rocker=0.26,
+    ...     ground=0.51,
+    ... )
+    >>> print(found.statement)
+    1 crank-rocker meets the targets.
+    >>> (design,) = found.designs
+    >>> print(f"{100 * design.linkage.crank:.4f} cm, {design.crank_speed * 30 / np.pi:.2f} rpm")
+    5.8484 cm, 105.42 rpm
+    """
+    lengths = {"crank": crank, "coupler": coupler, "rocker": rocker, "ground": ground}
+    given = {name: value for name, value in lengths.items() if value is not None}
+    speeds = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}
+    wanted = {"swing": swing, "speed_ratio": speed_ratio, "time_ratio": time_ratio}
+    targets = {name: value for name, value in wanted.items() if value is not None}
+    numbers = given | targets | {name: value for name, value in speeds.items() if value is not None}
+    require_single(**numbers)
+    require_positive(**numbers)
+    check_length(**given)
+    _refuse_impossible(targets, least_transmission_angle, largest_size)
+    if crank_speed is not None and rocker_speed is not None:
+        if speed_ratio is not None:
+            raise ModelError("crank_speed and rocker_speed fix speed_ratio; give two of the three.")
+        targets["speed_ratio"] = rocker_speed / crank_speed
+        rocker_speed = None
+    if len(given) < 2:
+        raise ModelError(f"two lengths at least must be given, got {len(given)}.")
+    if len(given) == 2 and not targets:
+        raise ModelError("two unknown lengths need a target: swing, speed_ratio or time_ratio.")
+
+    # every branch is a set of smooth equations: one stroke for the speed, one sense of time
+    domain = find_domain(given, longest_link)
+    limits = _Limits(least_transmission_angle, largest_size)
+    places: list[Array] = []
+    for branch in _branches(targets):
+        places += _solve(domain, branch, limits)
+
+    designs: list[LinkageDesign] = []
+    for place in places:
+        linkage = _linkage_at(domain, place)
+        if linkage is None:
+            continue
+        found = measure_linkage(linkage, crank_speed=crank_speed, rocker_speed=rocker_speed)
+        found = replace(found, departures=_departures(found, targets, limits))
+        if not any(_is_same(found, other) for other in designs):
+            designs.append(found)
+    return _conclude(designs, targets, domain)
+
+
+def _refuse_impossible(
+    targets: dict[str, float], transmission: float, size: tuple[float, float]
+) -> None:
+    """Refuse targets that no linkage of any size has."""
+    if not targets.get("swing", 0.0) < np.pi:
+        degrees = np.degrees(targets["swing"])
+        raise ModelError(f"swing must be below half a turn, got {degrees:g} degrees.")
+    if not targets.get("time_ratio", 1.0) >= 1:
+        raise ModelError(f"time_ratio must be at least 1, got {targets['time_ratio']:g}.")
+    require_between(0.0, np.pi / 2, least_transmission_angle=transmission)
+    for side in size:
+        if not side > 0:
+            raise ModelError(f"largest_size must be positive, got {side:g} m.")
+
+
+def _branches(targets: dict[str, float]) -> Iterator[list[_Target]]:
+    """Smooth equations that together cover the targets."""
+    choices: list[list[_Target]] = []
+    if "swing" in targets:
+        choices.append([_Target("swing", measures.swing, targets["swing"])])
+    if "speed_ratio" in targets:
+        strokes = [partial(measures.speed_ratio, rising=rising) for rising in (True, False)]
+        choices.append([_Target("speed_ratio", of, targets["speed_ratio"]) for of in strokes])
+    if "time_ratio" in targets:
+        ratios = {targets["time_ratio"], 1 / targets["time_ratio"]}
+        choices.append([_Target("time_ratio", _time_ratio, ratio) for ratio in sorted(ratios)])
+    return (list(branch) for branch in product(*choices))
+
+
+def _time_ratio(links: Links) -> Values:
+    """Duration of the rising stroke over that of the falling one."""
+    excess = stroke_excess(links)
+    return (np.pi + excess) / (np.pi - excess)
+
+
+def _solve(domain: Domain, branch: list[_Target], limits: _Limits) -> list[Array]:
+    """Places where one branch is solved or nearest to it; for a family, the best place."""
+    unknown = len(domain.unknown)
+    if not unknown:
+        return [np.empty(0)]
+    if not branch:
+        return [_best_on_line(domain, limits)]
+    if len(branch) == 1 and unknown == 1:
+        return _roots_on_line(lambda u: branch[0].deviation(domain.links([u])))
+    if len(branch) == 1:
+        return _best_of_family(domain, branch[0], limits)
+
+    def deviations(place: Array) -> Array:
+        return np.stack([target.deviation(domain.links(place)) for target in branch])
+
+    return _least_squares(domain, branch, deviations)
+
+
+def _axis(count: int) -> Array:
+    """Places from edge to edge, denser towards both, where measures change as square roots."""
+    return EDGE + (1 - 2 * EDGE) * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+
+
+def _roots_on_line(deviation: Callable[[Values], Values]) -> list[Array]:
+    """All zeros of a function of one unknown; without one, where it is nearest to zero."""
+    axis = _axis(LINE)
+    values = deviation(axis)
+
+    def dip(sign: float, low: float, high: float) -> float:
+        return _lowest(lambda u: sign * float(deviation(u)), low, high)
+
+    # a minimum between two places may dip through zero and hide two roots
+    signs = np.sign(values)
+    extra = [
+        dip(signs[k], axis[k - 1], axis[k + 1])
+        for k in range(1, LINE - 1)
+        if signs[k - 1] == signs[k] == signs[k + 1]
+        and abs(values[k]) <= min(abs(values[k - 1]), abs(values[k + 1]))
+    ]
+    axis = np.sort(np.append(axis, extra))
+    values = deviation(axis)
+
+    changes = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
+    roots = [scipy.optimize.brentq(deviation, axis[k], axis[k + 1], xtol=1e-16) for k in changes]
+    roots += list(axis[np.abs(values) < ATTAINED / 10])
+    roots = roots or [axis[np.argmin(np.abs(values))]]
+    return [np.array([root]) for root in roots]
+
+
+def _lowest(function: Callable[[float], Values], low: float, high: float) -> float:
+    """Place of the minimum of a function between two places."""
+    found = scipy.optimize.minimize_scalar(
+        function, bounds=(low, high), method="bounded", options={"xatol": 1e-12}
+    )
+    return float(found.x)
+
+
+def _best_on_line(domain: Domain, limits: _Limits) -> Array:
+    """Place of the best transmission angle over one unknown length."""
+    axis = _axis(LINE)
+    k = int(np.argmax(limits.score(domain.links([axis]))))
+    low, high = axis[max(k - 1, 0)], axis[min(k + 1, LINE - 1)]
+    return np.array([_lowest(lambda u: -limits.score(domain.links([u])), low, high)])
+
+
+def _changes(values: Array) -> Iterator[tuple[int, float, float]]:
+    """Row and bracket of every change of sign along the rows of the square."""
+    axis = _axis(SQUARE)
+    for row, k in np.argwhere(np.sign(values[:, :-1]) * np.sign(values[:, 1:]) < 0):
+        yield int(row), float(axis[k]), float(axis[k + 1])
+
+
+def _root_on_row(domain: Domain, target: _Target, row: float, low: float, high: float) -> float:
+    """Place between two others of one row where a target is met."""
+
+    def deviation(v: float) -> float:
+        return float(target.deviation(domain.links([row, v])))
+
+    return float(scipy.optimize.brentq(deviation, low, high, xtol=1e-16))
+
+
+def _best_of_family(domain: Domain, target: _Target, limits: _Limits) -> list[Array]:
+    """Best place on the curve along which one target is met by two unknown lengths."""
+    axis = _axis(SQUARE)
+    square = np.stack(np.meshgrid(axis, axis, indexing="ij"))
+    values = target.deviation(domain.links(square))
+
+    def across(u: float) -> list[Array]:
+        along = target.deviation(domain.links([u + 0 * axis, axis]))
+        brackets = _changes(along[None])
+        return [np.array([u, _root_on_row(domain, target, u, *ends)]) for _, *ends in brackets]
+
+    def score(u: float) -> float:
+        return max((float(limits.score(domain.links(p))) for p in across(u)), default=-np.inf)
+
+    rows = sorted({row for row, _, _ in _changes(values)})
+    if not rows:
+        place = np.unravel_index(np.argmin(np.abs(values)), values.shape)
+        return [axis[list(place)]]
+
+    # the best row first, then between its neighbours
+    row = max(rows, key=lambda row: score(float(axis[row])))
+    low, high = axis[max(row - 1, 0)], axis[min(row + 1, SQUARE - 1)]
+    best = max((_lowest(lambda u: -score(u), low, high), float(axis[row])), key=score)
+    return [max(across(best), key=lambda place: float(limits.score(domain.links(place))))]
+
+
+def _least_squares(
+    domain: Domain, branch: list[_Target], deviations: Callable[[Array], Array]
+) -> list[Array]:
+    """All zeros of several functions, or the least sum of their squares."""
+    found: list[tuple[float, float, Array]] = []
+
+    def refine(starts: list[Array], calls: int | None) -> None:
+        for start in starts:
+            fit = scipy.optimize.least_squares(
+                deviations,
+                start,
+                bounds=(EDGE, 1 - EDGE),
+                xtol=STEP,
+                ftol=1e-15,
+                gtol=1e-15,
+                max_nfev=calls,
+            )
+            found.append((float(np.abs(fit.fun).max()), float(fit.cost), fit.x))
+
+    # a minimum far from zero is of interest only where nothing else is found
+    crossings, minima = _starts(domain, branch, deviations)
+    refine(crossings, None)
+    refine(minima, CALLS if any(worst < ATTAINED for worst, _, _ in found) else None)
+    solved = [place for worst, _, place in found if worst < ATTAINED]
+    return solved or [min(found, key=lambda entry: entry[1])[2]]
+
+
+def _starts(
+    domain: Domain, branch: list[_Target], deviations: Callable[[Array], Array]
+) -> tuple[list[Array], list[Array]]:
+    """Where the first target is met and the second changes its sign, and minima of the sum."""
+    if len(domain.unknown) == 1:
+        axis = _axis(LINE)
+        sums = (deviations(axis[None]) ** 2).sum(axis=0)
+        inner = np.flatnonzero(_is_minimum(sums))
+        return [], [np.array([axis[np.clip(k, 1, LINE - 2)]]) for k in inner]
+
+    axis = _axis(SQUARE)
+    square = np.stack(np.meshgrid(axis, axis, indexing="ij"))
+    values = np.stack([target.deviation(domain.links(square)) for target in branch])
+    sums = (values**2).sum(axis=0)
+    lowest = _is_minimum(sums)
+    order = np.argwhere(lowest)[np.argsort(sums[lowest])][:STARTS]
+    minima = [axis[np.clip(place, 1, SQUARE - 2)] for place in order]
+
+    # the curve of the first target, row by row; nearly parallel curves cross at flat angles
+    curves: dict[int, list[tuple[Array, float]]] = {}
+    for row, low, high in _changes(values[0]):
+        place = np.array([axis[row], _root_on_row(domain, branch[0], axis[row], low, high)])
+        curves.setdefault(row, []).append((place, float(deviations(place)[1])))
+    crossings = [
+        one + (two - one) * before / (before - after)
+        for row, points in curves.items()
+        for (one, before), (two, after) in product(points, curves.get(row + 1, []))
+        if before * after < 0 and abs(one[1] - two[1]) < NEIGHBOURS
+    ]
+    return crossings, minima
+
+
+def _is_minimum(values: Array) -> Any:
+    """Whether each place is lowest among its neighbours."""
+    lowest: Array = scipy.ndimage.minimum_filter(values, size=3, mode="nearest")
+    return lowest == values
+
+
+def _linkage_at(domain: Domain, place: Array) -> CrankRocker | None:
+    """The linkage at a place of the search; None where rounding makes it fold flat."""
+    try:
+        return CrankRocker(*(float(length) for length in domain.links(place)))
+    except ModelError:
+        if domain.unknown:
+            return None
+        raise
+
+
+def _is_same(one: LinkageDesign, other: LinkageDesign) -> bool:
+    """Whether two designs have the same lengths but for rounding."""
+    first, second = (np.array(list(vars(design.linkage).values())) for design in (one, other))
+    return bool(np.all(np.abs(first - second) <= SAME * second))
+
+
+def _departures(
+    design: LinkageDesign, targets: dict[str, float], limits: _Limits
+) -> tuple[str, ...]:
+    """Targets and limits that a design misses."""
+    found = []
+    for name, wanted in targets.items():
+        got = getattr(design, name)
+        if abs(got / wanted - 1) > ATTAINED:
+            found.append(f"{name.replace('_', ' ')} {_text(name, got)}, not {_text(name, wanted)}")
+    return (*found, *_broken_limits(design, limits))
+
+
+def _broken_limits(design: LinkageDesign, limits: _Limits) -> tuple[str, ...]:
+    """Limits that a design breaks."""
+    found = []
+    angle = design.least_transmission
+    if angle < limits.transmission - ATTAINED:
+        least = np.degrees(limits.transmission)
+        found.append(f"transmission angle {np.degrees(angle):.2f} degrees, below {least:g}")
+    for side, limit, way in zip(design.space, limits.size, ("along", "across"), strict=True):
+        if side > limit * (1 + ATTAINED):
+            found.append(f"{1e3 * side:.1f} mm {way} the ground link, above {1e3 * limit:g}")
+    return tuple(found)
+
+
+def _text(name: str, value: float) -> str:
+    """Text of a target."""
+    return f"{np.degrees(value):.4f} degrees" if name == "swing" else f"{value:.6g}"
+
+
+def _conclude(designs: list[LinkageDesign], targets: dict[str, float], domain: Domain) -> Synthesis:
+    """Sort the designs and state the result."""
+
+    def miss(design: LinkageDesign) -> float:
+        deviations = [getattr(design, name) / wanted - 1 for name, wanted in targets.items()]
+        return float(np.sum(np.square(deviations)))
+
+    def order(design: LinkageDesign) -> tuple[bool, float]:
+        return bool(design.departures), -design.least_transmission
+
+    met = [design for design in designs if miss(design) < len(targets) * ATTAINED**2]
+    if not met and not targets:
+        met = designs
+    if not designs:
+        raise ModelError("the given lengths leave crank-rockers of one position only.")
+    if not met:
+        nearest = min(designs, key=miss)
+        reason = "; ".join(nearest.departures)
+        return Synthesis((), nearest, f"No crank-rocker meets the targets; nearest: {reason}.")
+    kept = sum(not design.departures for design in met)
+    statement = _count(len(met)) + " the targets"
+    if kept < len(met):
+        statement += f", {kept or 'none'} within the limits"
+    if len(domain.unknown) > len(targets):
+        statement += "; of a family, the one with the best transmission angle"
+    return Synthesis(tuple(sorted(met, key=order)), None, statement + ".")
+
+
+def _count(number: int) -> str:
+    """Number of crank-rockers and the verb that follows."""
+    return "1 crank-rocker meets" if number == 1 else f"{number} crank-rockers meet"
