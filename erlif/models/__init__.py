@@ -29,9 +29,11 @@ from typing import TYPE_CHECKING, Any
 
 __all__ = [
     "Groove",
+    "Joint",
     "Journal",
     "Motion",
     "Mount",
+    "Undercut",
     "arguments",
     "bearing",
     "clearance_fit",
@@ -51,13 +53,17 @@ __all__ = [
     "oil",
     "oil_fit",
     "pin_shape",
+    "prepare_joint",
     "reaction",
     "reynolds",
     "roller_shape",
     "running_in",
+    "search_undercut",
+    "section_stress",
     "slider_dynamics",
     "solve_contact",
     "solve_film",
+    "solve_joint",
     "solve_journal",
     "sources",
     "steady_journal",
@@ -83,7 +89,20 @@ _REYNOLDS = frozenset(
 )
 """Names of `erlif.models.reynolds` that are names of the models too."""
 
-_EDGES = frozenset(["edge_exponent", "lundberg_profile", "solve_contact", "subsurface_stress"])
+_EDGES = frozenset(
+    [
+        "Joint",
+        "Undercut",
+        "edge_exponent",
+        "lundberg_profile",
+        "prepare_joint",
+        "search_undercut",
+        "section_stress",
+        "solve_contact",
+        "solve_joint",
+        "subsurface_stress",
+    ]
+)
 """Names of `erlif.models.edges` that are names of the models too."""
 
 if TYPE_CHECKING:
@@ -109,9 +128,15 @@ if TYPE_CHECKING:
         wear,
     )
     from erlif.models.edges import (
+        Joint,
+        Undercut,
         edge_exponent,
         lundberg_profile,
+        prepare_joint,
+        search_undercut,
+        section_stress,
         solve_contact,
+        solve_joint,
         subsurface_stress,
     )
     from erlif.models.reynolds import (

@@ -63,7 +63,7 @@ def solve_active_set(
     diagonal : float or array
         Deflection of a cell under unit pressure on itself. [m/Pa]
     modes : array, (mode, ...)
-        Approach of the surfaces in each rigid mode.
+        Approach of the surfaces in each rigid mode; the first is the translation.
     area : float or array
         Areas of the cells. [m2]
     targets : array, (mode,), optional
@@ -110,17 +110,21 @@ def solve_active_set(
         return found
 
     def carry(pressure: Array) -> Array:
-        """Factor, a sum of the modes, by which the pressure carries the loads."""
+        """Factor, one and the tilts, by which the pressure carries the loads."""
         touching = pressure > 0
         loaded = modes[:, touching] * (weight[touching] * pressure[touching])
-        factors = np.linalg.lstsq(loaded @ modes[:, touching].T, aims, rcond=1e-14)[0]
-        return factors[0] if len(modes) == 1 else np.tensordot(factors, modes, 1)
+        if len(modes) == 1:
+            return np.asarray(aims[0] / loaded.sum())
+        tilts = modes[:, touching] / modes[0, touching]
+        factor = np.zeros(gap.shape)
+        factor[touching] = np.linalg.lstsq(loaded @ tilts.T, aims, rcond=1e-14)[0] @ tilts
+        return factor
 
     pressure = np.maximum(start, 0.0) if start is not None else np.full(gap.shape, float(free))
     if free:
         pressure = np.maximum(pressure * carry(pressure), 0.0)
     direction, deflection = np.zeros(gap.shape), np.zeros(gap.shape)
-    last_square, keep, known = 1.0, False, False
+    last_square, keep, known, shrunk = 1.0, False, False, False
 
     for step in range(most_iterations + 1):
         touching = pressure > 0
@@ -150,18 +154,26 @@ def solve_active_set(
         direction = np.where(
             touching, residual + (square / last_square if keep else 0.0) * direction, 0.0
         )
+        if free and keep and shrunk:  # cells that left took a part of a rigid motion with them
+            motion_of = np.tensordot(rigid(direction, touching), modes, 1)
+            direction = np.where(touching, direction - motion_of, 0.0)
         raw = deflect(direction)
         change = raw - np.tensordot(rigid(raw, touching), modes, 1) if free else raw
         along = float(np.sum(weight[touching] * direction[touching] * change[touching]))
-        if along <= 0:
+        if free and np.count_nonzero(touching) <= len(modes):
+            # so few cells follow any motion; others have to join them
+            direction, length = np.zeros(gap.shape), 1 / float(np.mean(diagonal))
+        elif along <= 0:
             raise ModelError(
                 "The contact has no solution: its deflection is not positive for every pressure; "
                 "check that gap, loads and cells are in SI units."
             )
-        length = float(np.sum((weight * residual * direction)[touching])) / along
+        else:
+            length = float(np.sum((weight * residual * direction)[touching])) / along
         pressure = pressure - length * direction
         leaving = pressure < 0
         pressure[leaving] = 0.0
+        shrunk = bool(leaving.any())
 
         # cells that overlap join the contact, and the directions start anew
         joining = (pressure == 0) & (residual < 0)
@@ -169,7 +181,7 @@ def solve_active_set(
         last_square, keep = square, not joining.any()
 
         # the deflection follows from that of the step as long as the contact stays the same
-        known = keep and not leaving.any() and len(modes) == 1
+        known = keep and not shrunk and len(modes) == 1
         if known:
             deflection = deflection - length * raw
         if free:

@@ -59,3 +59,13 @@ def test_too_few_iterations_are_reported(problem):
             lambda p: matrix @ p, gap, diagonal=1.0, modes=np.ones((1, 30)), targets=[2.0],
             tolerance=1e-12, most_iterations=2,
         )  # fmt: skip
+
+
+def test_a_contact_that_begins_in_one_cell_spreads():
+    """Every cell but the highest leaves the contact at first; the load then needs more of them."""
+    gap = np.full(9, 1.0)
+    gap[4] = 0.0
+    found = solve_active_set(
+        lambda p: p, gap, diagonal=1.0, modes=np.ones((1, 9)), targets=[10.0], tolerance=1e-12
+    )
+    npt.assert_allclose(found.pressure, np.where(gap > 0, 1.0, 2.0))

@@ -1,0 +1,256 @@
+"""Speed of the contact solver beside tamaas, and the joint of Farzaneh (2002), chapter 3.
+
+python benchmarks/edges.py speed     one contact on 512 x 256 cells, both codes on one core
+python benchmarks/edges.py roller    a straight and a crowned roller in both codes
+python benchmarks/edges.py thesis    straight and undercut bushing under the loads in question
+python benchmarks/edges.py lobes     lobed bushing under 10,000 lbf
+python benchmarks/edges.py trends    figures 3-9 and 3-10: pressure against D1, D2 and D3
+python benchmarks/edges.py search    the best undercut
+python benchmarks/edges.py stress    von Mises stress in the bushing, with and without undercut
+python benchmarks/edges.py mesh      the same pressure on finer meshes
+
+OMP_NUM_THREADS=1 and OPENBLAS_NUM_THREADS=1 keep both codes on one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from erlif.models.contact import hertz_ellipse, hertz_line
+from erlif.models.edges import (
+    Joint,
+    Undercut,
+    lundberg_profile,
+    prepare_joint,
+    search_undercut,
+    section_stress,
+    solve_contact,
+    solve_joint,
+)
+
+POUND = 4.4482216
+STEEL = 200e9 / 2 / (1 - 0.3**2)
+THESIS = Joint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
+OPTIMUM = Undercut(depth=0.020, width=0.008, lip=0.0093)
+TESTED = Undercut(depth=0.010, width=0.0051, lip=0.00787)
+
+
+def middles(count: int, extent: float) -> np.ndarray:
+    """Middles of equal cells about zero."""
+    return (np.arange(count) - (count - 1) / 2) * extent / count
+
+
+def solve_by_tamaas(
+    gap: np.ndarray, spacing: tuple[float, float], load: float, tolerance: float
+) -> np.ndarray:
+    """Pressure of the same problem, not periodic, from tamaas."""
+    import tamaas
+
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    size = [step * count for step, count in zip(spacing, gap.shape, strict=True)]
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, size, list(gap.shape))
+    model.E, model.nu = STEEL, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "free")
+    solver = tamaas.PolonskyKeerRey(model, -gap, tolerance)
+    solver.setIntegralOperator("free")
+    solver.solve(load / (size[0] * size[1]))
+    return np.array(model.traction)
+
+
+def compare_speed() -> None:
+    """An elliptical contact: processor time of both, alternating."""
+    hertz = hertz_ellipse(5e3, radius=0.05, radius_across=0.01, contact_modulus=STEEL)
+    sizes = 2.3 * hertz.a, 2.3 * hertz.b
+    x, z = middles(512, sizes[0]), middles(256, sizes[1])
+    gap = x[:, None] ** 2 / 0.1 + z**2 / 0.02
+    spacing = (sizes[0] / 512, sizes[1] / 256)
+
+    def ours() -> np.ndarray:
+        found = solve_contact(gap, spacing=spacing, contact_modulus=STEEL, load=5e3)
+        return found.pressure.to_numpy()
+
+    def theirs() -> np.ndarray:
+        return solve_by_tamaas(gap, spacing, 5e3, 1e-9)
+
+    rows: dict[str, list[tuple[float, float, float]]] = {"erlif": [], "tamaas": []}
+    for _ in range(3):
+        for label, run in (("erlif", ours), ("tamaas", theirs)):
+            wall, processor = time.perf_counter(), time.process_time()
+            peak = run().max()
+            spent = time.perf_counter() - wall, time.process_time() - processor
+            rows[label].append((*spent, peak / hertz.pressure - 1))
+    for label, found in rows.items():
+        wall, processor, error = np.min(np.abs(found), axis=0)
+        print(f"{label:7} {processor:.2f} s processor, {wall:.2f} s wall, p0 off by {error:.1e}")
+    ratio = min(row[1] for row in rows["erlif"]) / min(row[1] for row in rows["tamaas"])
+    print(f"erlif takes {ratio:.2f} of the processor time of tamaas")
+
+
+def compare_roller() -> None:
+    """Axial pressure of a roller of 20 mm by 20 mm under 20 kN, straight and crowned."""
+    hertz = hertz_line(1e6, radius=0.01, contact_modulus=STEEL)
+    x, z = middles(64, 2.6 * hertz.half_width), middles(512, 0.02)
+    spacing = (x[1] - x[0], z[1] - z[0])
+    crown = lundberg_profile(z, load=2e4, length=0.02, contact_modulus=STEEL)
+    print("pressure over Hertz at the distance from the end [mm]")
+    chosen = [0, 1, 3, 7, 15, 31, 63, 255]
+    print(" " * 18 + "".join(f"{(0.01 - abs(z[k])) * 1e3:8.2f}" for k in chosen))
+    for label, drop in (("straight", 0 * crown), ("Lundberg", crown)):
+        gap = x[:, None] ** 2 / 0.02 + drop
+        ours = solve_contact(
+            gap, spacing=spacing, contact_modulus=STEEL, load=2e4, tolerance=1e-7
+        ).pressure.to_numpy()
+        theirs = solve_by_tamaas(gap, spacing, 2e4, 1e-11)
+        for code, pressure in (("erlif", ours), ("tamaas", theirs)):
+            axial = pressure.max(axis=0) / hertz.pressure
+            print(f"{label} {code:8} " + "".join(f"{axial[k]:8.4f}" for k in chosen))
+        print(f"largest difference {np.abs(ours - theirs).max() / ours.max():.1e} of the maximum")
+
+
+def show(label: str, found: object) -> None:
+    """One line of a joint's pressure."""
+    cell, mean = (float(found[f"{name}_pressure"]) / 1e6 for name in ("peak", "patch"))
+    print(
+        f"{label:56} cell {cell:6.0f} MPa at {float(found.peak_z) * 1e3:5.1f} mm, "
+        f"4 mm mean {mean:5.0f} MPa"
+    )
+
+
+def compute_thesis() -> None:
+    """What the thesis gives, for each reading of what it leaves open."""
+    half, end = THESIS.length / 2, THESIS.pin_length / 2
+    spans = {"load on the ends of the pin": (half, end), "on the whole pin": (0.0, end)}
+    for place, span in spans.items():
+        straight = prepare_joint(THESIS, smallest_cell=0.1e-3, load_span=span)
+        bodies = {"straight": straight}
+        for label, cut in (("undercut 20, 8, 9.3", OPTIMUM), ("undercut 10, 5.1, 7.87", TESTED)):
+            bodies[label] = prepare_joint(
+                replace(THESIS, undercut=cut),
+                smallest_cell=0.1e-3,
+                load_span=span,
+                pin=straight.pin,
+            )
+        for pounds in (10e3, 100e3, 400e3):
+            for label, body in bodies.items():
+                found = solve_joint(body, load=pounds * POUND)
+                show(f"{label}, {pounds / 1e3:.0f},000 lbf {place}", found)
+
+
+def compute_lobes() -> None:
+    """Lobes of 200 mm radius under 10,000 lbf; both bores that the thesis has, and Hertz."""
+    hertz = hertz_ellipse(5e3 * POUND, radius=4.872, radius_across=0.2, contact_modulus=STEEL)
+    print(f"Hertz: {hertz.pressure / 1e6:.0f} MPa, half axes {hertz.a * 1e3:.1f}, ", end="")
+    print(f"{hertz.b * 1e3:.2f} mm")
+    spans = {"on the ends of the pin": None, "on the whole pin": (0.0, THESIS.pin_length / 2)}
+    for bore, height in ((0.03359, 37.5e-6), (0.03394, 0.2375e-3)):
+        joint = replace(THESIS, bushing_radius=bore)
+        for place, span in spans.items():
+            even = prepare_joint(
+                joint, smallest_cell=1e-3, largest_cell=1e-3, growth=1.0, load_span=span
+            )
+            for centre in (0.03, 0.06, 0.09):
+                found = solve_joint(
+                    even, load=10e3 * POUND, lobes=[centre], lobe_height=height, around=1024
+                )
+                show(f"bore {bore * 1e3:g}, lobes at {centre * 1e3:.0f} mm, {place}", found)
+
+
+def compute_trends(load: float) -> None:
+    """One length of the undercut at a time, about the optimum of the thesis."""
+    series = {
+        "depth D1": ("depths", [2, 5, 10, 15, 20, 25, 30, 40]),
+        "width D2": ("widths", [1, 2, 4, 6, 8, 9, 10]),
+        "lip D3": ("lips", [2, 3, 4, 5, 6, 7, 8, 9.3, 10, 11]),
+    }
+    base = {"depths": [20], "widths": [8], "lips": [9.3]}
+    for label, (name, values) in series.items():
+        chosen = {**base, name: values}
+        lengths = {key: [value * 1e-3 for value in given] for key, given in chosen.items()}
+        found = search_undercut(THESIS, load=load, **lengths)
+        print(f"{label} [mm]      " + "".join(f"{value:7g}" for value in values))
+        for variable in ("patch_pressure", "peak_pressure"):
+            line = found[variable].to_numpy().ravel() / 1e6
+            print(f"{variable} [MPa]" + "".join(f"{value:7.0f}" for value in line))
+    print(f"uncut: 4 mm mean {float(found.patch_uncut) / 1e6:.0f} MPa")
+
+
+def search(load: float) -> None:
+    """All combinations, and the lowest pressure among them."""
+    started = time.process_time()
+    found = search_undercut(
+        THESIS,
+        load=load,
+        depths=[0.010, 0.015, 0.020, 0.025, 0.030],
+        widths=[0.004, 0.008, 0.010],
+        lips=[0.005, 0.007, 0.008, 0.0093, 0.010, 0.011],
+        patch=0.5e-3,
+    )
+    print(f"{np.isfinite(found.patch_pressure).sum().item()} undercuts, ", end="")
+    print(f"{time.process_time() - started:.0f} s of processor time")
+    best = [float(found[f"best_{name}"]) * 1e3 for name in ("depth", "width", "lip")]
+    print(f"best: D1 {best[0]:g}, D2 {best[1]:g}, D3 {best[2]:g} mm, 0.5 mm mean ", end="")
+    print(
+        f"{float(found.patch_pressure.min()) / 1e6:.0f} of {float(found.patch_uncut) / 1e6:.0f} MPa"
+    )
+    thesis = found.patch_pressure.sel(depth=0.020, width=0.008, lip=0.0093)
+    print(f"D1 20, D2 8, D3 9.3 mm: {float(thesis) / 1e6:.0f} MPa")
+
+
+def compute_stress(load: float) -> None:
+    """Equivalent stress in the plane of the load, in the wall and at the groove."""
+    for label, cut in (("straight", None), ("undercut 20, 8, 9.3", OPTIMUM)):
+        body = prepare_joint(replace(THESIS, undercut=cut))
+        stress = section_stress(body, solve_joint(body, load=load), harmonics=200)
+        away = stress.von_mises[stress.r > THESIS.bushing_radius + 4e-3]
+        place = int(away.argmax())
+        print(
+            f"{label:20} largest {float(stress.peak_von_mises) / 1e6:5.0f} MPa at r "
+            f"{float(stress.peak_r) * 1e3:.2f}, z {float(stress.peak_z) * 1e3:.1f} mm; beyond "
+            f"4 mm of the bore {float(away[place]) / 1e6:5.0f} MPa at "
+            f"r {float(away.r[place]) * 1e3:.1f}, z {float(away.z[place]) * 1e3:.1f} mm"
+        )
+
+
+def refine(load: float) -> None:
+    """Cells at the end of the bushing from 2 mm to 0.05 mm, and twice as many round the axis."""
+    for cut in (None, OPTIMUM):
+        for cell in (2e-3, 1e-3, 0.5e-3, 0.2e-3, 0.1e-3, 0.05e-3):
+            started = time.process_time()
+            body = prepare_joint(replace(THESIS, undercut=cut), smallest_cell=cell)
+            prepared = time.process_time() - started
+            found = solve_joint(body, load=load)
+            fine = solve_joint(body, load=load, around=1024)
+            kind = "straight" if cut is None else "undercut"
+            show(f"{kind}, cell {cell * 1e3:g} mm, {prepared:.1f} s", found)
+            change = float(fine.patch_pressure / found.patch_pressure) - 1
+            print(f"    1024 round the axis instead of 512: {change:+.1e}")
+
+
+def main() -> None:
+    """Run the chosen part."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "part",
+        choices=["speed", "roller", "thesis", "lobes", "trends", "search", "stress", "mesh"],
+    )
+    parser.add_argument("--pounds", type=float, default=100e3, help="load on the pin [lbf]")
+    given = parser.parse_args()
+    load = given.pounds * POUND
+    {
+        "speed": compare_speed,
+        "roller": compare_roller,
+        "thesis": compute_thesis,
+        "lobes": compute_lobes,
+        "trends": lambda: compute_trends(load),
+        "search": lambda: search(load),
+        "stress": lambda: compute_stress(load),
+        "mesh": lambda: refine(load),
+    }[given.part]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,167 @@
+"""The joint against Persson's law, its own similarity, and what Farzaneh (2002) observed."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import persson_contact
+
+pytest.importorskip("skfem", reason="the finite elements of the joint are those of scikit-fem")
+
+from erlif.models.edges import (
+    Joint,
+    Undercut,
+    prepare_joint,
+    search_undercut,
+    section_stress,
+    solve_joint,
+)
+from erlif.models.edges.cylinders import Section, compute_compliance
+from erlif.models.edges.joint import ElasticJoint, graded_lines
+
+THESIS = Joint(0.03336, 0.03359, 0.0533, length=0.2373, pin_length=0.3508)
+OPTIMUM = Undercut(depth=0.020, width=0.008, lip=0.0093)
+TEN_THOUSAND_POUNDS = 44.48e3
+
+
+SHORT = replace(THESIS, length=0.06, pin_length=0.12)
+COARSE = {"smallest_cell": 2e-3, "harmonics": [0, 1, 2, 4, 8, 16, 32, 64, 128]}
+
+
+@pytest.fixture(scope="module")
+def straight():
+    return prepare_joint(THESIS, **COARSE)
+
+
+@pytest.fixture(scope="module")
+def undercut(straight):
+    return prepare_joint(replace(THESIS, undercut=OPTIMUM), pin=straight.pin, **COARSE)
+
+
+@pytest.fixture(scope="module")
+def short():
+    return prepare_joint(SHORT, **COARSE)
+
+
+@pytest.mark.parametrize("line_load", [1e5, 1e6])
+def test_long_joint_has_perssons_pressure(line_load):
+    """Plane strain, a thick bushing: half contact angles of 26 and 60 degrees."""
+    cells = np.array([0.0, 1.0])
+    pin_radii = 1 - graded_lines(1.0, first=0.01, growth=1.5, largest=0.2)[::-1]
+    radii = 1.001 + graded_lines(30.0, first=0.01, growth=1.5, largest=5.0)
+    sections = (
+        Section(pin_radii, cells, 1.0, 1e9, 0.3, False, held_ends=True),
+        Section(radii, cells, radii[0], 1e9, 0.3, True, held_ends=True),
+    )
+    pin, bushing = (compute_compliance(section, cells) for section in sections)
+    joint = Joint(1.0, 1.001, 31.001, length=2.0, pin_length=2.0)
+    elastic = ElasticJoint(joint, cells, (0.0, 1.0), sections, pin, bushing)
+    elastic.pin.loaded.resize((1, 1), refcheck=False)
+    found = solve_joint(elastic, load=2 * line_load, tolerance=1e-6)
+    exact = persson_contact(line_load, play=0.002, pin_diameter=2.0, youngs_modulus=1e9 / 0.91)
+    npt.assert_allclose(found.peak_pressure, exact.pressure, rtol=1e-3)
+    touching = found.angle[found.pressure[:, 0] > 0]
+    npt.assert_allclose(touching.max(), exact.half_angle, atol=2 * np.pi / 512)
+
+
+def test_straight_bushing_presses_at_its_end(straight):
+    """Farzaneh (2002), section 3.4: the largest pressure is at the inside edge of the bushing."""
+    found = solve_joint(straight, load=TEN_THOUSAND_POUNDS)
+    npt.assert_allclose(found.peak_z, found.z[-1])
+    npt.assert_allclose(found.force, TEN_THOUSAND_POUNDS, rtol=1e-9)
+    npt.assert_allclose(2 * (found.line_load * found.cell_length).sum(), found.force, rtol=1e-9)
+    npt.assert_allclose(found.pressure[1:], found.pressure[:0:-1], rtol=0.01, atol=1e4)
+    assert float(found.gap.min()) > -1e-9
+    assert np.all(np.diff(found.bending) > 0)  # the ends of the pin sink most
+
+
+def test_undercut_relieves_the_edge(straight, undercut):
+    before = solve_joint(straight, load=10 * TEN_THOUSAND_POUNDS)
+    after = solve_joint(undercut, load=10 * TEN_THOUSAND_POUNDS)
+    assert float(after.patch_pressure) < 0.5 * float(before.patch_pressure)
+    assert float(after.peak_pressure) < 0.4 * float(before.peak_pressure)
+
+
+def test_load_and_modulus_scale_together(short):
+    """Farzaneh (2002), section 3.1: 1/75 of modulus and load are 1/75 of the pressure."""
+    soft = replace(SHORT, youngs_modulus=200e9 / 75, pin_youngs_modulus=200e9 / 75)
+    acrylic = solve_joint(prepare_joint(soft, **COARSE), load=TEN_THOUSAND_POUNDS / 75)
+    steel = solve_joint(short, load=TEN_THOUSAND_POUNDS)
+    npt.assert_allclose(75 * acrylic.pressure, steel.pressure, rtol=1e-6, atol=1.0)
+
+
+def test_lobes_take_the_pressure_off_the_ends(straight):
+    lobed = solve_joint(
+        straight, load=TEN_THOUSAND_POUNDS, lobes=[0.06], lobe_radius=0.2, lobe_height=0.15e-3
+    )
+    npt.assert_allclose(lobed.peak_z, 0.06, atol=0.008)
+
+
+def test_a_load_beside_the_middle_tilts_the_pin(short):
+    whole = prepare_joint(SHORT, **COARSE, whole=True)
+    even, centred = solve_joint(short, load=2e4), solve_joint(whole, load=2e4)
+    npt.assert_allclose(centred.peak_pressure, even.peak_pressure, rtol=1e-3)
+    npt.assert_allclose(centred.displacement, even.displacement, rtol=1e-3)
+    npt.assert_allclose(centred.tilt, 0, atol=1e-9)
+    off = solve_joint(whole, load=2e4, load_position=5e-3)
+    arm = (off.line_load * off.cell_length * off.z).sum() / off.force
+    npt.assert_allclose(arm, 5e-3, rtol=1e-6)
+    assert float(off.tilt) > 0
+    with pytest.raises(ModelError, match="whole=True"):
+        solve_joint(short, load=2e4, load_position=5e-3)
+    with pytest.raises(ModelError, match="beyond the bushing"):
+        solve_joint(whole, load=2e4, load_position=0.04)
+
+
+def test_stress_in_the_wall_carries_the_load():
+    """Below the contact the radial stress of a wide, thin ring is the pressure above it."""
+    thin = Joint(0.03336, 0.03359, 0.0346, length=0.2, pin_length=0.2)
+    elastic = prepare_joint(thin, **COARSE, load_span=(0.0, 0.1), growth=1.6, largest_cell=0.03)
+    contact = solve_joint(elastic, load=1e6, around=256)
+    stress = section_stress(elastic, contact, harmonics=40)
+    middle = (stress.z < 0.03) & (stress.r > 0.0339)
+    pressed = contact.pressure.sel(angle=0, z=0, method="nearest")
+    npt.assert_allclose(-stress.stress_rr[middle].mean(), pressed, rtol=0.05)
+    assert {"peak_von_mises", "peak_r", "peak_z"} <= set(stress)
+
+
+def test_search_finds_the_lowest_of_all_undercuts():
+    found = search_undercut(
+        SHORT, load=1e5, depths=[0.005, 0.01], widths=[0.005, 0.018], lips=[0.005], **COARSE
+    )
+    assert np.isnan(found.patch_pressure.sel(width=0.018)).all()  # wider than the wall
+    best = found.patch_pressure.sel(
+        depth=found.best_depth, width=found.best_width, lip=found.best_lip
+    )
+    npt.assert_allclose(best, found.patch_pressure.min())
+    assert float(best) < float(found.patch_uncut)
+    with pytest.raises(ModelError, match="No undercut"):
+        search_undercut(SHORT, load=1e5, depths=[0.04], widths=[0.005], lips=[0.005], **COARSE)
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"bushing_radius": 0.03}, "pin_radius"),
+        ({"pin_length": 0.1}, "pin_length"),
+        ({"youngs_modulus": -1.0}, "youngs_modulus"),
+        ({"undercut": Undercut(0.02, 0.015, 0.01)}, "does not fit"),
+    ],
+)
+def test_joints_that_cannot_be_are_refused(changes, part):
+    with pytest.raises(ModelError, match=part):
+        replace(THESIS, **changes)
+
+
+def test_options_that_cannot_be_are_refused(straight):
+    with pytest.raises(ModelError, match="even number"):
+        solve_joint(straight, load=1.0, around=33)
+    with pytest.raises(ModelError, match="Lobes lie"):
+        solve_joint(straight, load=1.0, lobes=[0.2], lobe_height=1e-4)
+    with pytest.raises(ModelError, match="load_span"):
+        prepare_joint(replace(THESIS, pin_length=THESIS.length))
+    with pytest.raises(ModelError, match="growth"):
+        prepare_joint(THESIS, growth=0.5)
