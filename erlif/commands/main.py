@@ -27,6 +27,7 @@ from erlif.commands.ending import (
 from erlif.commands.endurance import endurance
 from erlif.commands.export import export
 from erlif.commands.figures import figures
+from erlif.commands.friction import friction
 from erlif.commands.init import init
 from erlif.commands.log import show_log
 from erlif.commands.movie import movie
@@ -132,6 +133,7 @@ for command in (
     report,
     compare,
     endurance,
+    friction,
     export,
     view,
     design,

@@ -5,6 +5,12 @@ from erlif.endurance.failure import FailureLoad, failure_load
 from erlif.endurance.friction import measure_friction
 from erlif.endurance.log import LogColumns, read_endurance_log
 from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
+from erlif.endurance.reversals import (
+    ReversalSeries,
+    analyse_reversals,
+    describe_reversals,
+    write_reversal_table,
+)
 from erlif.endurance.stages import Stage, find_stages
 from erlif.endurance.summary import describe_test, write_test_table
 
@@ -14,14 +20,18 @@ __all__ = [
     "LogColumns",
     "Onset",
     "OnsetSearch",
+    "ReversalSeries",
     "Stage",
     "StageFriction",
     "analyse_endurance",
+    "analyse_reversals",
+    "describe_reversals",
     "describe_test",
     "failure_load",
     "find_onset",
     "find_stages",
     "measure_friction",
     "read_endurance_log",
+    "write_reversal_table",
     "write_test_table",
 ]

@@ -39,6 +39,7 @@ from erlif.plots.example import (
 )
 from erlif.plots.files import find_fixture, find_run, missing_figures, write_figures
 from erlif.plots.frames import band_images, band_images_figure, ratio_image
+from erlif.plots.friction import friction_over_reversals, write_reversal_figure
 from erlif.plots.kinematics import (
     cycle_figure,
     film_over_cycle,
@@ -111,6 +112,7 @@ __all__ = [
     "find_fixture",
     "find_run",
     "fixture_profile",
+    "friction_over_reversals",
     "friction_over_test",
     "gap_curvature",
     "load_balance",
@@ -150,4 +152,5 @@ __all__ = [
     "write_example",
     "write_figures",
     "write_pressure_figure",
+    "write_reversal_figure",
 ]

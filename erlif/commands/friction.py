@@ -1,0 +1,108 @@
+"""``erlif friction``: torque logs of bushings whose motion reverses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.log_columns import choose_columns, column_pairs, quantity
+from erlif.commands.options import OVERWRITE, PATH
+
+_SHARE = click.FloatRange(min=0, max=1)
+
+
+@click.command()
+@click.argument("log", type=PATH)
+@click.option("--radius", callback=quantity("m"), help='Radius of the shaft, "5 mm".')
+@click.option("--arm", callback=quantity("m"), help='Arm of the torque\'s load cell, "30 cm".')
+@click.option("--vector", is_flag=True, help="The load is the vector sum of the cells.")
+@click.option("--speed", callback=quantity("m/s"), help='Sliding speed, "10 mm/s".')
+@click.option("--torque-std", type=_SHARE, default=0.0, help="Relative error of the torque.")
+@click.option("--load-std", type=_SHARE, default=0.0, help="Relative error of the load.")
+@click.option("--radius-std", type=_SHARE, default=0.0, help="Relative error of the radius.")
+@click.option(
+    "--torque-ratio",
+    type=click.FloatRange(min=1),
+    default=1.0,
+    show_default=True,
+    help="Torque ratio of the contact, 1.273 once it is worn in; gives the true coefficient.",
+)
+@click.option(
+    "--column",
+    "columns",
+    metavar="QUANTITY=NAME",
+    multiple=True,
+    callback=column_pairs,
+    help="Column of time, cells, torque or arm_force; names of several cells are separated by "
+    "commas.",
+)
+@click.option(
+    "--unit",
+    "units",
+    metavar="QUANTITY=UNIT",
+    multiple=True,
+    callback=column_pairs,
+    help="Unit of a column whose header has none.",
+)
+@click.option("-o", "--output", type=PATH, help="Directory; default: friction/ beside the log.")
+@OVERWRITE
+def friction(
+    log: Path,
+    radius: float | None,
+    arm: float | None,
+    vector: bool,
+    speed: float | None,
+    torque_std: float,
+    load_std: float,
+    radius_std: float,
+    torque_ratio: float,
+    columns: dict[str, tuple[str, ...]],
+    units: dict[str, tuple[str, ...]],
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Compute the friction of a bushing from a torque log with reversals.
+
+    Half the difference of both directions is free of an offset of the cell. Prints the coefficient
+    with its standard deviation by cause, draws it over time or sliding distance, and writes a table
+    of the pairs of stretches.
+
+    \b
+    Example:
+      erlif friction bushing.csv --radius "5 mm" --vector --load-std 0.01
+    """
+    with large_imports():
+        from erlif.endurance import (
+            analyse_reversals,
+            describe_reversals,
+            read_endurance_log,
+            write_reversal_table,
+        )
+        from erlif.files import refuse_existing
+        from erlif.plots import write_reversal_figure
+
+    if radius is None:
+        raise click.UsageError('Expected the radius of the shaft. Give it: --radius "5 mm"')
+    choice = choose_columns(columns, units)
+    output = output or log.parent / "friction"
+    table, picture = output / f"{log.stem}.csv", output / f"{log.stem}.png"
+    for path in (table, picture):
+        refuse_existing(path, overwrite=overwrite)
+
+    read = read_endurance_log(log, choice)
+    found = analyse_reversals(
+        read,
+        shaft_radius=radius,
+        arm=arm,
+        vector=vector,
+        speed=speed,
+        torque_std=torque_std,
+        load_std=load_std,
+        radius_std=radius_std,
+    )
+    click.echo("\n".join(describe_reversals(found, torque_ratio=torque_ratio)))
+    click.echo(f"columns: {read.attrs['columns']}\n")
+    click.echo(f"written: {write_reversal_table(found, table)}")
+    click.echo(f"written: {write_reversal_figure(found, picture)}")

@@ -1,0 +1,58 @@
+"""Options of the commands that read logs of test machines: quantities, columns and their units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from erlif.core.units import parse_quantity
+
+
+def quantity(unit: str) -> Callable[..., float | None]:
+    """Read the value of an option that is written with its unit."""
+
+    def read(ctx: click.Context, option: click.Parameter, value: str | None) -> float | None:
+        if value is None:
+            return None
+        try:
+            return parse_quantity(value, unit)
+        except ValueError as error:
+            raise click.BadParameter(str(error)) from error
+
+    return read
+
+
+def column_pairs(
+    ctx: click.Context, option: click.Parameter, values: tuple[str, ...]
+) -> dict[str, tuple[str, ...]]:
+    """Read options of the form QUANTITY=NAME,NAME."""
+    found: dict[str, tuple[str, ...]] = {}
+    for value in values:
+        name, equals, names = value.partition("=")
+        if not (name and equals and names):
+            raise click.BadParameter(f'expected QUANTITY=NAME, such as time="Zeit"; got {value!r}')
+        found[name.strip()] = tuple(part.strip() for part in names.split(",") if part.strip())
+    return found
+
+
+def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[str, ...]]) -> Any:
+    """The columns as the reader takes them."""
+    from erlif.endurance import LogColumns
+    from erlif.endurance.log import QUANTITIES, SEVERAL
+
+    for option, given in (("--column", columns), ("--unit", units)):
+        for name in given:
+            if name not in QUANTITIES:
+                raise click.BadParameter(
+                    f"expected one of {', '.join(QUANTITIES)}; got {name!r}", param_hint=option
+                )
+    chosen: dict[str, Any] = {}
+    for name, names in columns.items():
+        if len(names) > 1 and name not in SEVERAL:
+            raise click.BadParameter(
+                f"expected one column for {name}; got {len(names)}", param_hint="--column"
+            )
+        chosen[name] = names if name in SEVERAL else names[0]
+    return LogColumns(**chosen, units={name: unit[0] for name, unit in units.items()})

@@ -1,0 +1,337 @@
+"""Friction of a bushing from a torque log with reversals: pair by pair, with its error by cause."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
+from erlif.files import replacing
+from erlif.models.arguments import require_not_negative, require_positive
+from erlif.models.friction import friction_coefficient
+
+_ENDS = (5.0, 95.0)  # percentiles of the torque, which single jerks do not shift
+_TRIM = 0.1  # of a stretch at each end, where the motor speeds up
+_FEWEST = 4  # samples of a stretch that remain
+_SHORTEST = 0.2  # of the median stretch: shorter ones are chatter at a reversal
+
+
+@dataclass(frozen=True)
+class ReversalSeries:
+    """Apparent friction coefficient of a torque log with reversals.
+
+    Attributes
+    ----------
+    pairs : xarray.Dataset
+        Over ``time`` [s], the middle of each pair of stretches: friction [1], friction_std [1]
+        (scatter alone), offset [1], load [N], and sliding_distance [m] where the speed is known.
+    friction : float
+        Mean over the pairs. [1]
+    friction_std : float
+        Its standard deviation from all causes. [1]
+    budget : dict[str, float]
+        Standard deviation by cause: scatter, torque, load, shaft radius. [1]
+    trend : float
+        Change of the coefficient from the first to the last pair by a straight line. [1]
+    trend_std : float
+        Standard deviation of `trend`, from the scatter of the pairs about the line. [1]
+    """
+
+    pairs: xr.Dataset
+    friction: float
+    friction_std: float
+    budget: dict[str, float]
+    trend: float
+    trend_std: float
+
+
+def analyse_reversals(
+    log: xr.Dataset,
+    *,
+    shaft_radius: float,
+    arm: float | None = None,
+    vector: bool = False,
+    speed: float | None = None,
+    torque_std: float = 0.0,
+    load_std: float = 0.0,
+    radius_std: float = 0.0,
+) -> ReversalSeries:
+    """Compute the apparent friction coefficient of a log whose motion reverses.
+
+    Half the difference of the torques of two neighbouring stretches of opposite direction is free
+    of an offset of the cell (Colbert et al. 2009, section 2); each stretch belongs to one pair.
+
+    Parameters
+    ----------
+    log : xarray.Dataset
+        From `erlif.read_endurance_log`: over ``time``, ``cells`` (cell, time) [N], and ``torque``
+        [N m] or ``arm_force`` [N], with the sign of the direction.
+    shaft_radius : float
+        Radius of the shaft. [m]
+    arm : float, optional
+        Distance of the cell that carries the torque from the axis, where the log has its force. [m]
+    vector : bool
+        The cells are components across the shaft, and the load is their vector sum; default: the
+        load is their sum.
+    speed : float, optional
+        Sliding speed, for the sliding distance. [m/s]
+    torque_std, load_std, radius_std : float
+        Relative standard deviations of the calibrations of torque and load and of the radius, which
+        all pairs share. [1]
+
+    Returns
+    -------
+    ReversalSeries
+        Coefficient of each pair and of the whole log, with standard deviations.
+
+    Raises
+    ------
+    EnduranceError
+        If the torque does not reverse, fewer than two pairs are complete, or the arm is missing.
+    ModelError
+        If a radius or speed is not positive.
+
+    Notes
+    -----
+    The coefficient is torque over load and radius, mu'. The true one is smaller by the torque
+    ratio of the contact, see `erlif.models.friction` and `erlif.models.running_in`. The standard
+    deviation of a mean counts the scatter of the pairs, which includes slow noise, not that of the
+    samples.
+
+    Examples
+    --------
+    A torque of 0.6 N m that reverses each 5 s about an offset of 0.1 N m, at 400 N:
+
+    >>> time = np.arange(0.0, 40.0, 0.1)
+    >>> torque = 0.6 * np.where(time % 10 < 5, 1, -1) + 0.1
+    >>> log = xr.Dataset(
+    ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
+    ...     {"time": time},
+    ... )
+    >>> found = analyse_reversals(log, shaft_radius=0.01, load_std=0.01)
+    >>> print(f"{found.friction:.3f} ± {found.friction_std:.4f}, {found.pairs.offset[0]:.3f}")
+    0.150 ± 0.0015, 0.025
+    """
+    require_positive(shaft_radius=shaft_radius)
+    require_not_negative(torque_std=torque_std, load_std=load_std, radius_std=radius_std)
+    if speed is not None:
+        require_positive(speed=speed)
+    cells = log["cells"].values
+    load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
+    time = log["time"].values
+    torque = _torque(log, arm)
+    pairs = _pairs(time, torque, load, shaft_radius)
+    if speed is not None:
+        distance = (pairs["time"].values - time[0]) * speed
+        pairs["sliding_distance"] = ("time", distance, {"units": "m"})
+
+    values = pairs["friction"].values
+    mean = float(values.mean())
+    budget = {
+        "scatter": float(values.std(ddof=1) / np.sqrt(values.size)),
+        "torque": mean * torque_std,
+        "load": mean * load_std,
+        "shaft radius": mean * radius_std,
+    }
+    trend, trend_std = _trend(pairs["time"].values, values)
+    return ReversalSeries(
+        pairs,
+        mean,
+        float(np.sqrt(sum(one**2 for one in budget.values()))),
+        budget,
+        trend,
+        trend_std,
+    )
+
+
+def _torque(log: xr.Dataset, arm: float | None) -> Array:
+    if "torque" in log:
+        found: Array = log["torque"].values
+        return found
+    if arm is None:
+        raise EnduranceError(
+            "Expected the arm of the load cell whose force is logged; it is not given. Write "
+            '--arm "30 cm".'
+        )
+    require_positive(arm=arm)
+    force: Array = log["arm_force"].values
+    return force * arm
+
+
+def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:
+    """One value for each two neighbouring stretches of opposite direction."""
+    low, high = np.percentile(torque, _ENDS)
+    forward = torque > 0.5 * (low + high)
+    starts = np.flatnonzero(np.diff(forward.astype(int), prepend=2))
+    counts = np.diff(np.append(starts, time.size))
+
+    # a jerk or chatter at a reversal makes short stretches, which belong to none
+    long = counts >= max(_SHORTEST * np.median(counts[counts > 1]) if np.any(counts > 1) else 0, 1)
+    stretches = [
+        _stretch(time, torque, load, a, n, bool(forward[a]), radius)
+        for a, n in zip(starts[long], counts[long], strict=True)
+        if n - 2 * int(_TRIM * n) >= _FEWEST
+    ]
+    found = []
+    index = 0
+    while index + 1 < len(stretches):
+        one, other = stretches[index], stretches[index + 1]
+        if one.forward == other.forward:  # what lay between them was too short
+            index += 1
+            continue
+        found.append((one, other))
+        index += 2
+    if len(found) < 2:
+        raise EnduranceError(
+            f"Expected a torque that reverses at least three times, got {len(stretches)} stretches "
+            "of one direction. Log the torque with its sign, over two reversals of the motor and "
+            "back."
+        )
+    half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in found])
+    middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in found])
+    scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in found])
+    at = np.array([0.5 * (a.time + b.time) for a, b in found])
+    carried = np.array([0.5 * (a.load + b.load) for a, b in found])
+    return xr.Dataset(
+        {
+            "friction": ("time", half, {"units": "1"}),
+            "friction_std": ("time", scatter, {"units": "1"}),
+            "offset": ("time", middle, {"units": "1"}),
+            "load": ("time", carried, {"units": "N"}),
+        },
+        {"time": ("time", at, {"units": "s"})},
+    )
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Motion in one direction."""
+
+    forward: bool
+    time: float
+    ratio: float  # signed torque over load and radius
+    std: float
+    load: float
+
+
+def _stretch(
+    time: Array, torque: Array, load: Array, start: int, count: int, forward: bool, radius: float
+) -> _Stretch:
+    cut = int(_TRIM * count)
+    inside = slice(start + cut, start + count - cut)
+    if np.any(load[inside] <= 0):
+        raise EnduranceError(
+            f"Expected a load above 0 during the motion; it is {load[inside].min():.3g} N after "
+            f"{time[start]:.1f} s. Cut the log to the loaded time, or check the sign of the cells."
+        )
+    ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
+    return _Stretch(
+        forward,
+        float(time[inside].mean()),
+        float(ratio.mean()),
+        _std_of_mean(ratio),
+        float(load[inside].mean()),
+    )
+
+
+def _std_of_mean(values: Array) -> float:
+    """With the correlation of the noise, by Bartlett's window of square-root width."""
+    away = values - values.mean()
+    size = values.size
+    width = int(np.sqrt(size))
+    variance = float(away @ away) / size
+    for lag in range(1, width):
+        variance += 2 * (1 - lag / width) * float(away[lag:] @ away[:-lag]) / size
+    return float(np.sqrt(max(variance, 0.0) / size))
+
+
+def _trend(time: Array, values: Array) -> tuple[float, float]:
+    if values.size < 3:
+        return float("nan"), float("nan")
+    span = time[-1] - time[0]
+    away = time - time.mean()
+    slope = float(away @ values / (away @ away))
+    left = values - values.mean() - slope * away
+    std = np.sqrt(float(left @ left) / (values.size - 2) / float(away @ away))
+    return slope * span, float(std * span)
+
+
+def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:
+    """Describe the friction of a log in lines of text.
+
+    Parameters
+    ----------
+    found : ReversalSeries
+        From `analyse_reversals`.
+    torque_ratio : float
+        T* of the contact, by which the true coefficient is smaller. [1]
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> time = np.arange(0.0, 40.0, 0.1)
+    >>> torque = 0.6 * np.where(time % 10 < 5, 1, -1)
+    >>> log = xr.Dataset(
+    ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
+    ...     {"time": time},
+    ... )
+    >>> found = analyse_reversals(log, shaft_radius=0.01, load_std=0.01)
+    >>> print(describe_reversals(found)[0])
+    apparent friction coefficient: 0.1500 ± 0.0015 (4 pairs of stretches)
+    """
+    lines = [
+        f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
+        f"({found.pairs.sizes['time']} pairs of stretches)"
+    ]
+    lines += [f"  {name}: {value:.5f}" for name, value in found.budget.items()]
+    lines.append(f"offset of the torque: {float(found.pairs['offset'].mean()):.4f}")
+    if np.isfinite(found.trend):
+        lines.append(f"change over the log: {found.trend:+.4f} ± {found.trend_std:.4f}")
+    if torque_ratio > 1:
+        lines.append(
+            f"true friction coefficient, at a torque ratio of {torque_ratio:.4g}: "
+            f"{found.friction / torque_ratio:.4f} ± {found.friction_std / torque_ratio:.4f}"
+        )
+    return lines
+
+
+def write_reversal_table(found: ReversalSeries, output: Path) -> Path:
+    """Write one row for each pair of stretches as CSV.
+
+    Parameters
+    ----------
+    found : ReversalSeries
+        From `analyse_reversals`.
+    output : Path
+
+    Returns
+    -------
+    Path
+        `output`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+
+    Examples
+    --------
+    >>> write_reversal_table.__name__
+    'write_reversal_table'
+    """
+    names = ["time", *found.pairs.data_vars]
+    headings = [f"{name} [{found.pairs[name].attrs.get('units', 's')}]" for name in names]
+    rows = np.stack([found.pairs[name].values for name in names], axis=1)
+    with replacing(output) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(headings)
+        writer.writerows([f"{value:.6g}" for value in row] for row in rows)
+    return output

@@ -1,0 +1,63 @@
+"""``erlif friction``."""
+
+import csv
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    """0.12 about an offset, reversed each 10 s; two components of 400 N, 0.1 N m of offset."""
+    path = tmp_path_factory.mktemp("friction") / "bushing.csv"
+    time = np.arange(0.0, 120.0, 0.1)
+    torque = 0.12 * 400 * 0.005 * np.where(time % 20 < 10, 1, -1) + 0.1
+    torque += 0.002 * np.random.default_rng(0).normal(size=time.size)
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["Time [s]", "Fx [N]", "Fy [N]", "Torque [N m]"])
+        writer.writerows(zip(time.round(3), 0 * time + 240, 0 * time + 320, torque, strict=True))
+    return path
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["friction", *map(str, words)])
+
+
+GIVEN = ("--radius", "5 mm", "--vector", "--column", "cells=Fx,Fy")
+
+
+def test_a_log_gives_the_coefficient_its_budget_a_table_and_a_figure(log, tmp_path):
+    words = (*GIVEN, "--speed", "10 mm/s", "--load-std", 0.01, "--torque-ratio", 1.25)
+    result = run(log, *words, "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "apparent friction coefficient: 0.1200 ± 0.0012 (6 pairs" in result.stdout
+    assert "offset of the torque: 0.0500" in result.stdout
+    assert "torque ratio of 1.25: 0.0960 ± 0.0010" in result.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {"bushing.csv", "bushing.png"}
+    rows = (tmp_path / "bushing.csv").read_text().splitlines()
+    assert rows[0].startswith("time [s],friction [1],friction_std [1]")
+    assert rows[0].endswith("sliding_distance [m]")
+    assert len(rows) == 7
+    again = run(log, *words, "-o", tmp_path)
+    assert again.exit_code == 2
+    assert "exists already" in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--vector",), "--radius"),
+        (("--radius", "5"), "number with a unit"),
+        (("--radius", "5 mm", "--column", "cells=Fz"), "Expected column 'Fz'"),
+        ((*GIVEN, "--load-std", "3"), "0<=x<=1"),
+    ],
+)
+def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
+    result = run(log, *words, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,31 @@
+"""Options that name the columns of a log."""
+
+import click
+import pytest
+
+from erlif.commands.log_columns import choose_columns, column_pairs, quantity
+
+
+def test_columns_and_units_become_the_choice_of_the_reader():
+    chosen = choose_columns({"cells": ("Fx", "Fy"), "torque": ("M",)}, {"torque": ("N m",)})
+    assert chosen.cells == ("Fx", "Fy")
+    assert chosen.torque == "M"
+    assert chosen.units == {"torque": "N m"}
+
+
+def test_names_are_separated_by_commas():
+    assert column_pairs(None, None, ("cells=Fx, Fy",)) == {"cells": ("Fx", "Fy")}
+
+
+@pytest.mark.parametrize("text", ["cells", "=Fx", "cells="])
+def test_a_pair_without_name_or_column_is_refused(text):
+    with pytest.raises(click.BadParameter, match="QUANTITY=NAME"):
+        column_pairs(None, None, (text,))
+
+
+def test_a_quantity_is_read_with_its_unit():
+    read = quantity("m")
+    assert read(None, None, "5 mm") == pytest.approx(0.005)
+    assert read(None, None, None) is None
+    with pytest.raises(click.BadParameter):
+        read(None, None, "5")

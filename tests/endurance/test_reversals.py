@@ -1,0 +1,106 @@
+"""Apparent friction of torque logs with reversals, against logs of known friction."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+
+from erlif.core.errors import EnduranceError
+from erlif.endurance import analyse_reversals
+
+RADIUS, LOAD = 0.005, 400.0
+
+
+def make_log(rng, *, friction=0.12, drift=0.0, offset=0.04, noise=0.01, slow=0.0, gain=1.0):
+    """600 s with a reversal each 10 s, a ramp of 0.3 s at each, white and slow noise."""
+    time = np.arange(0.0, 600.0, 0.1)
+    phase = (time % 20.0) / 10.0
+    sense = np.clip(np.minimum(phase, 1 - phase) * 33, 0, 1) * (phase < 1)
+    back = phase - 1
+    sense -= np.clip(np.minimum(back, 1 - back) * 33, 0, 1) * (phase >= 1)
+    true = friction + drift * (time / time[-1] - 0.5)
+    wander = np.repeat(slow * rng.normal(size=30), time.size // 30)  # each 20 s another
+    ratio = sense * (true + wander) + offset + noise * rng.normal(size=time.size)
+    cells = np.array([np.full(time.size, 0.6 * LOAD), np.full(time.size, 0.8 * LOAD)])
+    return xr.Dataset(
+        {"cells": (("cell", "time"), cells), "torque": ("time", gain * ratio * LOAD * RADIUS)},
+        {"time": time},
+    )
+
+
+def test_friction_and_offset_are_found():
+    found = analyse_reversals(
+        make_log(np.random.default_rng(0), noise=0.0), shaft_radius=RADIUS, vector=True, speed=0.01
+    )
+    npt.assert_allclose(found.pairs.friction, 0.12, rtol=1e-9)
+    npt.assert_allclose(found.pairs.offset, 0.04, rtol=1e-9)
+    npt.assert_allclose(found.pairs["load"], LOAD)
+    assert found.pairs.sizes["time"] == 30
+    npt.assert_allclose(found.pairs.sliding_distance[0], 0.1, rtol=0.02)
+
+
+def test_standard_deviations_cover():
+    """Gain of the torque 1 % and friction that wanders; bounds of a binomial share of 150 logs."""
+    rng = np.random.default_rng(5)
+    pulls, drifts = [], []
+    for _ in range(150):
+        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal())
+        found = analyse_reversals(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
+        pulls.append((found.friction - 0.12) / found.friction_std)
+        drifts.append((found.trend - 0.01 * 29 / 30) / found.trend_std)
+    for values in (pulls, drifts):
+        for width, share in ((1.0, 0.683), (1.96, 0.95)):
+            bound = 3 * np.sqrt(share * (1 - share) / len(values))
+            assert abs(np.mean(np.abs(values) < width) - share) < bound
+
+
+def test_error_of_a_pair_is_that_of_its_noise():
+    found = analyse_reversals(
+        make_log(np.random.default_rng(2), noise=0.02), shaft_radius=RADIUS, vector=True
+    )
+    npt.assert_allclose(found.pairs.friction_std.median(), 0.02 / np.sqrt(2 * 80), rtol=0.15)
+    npt.assert_allclose(found.pairs.friction.std(), 0.02 / np.sqrt(2 * 80), rtol=0.4)
+
+
+def test_the_budget_adds_up():
+    found = analyse_reversals(
+        make_log(np.random.default_rng(2)),
+        shaft_radius=RADIUS,
+        vector=True,
+        torque_std=0.01,
+        load_std=0.02,
+        radius_std=0.003,
+    )
+    assert list(found.budget) == ["scatter", "torque", "load", "shaft radius"]
+    npt.assert_allclose(found.friction_std, np.linalg.norm(list(found.budget.values())))
+    npt.assert_allclose(found.budget["load"], 0.02 * found.friction)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"friction": 0.0, "noise": 0.0}, "reverses at least three times"),
+        ({"friction": 0.12, "gain": np.nan}, "reverses at least three times"),
+    ],
+)
+def test_a_log_without_reversals_is_refused(changes, message):
+    log = make_log(np.random.default_rng(0), **changes)
+    if changes["friction"] == 0.0:
+        log["torque"] = log["torque"] * 0 + 1.0
+    with pytest.raises(EnduranceError, match=message):
+        analyse_reversals(log, shaft_radius=RADIUS)
+
+
+def test_a_force_needs_its_arm():
+    log = make_log(np.random.default_rng(0)).rename(torque="arm_force")
+    with pytest.raises(EnduranceError, match="--arm"):
+        analyse_reversals(log, shaft_radius=RADIUS)
+    found = analyse_reversals(log, shaft_radius=RADIUS, arm=0.5, vector=True)
+    npt.assert_allclose(found.friction, 0.06, rtol=0.01)
+
+
+def test_unloaded_motion_is_refused():
+    log = make_log(np.random.default_rng(0))
+    log["cells"][:, 1000:1100] = -1.0
+    with pytest.raises(EnduranceError, match="load above 0"):
+        analyse_reversals(log, shaft_radius=RADIUS)
