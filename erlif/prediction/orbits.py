@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -49,6 +51,10 @@ _NUDGE = 0.02  # of the logarithm of the start film, for the first of them
 _THICKEST = 0.999  # of the clearance, of a start film
 
 _SMALLEST_FLUIDITY = 1e-3  # of a film with cavities, which a pin without load would never leave
+
+
+_Film: TypeAlias = tuple[tuple[int, int], int, dict[str, float]]
+"""Cells, stride and unknowns of one film."""
 
 
 class Orbits(Protocol):
@@ -167,8 +173,8 @@ class HeldOrbits:
     def follow(self, unknowns: dict[str, Array]) -> Array:
         """As `Orbits.follow`, one transient film for each case."""
         cases = len(unknowns["fluidity"])
-        one = ({name: float(column[k]) for name, column in unknowns.items()} for k in range(cases))
-        found = np.stack([self._known(self.cells, _STRIDE, case) for case in one])
+        each = [{name: float(column[k]) for name, column in unknowns.items()} for k in range(cases)]
+        found = np.stack(self._all_known([(self.cells, _STRIDE, case) for case in each]))
         return found if self.shift is None else found + self.shift
 
     def corrected(self, unknowns: dict[str, float]) -> HeldOrbits:
@@ -183,6 +189,10 @@ class HeldOrbits:
 
         long = self.motion.time.size > _LONG
         around, across = LONG_CELLS if long else FINE_CELLS
+        if long:  # the longest first, so that the others are followed beside it
+            films = [((around, across), 1), ((2 * around, across), _STRIDE)]
+            films += [((around, across), _STRIDE), (self.cells, _STRIDE)]
+            self._all_known([(cells, stride, unknowns) for cells, stride in films])
         fine = follow((around, across))
         shift = fine - follow(self.cells)
         halved = follow((around, across), stride=1) - fine
@@ -229,6 +239,13 @@ class HeldOrbits:
         if key not in self.followed:
             self.followed[key] = self.follow_one(cells, stride, **unknowns)
         return self.followed[key]
+
+    def _all_known(self, wanted: list[_Film]) -> list[Array]:
+        """`_known` of several films; those of long runs side by side, one for each processor."""
+        if self.motion.time.size <= _LONG or len(wanted) == 1:
+            return [self._known(*one) for one in wanted]
+        with ThreadPoolExecutor(min(len(wanted), os.cpu_count() or 1)) as pool:
+            return list(pool.map(lambda one: self._known(*one), wanted))
 
     def lengthened(self, unknowns: dict[str, float]) -> tuple[HeldOrbits, float, float]:
         """These orbits after one more turn of the lead, from the same film at the first step.
