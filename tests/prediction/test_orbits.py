@@ -79,3 +79,15 @@ def test_longer_lead_ends_what_cavities_remember():
     assert orbits.turns == 5
     assert changes[3] < 0.1 * changes[0]
     npt.assert_allclose(films, films[0], atol=1e-9)
+
+
+def test_films_of_a_long_run_are_the_same_side_by_side():
+    """Bit for bit: each has arrays of its own."""
+    motion = crank_motion(RIG, crank_speed=11.94, load=222.4, cycles=21, steps_per_cycle=100)
+    both = {"fluidity": np.array([1.0, 0.5]), "start_film": np.log([25e-6, 20e-6])}
+    together = HeldOrbits(LONG, motion, "guided", cells=(64, 1)).follow(both)
+    for k in range(2):
+        alone = HeldOrbits(LONG, motion, "guided", cells=(64, 1)).follow(
+            {name: values[k : k + 1] for name, values in both.items()}
+        )
+        npt.assert_array_equal(together[k], alone[0])
