@@ -25,6 +25,12 @@ SMALL = RigSettings(
 """Six triggers of 128 x 96 pixels."""
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests come first: beside them the short ones fill the other workers."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
+
+
 @dataclass(frozen=True)
 class Laboratory:
     """Directories as the rig wrote them; the fixture is calibrated."""
