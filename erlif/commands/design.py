@@ -7,14 +7,18 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.options import PATH
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix
 
 
 @click.command()
 @click.argument("source", metavar="JOINT.TOML", type=PATH, required=False)
 @click.option("--example", is_flag=True, help="Print a commented joint that works as it is.")
 @click.option("--materials", is_flag=True, help="Print the table of materials with its sources.")
-def design(source: Path | None, example: bool, materials: bool) -> None:
+@click.option("-o", "--output", type=PATH, help="Write a page with figures as well (.html).")
+@OVERWRITE
+def design(
+    source: Path | None, example: bool, materials: bool, output: Path | None, overwrite: bool
+) -> None:
     """Size a pin joint and check it step by step (Strand 2005, chapter 2).
 
     Dimensions that are not given are chosen. Prints dimensions and the margin of each step. A joint
@@ -23,9 +27,10 @@ def design(source: Path | None, example: bool, materials: bool) -> None:
     \b
     Example:
       erlif design --example > joint.toml
-      erlif design joint.toml
+      erlif design joint.toml -o joint.html
     """
     with large_imports():
+        from erlif.files import refuse_existing
         from erlif.pipeline.design import design as size
         from erlif.pipeline.design import example_joint_file
         from erlif.report import list_materials, summarise_design
@@ -42,4 +47,12 @@ def design(source: Path | None, example: bool, materials: bool) -> None:
         raise click.UsageError(
             "Expected the name of a joint. Make one with: erlif design --example > joint.toml"
         )
-    click.echo(summarise_design(size(source)))
+    if output is not None:
+        expect_suffix(output, ".html", option="-o")
+        refuse_existing(output, overwrite=overwrite)
+    designed = size(source)
+    click.echo(summarise_design(designed))
+    if output is not None:
+        from erlif.report import write_design_page
+
+        click.echo(f"\nwritten: {write_design_page(designed, output, overwrite=overwrite)}")

@@ -28,7 +28,9 @@ from erlif.sizing import (
     Lock,
     Material,
     read_materials,
+    sensitivities,
     size_joint,
+    substitutes,
     walk_guide,
 )
 
@@ -45,7 +47,7 @@ _EXAMPLE = {
     "pin.roughness": "0.4 um",
     "bushing.material": "CuAl10Ni5Fe4",
     "bushing.roughness": "0.8 um",
-    "bushing.wear": "2e-9 mm3/N/m",
+    "bushing.wear": "5e-8 mm3/N/m",
     "seat.material": "S355",
     "housing.material": "S355",
     "fit.interference": "60 um",
@@ -116,12 +118,15 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     settings, folder = _read(source, folder)
     wanted = joint_of(settings, folder)
     sized = size_joint(wanted, series=settings.sizing.series)
+    walk = walk_guide(sized)
     return BearingDesign(
         name=settings.name,
-        walk=walk_guide(sized),
+        walk=walk,
         chosen=tuple(name for name in DIMENSIONS if getattr(wanted, name) is None),
         series=settings.sizing.series,
         settings=to_toml(sized_settings(settings, sized)),
+        sensitivities=sensitivities(walk),
+        substitutes=substitutes(sized, _materials(settings, folder).values()),
     )
 
 
@@ -183,8 +188,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
     >>> joint_of(settings, Path()).bushing.name
     'CuAl10Ni5Fe4'
     """
-    own = settings.joint.materials
-    materials = read_materials(None if own is None else folder / own)
+    materials = _materials(settings, folder)
     load, motion, life, fit = settings.load, settings.motion, settings.life, settings.fit
     grease = settings.lubrication
     return Joint(
@@ -216,6 +220,11 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
         lateral_play=float(fit.lateral_play),
         lock=None if settings.lock is None else _lock(settings.lock, materials),
     )
+
+
+def _materials(settings: DesignSettings, folder: Path) -> Mapping[str, Material]:
+    own = settings.joint.materials
+    return read_materials(None if own is None else folder / own)
 
 
 _FIELDS = {

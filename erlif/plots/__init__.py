@@ -19,6 +19,15 @@ from erlif.plots.comparison import (
     film_against_duty,
     write_comparison_figures,
 )
+from erlif.plots.design import (
+    design_figure,
+    design_margins,
+    design_margins_figure,
+    design_pressure,
+    design_pv,
+    design_temperature,
+    design_wear,
+)
 from erlif.plots.endurance import (
     endurance_figure,
     friction_over_test,
@@ -91,6 +100,13 @@ __all__ = [
     "cycle_figure",
     "cycle_movie",
     "cycle_view",
+    "design_figure",
+    "design_margins",
+    "design_margins_figure",
+    "design_pressure",
+    "design_pv",
+    "design_temperature",
+    "design_wear",
     "difference_map_of_runs",
     "displacement_map",
     "draw_mechanism",

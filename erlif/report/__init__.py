@@ -11,6 +11,7 @@ from erlif.report.summary import describe_calibration, summarise, summarise_in_a
 
 if TYPE_CHECKING:
     from erlif.report.check_page import write_check_page
+    from erlif.report.design_page import make_design_page, write_design_page
     from erlif.report.page import write_report
     from erlif.report.runs import write_runs_report
 
@@ -21,6 +22,7 @@ __all__ = [
     "describe_calibration",
     "embed_map",
     "list_materials",
+    "make_design_page",
     "render_budget",
     "summarise",
     "summarise_design",
@@ -28,6 +30,7 @@ __all__ = [
     "summarise_plan",
     "summarise_prediction",
     "write_check_page",
+    "write_design_page",
     "write_plan",
     "write_report",
     "write_runs_report",
@@ -40,6 +43,10 @@ def __getattr__(name: str) -> Any:
         from erlif.report.check_page import write_check_page
 
         return write_check_page
+    if name in ("make_design_page", "write_design_page"):
+        from erlif.report import design_page
+
+        return getattr(design_page, name)
     if name == "write_report":
         from erlif.report.page import write_report
 

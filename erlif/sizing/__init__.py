@@ -6,6 +6,7 @@ from erlif.sizing.materials import Material, read_materials
 from erlif.sizing.outcome import BearingDesign
 from erlif.sizing.preferred import round_up
 from erlif.sizing.pressure import contact_of, pressure_over_arc
+from erlif.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.sizing.size import size_joint
 from erlif.sizing.steps import ROUNDING, Step
 from erlif.sizing.walk import Walk, walk_guide
@@ -18,7 +19,9 @@ __all__ = [
     "Joint",
     "Lock",
     "Material",
+    "Sensitivity",
     "Step",
+    "Substitute",
     "Walk",
     "contact_of",
     "dimensions_of",
@@ -26,6 +29,8 @@ __all__ = [
     "pressure_over_arc",
     "read_materials",
     "round_up",
+    "sensitivities",
     "size_joint",
+    "substitutes",
     "walk_guide",
 ]

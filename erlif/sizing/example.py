@@ -23,7 +23,7 @@ def example_joint() -> Joint:
     """
     materials = read_materials()
     steel = materials["S355"]
-    bronze = replace(materials["CuAl10Ni5Fe4"], wear=2e-18)  # invented
+    bronze = replace(materials["CuAl10Ni5Fe4"], wear=5e-17)  # invented
     return Joint(
         force=100e3,
         safety=2.0,

@@ -266,8 +266,8 @@ def wear_after(joint: Joint, distance: float) -> float | None:
     Examples
     --------
     >>> from erlif.sizing import example_joint
-    >>> print(f"{wear_after(example_joint(), 1e5) * 1e6:.1f} um")
-    1.9 um
+    >>> print(f"{wear_after(example_joint(), 1e4) * 1e6:.1f} um")
+    4.8 um
     """
     if joint.bushing.wear is None:
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from erlif.sizing.joint import Joint
+from erlif.sizing.sensitivity import Sensitivity, Substitute
 from erlif.sizing.walk import Walk
 
 
@@ -24,6 +25,10 @@ class BearingDesign:
         Preferred numbers to which they were rounded up; ``"none"`` for the least ones.
     settings : str
         The joint with all its dimensions, TOML.
+    sensitivities : tuple[Sensitivity, ...]
+        What the weakest margin depends on, the largest first.
+    substitutes : tuple[Substitute, ...]
+        Other bushings of the table at the same dimensions.
     """
 
     name: str
@@ -31,6 +36,8 @@ class BearingDesign:
     chosen: tuple[str, ...]
     series: str
     settings: str
+    sensitivities: tuple[Sensitivity, ...]
+    substitutes: tuple[Substitute, ...]
 
     @property
     def joint(self) -> Joint:

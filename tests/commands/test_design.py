@@ -52,3 +52,13 @@ def test_the_table_of_materials_is_printed():
     result = run("design", "--materials")
     assert result.exit_code == 0
     assert "aluminium bronze, Strand (2005)" in result.stdout
+
+
+def test_the_page_is_written_where_it_is_wanted(path):
+    page = path.with_suffix(".html")
+    result = run("design", path, "-o", page)
+    assert result.exit_code == 0, result.output
+    assert f"written: {page}" in result.stdout
+    assert "exists already" in run("design", path, "-o", page).stderr
+    assert run("design", path, "-o", page, "--overwrite").exit_code == 0
+    assert run("design", path, "-o", path.with_suffix(".pdf")).exit_code == 2
