@@ -29,7 +29,7 @@ from erlif.models.arguments import (
     require_positive,
     require_single,
 )
-from erlif.models.contact import persson_contact
+from erlif.models.contact import FULL_CONTACT, closed_contact_pressure, persson_contact
 from erlif.models.wear import friction_heat, mean_sliding_speed, pressure_velocity
 
 LARGEST_HOLE_RATIO = 0.2
@@ -425,13 +425,13 @@ def least_eyebar_diameter(
     Returns
     -------
     float or array
-        Minimum outer diameter D. [m]
+        Minimum outer diameter D; infinite where no outer diameter carries the load (F from
+        sigma_y s d / eta on). [m]
 
     Raises
     ------
     ModelError
-        A value not positive or not finite, or a load that no outer diameter carries (F above
-        sigma_y s d / eta).
+        A value not positive or not finite.
 
     Notes
     -----
@@ -454,14 +454,11 @@ def least_eyebar_diameter(
 
     # the largest load of an eye of infinite diameter
     capacity = yield_stress / safety * width * bore
-    if np.any(np.less_equal(capacity - load, 0)):
-        raise ModelError(
-            "load must stay below yield stress times width times bore over safety for any eye to "
-            f"carry it, got {float(np.nanmax(np.asarray(load / capacity))):.3g} times that."
-        )
+    carried = np.minimum(load / capacity, 1.0)
     # eq. 14 is a quadratic in D, whose other root is negative
-    root = np.sqrt(capacity**2 + 4 * capacity * load - 4 * load**2)
-    return bore * (capacity + root) / (2 * (capacity - load))
+    root = np.sqrt(1 + 4 * carried - 4 * carried**2)
+    with np.errstate(divide="ignore"):
+        return bore * (1 + root) / np.asarray(2 * (1 - carried))[()]
 
 
 @broadcasting
@@ -1036,7 +1033,7 @@ class JointDesign:
     seat_width : float
         Width of each of the two seats. [m]
     play : float
-        Bore less pin diameter. [m]
+        Bore less pin diameter; 0 for none, negative for an interference. [m]
     housing_bore : float
         Diameter of the bore of the housing eye. [m]
     housing_diameter : float
@@ -1104,7 +1101,8 @@ class JointDesign:
 
         # no play, no hole and no friction are designs too
         may_be_zero = {"lateral_play", "hole_diameter", "friction"}
-        require_positive(**{name: given[name] for name in given.keys() - may_be_zero})
+        require_positive(**{name: given[name] for name in given.keys() - may_be_zero - {"play"}})
+        require_finite(play=self.play)
         require_not_negative(**{name: given[name] for name in given.keys() & may_be_zero})
         if self.hole_diameter / self.pin_diameter > LARGEST_HOLE_RATIO:
             raise ModelError(
@@ -1220,11 +1218,6 @@ def design_report(joint: JointDesign) -> DesignReport:
     DesignReport
         Checks in order of falling utilisation, and figures without a limit.
 
-    Raises
-    ------
-    ModelError
-        A load that no housing eye carries, or one that folds the pin.
-
     Notes
     -----
     The utilisation of a limit on a dimension is required over actual dimension. That of a
@@ -1294,9 +1287,7 @@ def _bushing_checks(joint: JointDesign) -> list[DesignCheck]:
     width = least_bushing_width(
         joint.load, diameter=d, hardness=joint.bushing_hardness, safety=joint.safety
     )
-    half_angle, peak = persson_contact(
-        joint.load / w, play=joint.play, pin_diameter=d, youngs_modulus=joint.youngs_modulus
-    )
+    half_angle, peak = _contact(joint)
 
     return [
         DesignCheck(
@@ -1349,10 +1340,12 @@ def _motion_checks(joint: JointDesign) -> list[DesignCheck]:
 def _figures(joint: JointDesign) -> list[str]:
     d, length = joint.pin_diameter, 2 * joint.seat_width + joint.bushing_width
     bent = {"length": length, "diameter": d, "youngs_modulus": joint.youngs_modulus}
-    figures = [
-        f"lateral shift of the bent pin {lateral_shift(joint.load, **bent) * 1e9:.3g} nm, "
-        f"held by {lateral_force(joint.load, **bent):.3g} N (eqs. 21, 22)"
-    ]
+    figures = ["the pin folds under its load (eq. 21)"]
+    if joint.load * length**2 <= 24 * joint.youngs_modulus * np.pi * d**4 / 64:
+        figures = [
+            f"lateral shift of the bent pin {lateral_shift(joint.load, **bent) * 1e9:.3g} nm, "
+            f"held by {lateral_force(joint.load, **bent):.3g} N (eqs. 21, 22)"
+        ]
     if joint.lock_lever is not None:
         force = lock_force(joint.load, diameter=d, lever=joint.lock_lever)
         figures.append(f"lock force at worst {force / 1e3:.3g} kN (eq. 15)")
@@ -1366,10 +1359,21 @@ def _figures(joint: JointDesign) -> list[str]:
     return figures
 
 
+def _contact(joint: JointDesign) -> tuple[Values, Values]:
+    """Half contact angle and peak of eq. 9; pi where the interference presses all around."""
+    load, modulus, d = joint.load / joint.bushing_width, joint.youngs_modulus, joint.pin_diameter
+    if modulus * joint.play / (2 * load) <= FULL_CONTACT:
+        return np.pi, closed_contact_pressure(
+            load, interference=-joint.play, pin_diameter=d, youngs_modulus=modulus
+        )
+    return persson_contact(load, play=joint.play, pin_diameter=d, youngs_modulus=modulus)
+
+
 def _least(
     name: str, equation: str, required: Values, actual: float, dimension: str
 ) -> DesignCheck:
-    statement = f"{dimension} {required * 1e3:.2f} mm required, {actual * 1e3:.2f} mm present"
+    needed = f"{required * 1e3:.2f} mm required" if np.isfinite(required) else "of no size enough"
+    statement = f"{dimension} {needed}, {actual * 1e3:.2f} mm present"
     return DesignCheck(name, equation, float(required) / actual, statement)
 
 
@@ -1378,8 +1382,9 @@ def _range(
 ) -> DesignCheck:
     low, high = ends
     statement = f"{value:.3g}{unit}, {low:g} to {high:g} recommended"
-    # 1 at either end of the range, less inside it
-    return DesignCheck(name, equation, max(value / high, low / value), statement, recommended=True)
+    # 1 at either end of the range, less inside it; no play has no ratio to the lower end
+    below = low / value if value > 0 else np.inf
+    return DesignCheck(name, equation, max(value / high, below), statement, recommended=True)
 
 
 def _prong_height(

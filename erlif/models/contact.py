@@ -856,6 +856,67 @@ def persson_contact(
 
 
 @broadcasting
+def closed_contact_pressure(
+    load_per_length: Values, *, interference: Values, pin_diameter: Values, youngs_modulus: Values
+) -> Values:
+    """Compute the largest pressure of a pin that an interference presses all around.
+
+    p = E I / (2d) + 2q / (pi d): the pressure of the interference alone, after Lame, and a cosine
+    that carries the load. It continues eq. 9 of Strand (2005), whose contact closes at
+    I = 4q / (pi E).
+
+    Parameters
+    ----------
+    load_per_length : float or array
+        Line load q. [N/m]
+    interference : float or array
+        Pin diameter less bore I, from 4q / (pi E) on. [m]
+    pin_diameter : float or array
+        d. [m]
+    youngs_modulus : float or array
+        E of both bodies for plane stress. [Pa]
+
+    Returns
+    -------
+    float or array
+        Largest pressure, on the line of load; on the other side it is 4q / (pi d) less. [Pa]
+
+    Raises
+    ------
+    ModelError
+        A value not positive or not finite, or an interference at which the contact is open.
+
+    Examples
+    --------
+    Where the contact closes, the pressure is 4q / (pi d), as for eq. 7:
+
+    >>> case = {"pin_diameter": 0.08, "youngs_modulus": 200e9}
+    >>> closing = 4 * 1e6 / (np.pi * 200e9)
+    >>> pressure = closed_contact_pressure(1e6, interference=closing, **case)
+    >>> print(f"{pressure / 1e6:.4f} MPa, {sinusoidal_pressure(1e6, pin_diameter=0.08) / 1e6:.4f}")
+    15.9155 MPa, 15.9155
+    """
+    require_positive(
+        load_per_length=load_per_length,
+        interference=interference,
+        pin_diameter=pin_diameter,
+        youngs_modulus=youngs_modulus,
+    )
+    check_line_load(load_per_length=load_per_length)
+    check_length(interference=interference, pin_diameter=pin_diameter)
+    check_modulus(youngs_modulus=youngs_modulus)
+
+    group = youngs_modulus * interference / (2 * load_per_length)
+    if np.any(np.less(group, -FULL_CONTACT * (1 - 1e-9))):
+        raise ModelError(
+            "interference must be at least 4 load_per_length / (pi E), below which the contact is "
+            f"open, got {float(np.nanmin(np.asarray(group / -FULL_CONTACT))):.3g} times that."
+        )
+    alone = youngs_modulus * interference / (2 * pin_diameter)
+    return alone + 2 * load_per_length / (np.pi * pin_diameter)
+
+
+@broadcasting
 def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) -> Values:
     """Compute the line load that spreads the contact to a half angle. Strand (2005), eq. 9.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from erlif.models.bearing import RECOMMENDED_HOUSING
+from erlif.models.bearing import RECOMMENDED_HOUSING, least_eyebar_diameter
 from erlif.sizing.joint import Joint, dimensions_of
 from erlif.sizing.steps import Step, make_step, missing_step
 
@@ -31,38 +31,6 @@ def housing_steps(joint: Joint) -> list[Step]:
     return [_eye(joint), _ratio(joint)]
 
 
-def least_eye(load: float, *, bore: float, width: float, allowed: float) -> float:
-    """Return the least outer diameter of an eye; infinite where none carries the load. Eq. 14.
-
-    Parameters
-    ----------
-    load : float
-        F. [N]
-    bore, width : float
-        d and s of the eye. [m]
-    allowed : float
-        Yield stress over safety factor. [Pa]
-
-    Returns
-    -------
-    float
-        [m]
-
-    Examples
-    --------
-    >>> eye = least_eye(100e3, bore=0.08, width=0.04, allowed=300e6)
-    >>> print(f"{eye * 1e3:.2f} mm")
-    96.98 mm
-    >>> least_eye(100e3, bore=0.08, width=0.004, allowed=300e6)
-    inf
-    """
-    capacity = allowed * width * bore
-    if capacity <= load:
-        return math.inf
-    root = math.sqrt(capacity**2 + 4 * capacity * load - 4 * load**2)
-    return bore * (capacity + root) / (2 * (capacity - load))
-
-
 def _eye(joint: Joint) -> Step:
     key, title, equation = "housing_eye", "eye of the housing", "eq. 14"
     strength = joint.housing.yield_stress
@@ -71,7 +39,9 @@ def _eye(joint: Joint) -> Step:
     size = dimensions_of(joint)
     bore, outer = size.fit, size.housing
     allowed = strength / joint.safety
-    least = least_eye(joint.force, bore=bore, width=size.width, allowed=allowed)
+    least = least_eyebar_diameter(
+        joint.force, bore=bore, width=size.width, yield_stress=strength, safety=joint.safety
+    )
 
     stress = math.inf
     if outer > bore:

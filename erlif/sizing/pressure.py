@@ -12,6 +12,7 @@ from erlif.core.arrays import Array
 from erlif.models.bearing import RECOMMENDED_WIDTH, least_bushing_width, least_projected_area
 from erlif.models.contact import (
     FULL_CONTACT,
+    closed_contact_pressure,
     contact_modulus,
     hertz_line,
     persson_peak_group,
@@ -187,9 +188,10 @@ def contact_of(joint: Joint) -> Contact | None:
     load, play = joint.force / size.width, assembled_play(joint)
 
     if modulus * play / (2 * load) <= FULL_CONTACT:
-        # pressed all around: the interference alone, and a cosine that carries the load
         half_angle = math.pi
-        peak = modulus * -play / (2 * size.pin) + 2 * load / (math.pi * size.pin)
+        peak = closed_contact_pressure(
+            load, interference=-play, pin_diameter=size.pin, youngs_modulus=modulus
+        )
     else:
         half_angle = half_contact_angle(modulus * play / (2 * load))
         peak = persson_peak_group(half_angle) * 2 * load / size.pin

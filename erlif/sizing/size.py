@@ -17,11 +17,11 @@ from erlif.models.bearing import (
     RECOMMENDED_HOUSING,
     RECOMMENDED_PLAY,
     RECOMMENDED_WIDTH,
+    least_eyebar_diameter,
 )
 from erlif.models.contact import FULL_CONTACT, persson_group, persson_peak_group
 from erlif.sizing.fit import growth_loss, least_play
 from erlif.sizing.heat import bushing_heat, temperature_limit
-from erlif.sizing.housing import least_eye
 from erlif.sizing.joint import Joint, dimensions_of
 from erlif.sizing.lock import size_lock
 from erlif.sizing.pin import bending_factor
@@ -122,8 +122,10 @@ def _size_with_play(joint: Joint, relative: float, series: Series) -> Joint:
         low, high = RECOMMENDED_HOUSING
         strength, least = joint.housing.yield_stress, low * bore
         if strength is not None:
-            allowed = strength / joint.safety
-            least = max(least, least_eye(joint.force, bore=bore, width=w, allowed=allowed))
+            eye = least_eyebar_diameter(
+                joint.force, bore=bore, width=w, yield_stress=strength, safety=joint.safety
+            )
+            least = max(least, eye)
         housing = round_up(least, series) if math.isfinite(least) else high * bore
     play = relative * d if joint.play is None else joint.play
     return replace(

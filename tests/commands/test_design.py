@@ -60,5 +60,4 @@ def test_the_page_is_written_where_it_is_wanted(path):
     assert result.exit_code == 0, result.output
     assert f"written: {page}" in result.stdout
     assert "exists already" in run("design", path, "-o", page).stderr
-    assert run("design", path, "-o", page, "--overwrite").exit_code == 0
     assert run("design", path, "-o", path.with_suffix(".pdf")).exit_code == 2

@@ -47,8 +47,13 @@ def saved(page, kind):
     return base64.b64decode(found[1]).decode()
 
 
-def test_tags_are_closed_and_nothing_is_loaded(page):
-    for text in (page, make_design_page(unsound())):
+@pytest.fixture(scope="module")
+def unsound_page():
+    return make_design_page(unsound())
+
+
+def test_tags_are_closed_and_nothing_is_loaded(page, unsound_page):
+    for text in (page, unsound_page):
         tags = Tags()
         tags.feed(text)
         assert not tags.open
@@ -74,8 +79,8 @@ def test_the_saved_joint_can_be_designed_again(page):
     assert again.walk.weakest.key == example_design().walk.weakest.key
 
 
-def test_an_unsound_joint_is_reported_and_names_are_escaped():
-    page = make_design_page(unsound())
+def test_an_unsound_joint_is_reported_and_names_are_escaped(unsound_page):
+    page = unsound_page
     assert "<h1>&lt;b&gt;boom&lt;/b&gt; &amp; arm</h1>" in page
     assert "limits are exceeded" in page
     assert '<details id="step-pin_bending" open>' in page

@@ -5,16 +5,21 @@ from dataclasses import replace
 
 import pytest
 
-from erlif.models.bearing import least_eyebar_diameter
 from erlif.sizing import example_joint, walk_guide
-from erlif.sizing.housing import least_eye
 
 
-def test_the_eye_is_that_of_the_models():
-    case = {"bore": 0.08, "width": 0.04}
-    expected = least_eyebar_diameter(100e3, yield_stress=600e6, safety=2.0, **case)
-    assert least_eye(100e3, allowed=300e6, **case) == pytest.approx(expected, rel=1e-12)
-    assert least_eye(100e3, allowed=300e6, **case) == pytest.approx(96.97623e-3, rel=1e-6)
+def test_the_margin_vanishes_at_the_least_eye():
+    """100 kN, bore 80 mm, width 40 mm, 300 MPa: 96.97623 mm."""
+    joint = example_joint()
+    joint = replace(
+        joint,
+        housing=replace(joint.housing, yield_stress=600e6),
+        wall=0.005,
+        pin_diameter=0.07,
+        bushing_width=0.04,
+        housing_diameter=96.97623e-3,
+    )
+    assert walk_guide(joint).step("housing_eye").margin == pytest.approx(0, abs=1e-6)
 
 
 def test_a_load_that_no_eye_carries_is_reported():
