@@ -28,9 +28,7 @@ from erlif.sizing import (
     Lock,
     Material,
     read_materials,
-    sensitivities,
     size_joint,
-    substitutes,
     walk_guide,
 )
 
@@ -118,15 +116,13 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     settings, folder = _read(source, folder)
     wanted = joint_of(settings, folder)
     sized = size_joint(wanted, series=settings.sizing.series)
-    walk = walk_guide(sized)
     return BearingDesign(
         name=settings.name,
-        walk=walk,
+        walk=walk_guide(sized),
         chosen=tuple(name for name in DIMENSIONS if getattr(wanted, name) is None),
         series=settings.sizing.series,
         settings=to_toml(sized_settings(settings, sized)),
-        sensitivities=sensitivities(walk),
-        substitutes=substitutes(sized, _materials(settings, folder).values()),
+        materials=tuple(_materials(settings, folder).values()),
     )
 
 

@@ -270,8 +270,8 @@ def _weld_steps(joint: Joint, lock: Lock) -> list[Step]:
         f"({throat * 1e3:.3g} mm)",
         reason="The weld carries the torque of the friction from the pin into the plate.",
         alternatives=(
+            f"throat of at least {_least_throat(joint, inner, strength) * 1e3:.4g} mm",
             f"inner diameter of at least {max(least, 0.0) * 1e3:.4g} mm",
-            "a larger throat, or an external weld",
         ),
         numbers=(("least inner diameter", least * 1e3, "mm"),),
     )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from erlif.sizing.joint import Joint
-from erlif.sizing.sensitivity import Sensitivity, Substitute
+from erlif.sizing.materials import Material
+from erlif.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.sizing.walk import Walk
 
 
@@ -25,10 +27,8 @@ class BearingDesign:
         Preferred numbers to which they were rounded up; ``"none"`` for the least ones.
     settings : str
         The joint with all its dimensions, TOML.
-    sensitivities : tuple[Sensitivity, ...]
-        What the weakest margin depends on, the largest first.
-    substitutes : tuple[Substitute, ...]
-        Other bushings of the table at the same dimensions.
+    materials : tuple[Material, ...]
+        The table of materials.
     """
 
     name: str
@@ -36,8 +36,7 @@ class BearingDesign:
     chosen: tuple[str, ...]
     series: str
     settings: str
-    sensitivities: tuple[Sensitivity, ...]
-    substitutes: tuple[Substitute, ...]
+    materials: tuple[Material, ...]
 
     @property
     def joint(self) -> Joint:
@@ -48,3 +47,13 @@ class BearingDesign:
     def sound(self) -> bool:
         """Whether all limits hold."""
         return self.walk.sound
+
+    @cached_property
+    def sensitivities(self) -> tuple[Sensitivity, ...]:
+        """What the weakest margin depends on, the largest first."""
+        return sensitivities(self.walk)
+
+    @cached_property
+    def substitutes(self) -> tuple[Substitute, ...]:
+        """Other bushings of the table at the same dimensions."""
+        return substitutes(self.joint, self.materials)

@@ -19,7 +19,7 @@ from erlif.models.bearing import (
     RECOMMENDED_WIDTH,
     least_eyebar_diameter,
 )
-from erlif.models.contact import FULL_CONTACT, persson_group, persson_peak_group
+from erlif.models.contact import FULL_CONTACT
 from erlif.sizing.fit import growth_loss, least_play
 from erlif.sizing.heat import bushing_heat, temperature_limit
 from erlif.sizing.joint import Joint, dimensions_of
@@ -39,7 +39,7 @@ _HALVINGS = 44  # of the logarithm of the diameter: to 1e-12 of it
 _CANDIDATES = 40  # preferred diameters that are tried, two decades of R20
 _ROUNDS = 8  # in which the play settles; it only grows, and two are usual
 _CONFORMAL = 8.0  # E Delta / 2q up to which the peak of eq. 9 is below the edge pressure of eq. 10
-_NARROWEST, _WIDEST = 1e-6, math.pi - 1e-6  # rad: half contact angles that are looked for
+_NARROWEST = -14.0  # ln b of the narrowest contact that is looked for, of 2e-6 rad
 
 
 def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
@@ -301,10 +301,21 @@ def _width_for_peak(
     # E Delta / (d p) is the ratio of the two groups, which falls with the contact angle
     wanted = modulus * play / (diameter * allowed)
 
-    def excess(angle: float) -> float:
-        return float(persson_group(angle) / persson_peak_group(angle) - wanted)
+    def excess(log_b: float) -> float:
+        group, peak = _groups(math.exp(log_b))
+        return group / peak - wanted
 
-    if excess(_NARROWEST) < 0 or excess(_WIDEST) > 0:
+    if excess(_NARROWEST) < 0:
         return math.inf
-    angle = brentq(excess, _NARROWEST, _WIDEST, xtol=1e-15, rtol=1e-14)
-    return max(width, force * 2 * float(persson_group(angle)) / (modulus * play))
+    group, _ = _groups(math.exp(brentq(excess, _NARROWEST, 0.0, xtol=1e-15, rtol=1e-14)))
+    return max(width, 2 * force * group / (modulus * play))
+
+
+def _groups(b: float) -> tuple[float, float]:
+    """E Delta / 2q and d p / 2q at b = tan(alpha / 2), eq. 9 of one number.
+
+    As `erlif.models.contact.persson_group` and `persson_peak_group`, in a tenth of the time.
+    """
+    spread = math.pi * b**2 * (1 + b**2)
+    group = (2 - math.log1p(b**2) - 2 * b**4) / spread
+    return group, 2 * b / (math.pi * math.sqrt(1 + b**2)) + math.asinh(b) / spread

@@ -88,6 +88,8 @@ class Step:
             return "not computed"
         if math.isnan(self.margin):
             return "result"
+        if self.kind == "comparison" and not self.valid:
+            return "not valid here"
         outcome = ("holds", "fails") if self.kind != "recommendation" else ("inside", "outside")
         return outcome[not self.holds] + ("" if self.valid else ", not valid")
 

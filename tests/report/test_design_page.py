@@ -11,7 +11,7 @@ import pytest
 
 from erlif.core.errors import OutputError
 from erlif.pipeline.design import design, example_design, example_joint_file
-from erlif.report import make_design_page, write_design_page
+from erlif.report import design_page, make_design_page, write_design_page
 from erlif.settings import DesignSettings
 
 
@@ -49,7 +49,10 @@ def saved(page, kind):
 
 @pytest.fixture(scope="module")
 def unsound_page():
-    return make_design_page(unsound())
+    """Without its figures, which take a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(design_page, "_figures", lambda design: [])
+        return make_design_page(unsound())
 
 
 def test_tags_are_closed_and_nothing_is_loaded(page, unsound_page):

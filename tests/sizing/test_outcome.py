@@ -7,3 +7,10 @@ def test_a_design_is_as_sound_as_its_steps():
     designed = example_design()
     assert designed.sound == designed.walk.sound
     assert designed.joint is designed.walk.joint
+
+
+def test_sensitivities_and_substitutes_are_those_of_the_joint():
+    designed = example_design()
+    assert designed.sensitivities is designed.sensitivities  # computed once
+    assert designed.sensitivities[0].name == "load"
+    assert "CuNi15Sn8 hardened" in {one.material.name for one in designed.substitutes}
