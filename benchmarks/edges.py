@@ -206,7 +206,7 @@ def compute_stress(load: float) -> None:
         body = prepare_joint(replace(THESIS, undercut=cut))
         stress = section_stress(body, solve_joint(body, load=load), harmonics=200)
         away = stress.von_mises[stress.r > THESIS.bushing_radius + 4e-3]
-        place = int(away.argmax())
+        place = int(away.data.argmax())
         print(
             f"{label:20} largest {float(stress.peak_von_mises) / 1e6:5.0f} MPa at r "
             f"{float(stress.peak_r) * 1e3:.2f}, z {float(stress.peak_z) * 1e3:.1f} mm; beyond "

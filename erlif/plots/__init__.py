@@ -27,6 +27,12 @@ from erlif.plots.design import (
     design_pv,
     design_temperature,
     design_wear,
+from erlif.plots.edges import (
+    axial_pressure,
+    contact_pressure_map,
+    joint_figure,
+    stress_section,
+    undercut_pressure,
 )
 from erlif.plots.endurance import (
     endurance_figure,
@@ -91,11 +97,13 @@ from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
 
 __all__ = [
+    "axial_pressure",
     "band_images",
     "band_images_figure",
     "calibration_figure",
     "closest_film",
     "comparison_figure",
+    "contact_pressure_map",
     "control_chart_of",
     "cycle_figure",
     "cycle_movie",
@@ -131,6 +139,7 @@ __all__ = [
     "friction_over_reversals",
     "friction_over_test",
     "gap_curvature",
+    "joint_figure",
     "load_balance",
     "load_profile",
     "map_sheet_figure",
@@ -157,10 +166,12 @@ __all__ = [
     "speed_against_angle",
     "speed_figure",
     "speed_over_cycle",
+    "stress_section",
     "temperature_over_test",
     "thickness_figure",
     "thickness_map",
     "torque_over_test",
+    "undercut_pressure",
     "vibration_over_test",
     "write_calibration_figure",
     "write_comparison_figures",

@@ -264,6 +264,11 @@ class HarmonicSolver:
         """Radius and axial place of the middles of the elements. (2, element)"""
         return np.asarray(self.basis.mesh.p[:, self.basis.mesh.t].mean(axis=1))
 
+    @property
+    def sizes(self) -> Array:
+        """Extents of the elements along radius and axis. (2, element)"""
+        return np.asarray(np.ptp(self.basis.mesh.p[:, self.basis.mesh.t], axis=1))
+
     def stress(self, harmonic: int, displacement: Array) -> Array:
         """Amplitudes of the stresses rr, tt, zz, rz, which vary as a cosine. (4, element)
 

@@ -177,7 +177,7 @@ def prepare_joint(
     *,
     smallest_cell: float = 0.5e-3,
     growth: float = 1.3,
-    largest_cell: float = 8e-3,
+    largest_cell: float = 3e-3,
     load_span: tuple[float, float] | None = None,
     whole: bool = False,
     harmonics: Sequence[int] = HARMONICS,
@@ -319,9 +319,9 @@ def solve_joint(
         `line_load` [N/m] and `bending` [m], the deflection of the pin's surface on the line of load
         by bending, tilt and indentation, less its mean. `force` on the whole pin [N],
         `peak_pressure` [Pa] at `peak_z` [m], `patch_pressure` [Pa], the largest mean over an axial
-        length on the line of load, `displacement` of that line [m], `tilt` of the pin against its
-        ends [rad], `iterations`, `residual`. Pressures are averages over cells: at a sharp edge
-        they grow without limit as cells become smaller, and `patch_pressure` does not.
+        length, `displacement` of the line of load [m], `tilt` of the pin against its ends [rad],
+        `iterations`, `residual`. Pressures are averages over cells: at a sharp edge they grow
+        without limit as cells become smaller, and `patch_pressure` does not.
 
     Raises
     ------
@@ -396,7 +396,7 @@ def solve_joint(
             "force": (float(vertical.sum()) * load / targets[0], "N"),
             "peak_pressure": (float(pressure[row, column]), "Pa"),
             "peak_z": (float(middles[column]), "m"),
-            "patch_pressure": (_largest_mean(pressure[line], lengths, patch), "Pa"),
+            "patch_pressure": (_largest_mean(pressure, lengths, patch), "Pa"),
             "displacement": (float(motion[0] + mean_bending), "m"),
             "tilt": (float(motion[1]), "rad"),
             "iterations": (found.iterations, "1"),
@@ -427,8 +427,9 @@ def section_stress(
     Returns
     -------
     xarray.Dataset
-        Over point, at radius r and place z [m]: `von_mises`, `stress_rr`, `stress_tt`, `stress_zz`,
-        `stress_rz` [Pa], tension positive. `peak_von_mises` [Pa] at `peak_r` and `peak_z` [m].
+        Over point, the elements at radius r and place z with `width_r` and `width_z` [m]:
+        `von_mises`, `stress_rr`, `stress_tt`, `stress_zz`, `stress_rz` [Pa], tension positive.
+        `peak_von_mises` [Pa] at `peak_r` and `peak_z` [m].
 
     Raises
     ------
@@ -461,7 +462,7 @@ def section_stress(
     assert total is not None
     rr, tt, zz, rz = total
     mises = np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
-    r, z = solver.points
+    (r, z), (width_r, width_z) = solver.points, solver.sizes
     top = int(mises.argmax())
     pascal, metre = {"units": "Pa"}, {"units": "m"}
     names = ("von_mises", "stress_rr", "stress_tt", "stress_zz", "stress_rz")
@@ -475,7 +476,12 @@ def section_stress(
             "peak_r": ((), float(r[top]), metre),
             "peak_z": ((), float(z[top]), metre),
         },
-        {"r": ("point", r, metre), "z": ("point", z, metre)},
+        {
+            "r": ("point", r, metre),
+            "z": ("point", z, metre),
+            "width_r": ("point", width_r, metre),
+            "width_z": ("point", width_z, metre),
+        },
     )
 
 
@@ -601,14 +607,19 @@ def _share(elastic: ElasticJoint, load: float, position: float) -> tuple[Array, 
 
 
 def _largest_mean(pressure: Array, lengths: Array, patch: float) -> float:
-    """Largest mean over an axial length; the windows begin or end at the ends of cells."""
+    """Largest mean over an axial length at any angle; windows begin or end at ends of cells."""
     lines = np.concatenate([[0.0], np.cumsum(lengths)])
-    total = np.concatenate([[0.0], np.cumsum(pressure * lengths)])
+    total = np.zeros((len(pressure), lines.size))
+    np.cumsum(pressure * lengths, axis=1, out=total[:, 1:])
     size = min(patch, lines[-1])
-    starts = np.concatenate([lines, lines - size])
-    starts = np.clip(starts, 0.0, lines[-1] - size)
-    carried = np.interp(starts + size, lines, total) - np.interp(starts, lines, total)
-    return float(carried.max() / size)
+    starts = np.clip(np.concatenate([lines, lines - size]), 0.0, lines[-1] - size)
+
+    def carried(places: Array) -> Array:
+        cell = np.clip(np.searchsorted(lines, places) - 1, 0, lengths.size - 1)
+        part: Array = total[:, cell] + pressure[:, cell] * (places - lines[cell])
+        return part
+
+    return float((carried(starts + size) - carried(starts)).max() / size)
 
 
 def _fits(cut: Undercut, joint: Joint) -> bool:
