@@ -166,6 +166,7 @@ MODELS = (
     "reaction",
     "reynolds",
     "slider_dynamics",
+    "slider_wear",
     "wear",
 )
 

@@ -61,6 +61,7 @@ __all__ = [
     "search_undercut",
     "section_stress",
     "slider_dynamics",
+    "slider_wear",
     "solve_contact",
     "solve_film",
     "solve_joint",
@@ -124,6 +125,7 @@ if TYPE_CHECKING:
         reynolds,
         running_in,
         slider_dynamics,
+        slider_wear,
         sources,
         wear,
     )

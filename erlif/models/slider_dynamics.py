@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import asin, atan2, cos, hypot, sin, sqrt, tan, tanh
+from math import asin, atan, atan2, cos, hypot, sin, sqrt, tan, tanh
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -357,6 +357,7 @@ class _Simplified(_Linkage):
             "force_y": force_y,
             "force": force,
             "normal": normal,
+            "friction_angle": atan(sense * self.friction),
             "friction_force": self.friction * normal * abs(sense),
             "slip_speed": slip,
             "crank_torque": drive,
@@ -373,7 +374,7 @@ class _Simplified(_Linkage):
             "eccentricity_x": -self.clearance * cp,
             "eccentricity_y": -self.clearance * sp,
             "penetration": 0.0,
-            "contact_angle": atan2(-across, -along),
+            "contact_angle": atan2(-across, -along) - now["friction_angle"],
             "kinetic_energy": self.kinetic_energy(
                 state[1], now["slider_speed"], now["rod_angle"], now["rod_speed"]
             ),
