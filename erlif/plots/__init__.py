@@ -27,6 +27,7 @@ from erlif.plots.design import (
     design_pv,
     design_temperature,
     design_wear,
+)
 from erlif.plots.edges import (
     axial_pressure,
     contact_pressure_map,
