@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -55,7 +56,25 @@ def open_netcdf(path: Path, *, group: str | None = None) -> xr.Dataset:
     # are found when the variables are checked, and stated there.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", xr.SerializationWarning)
-        return xr.open_dataset(path, engine="h5netcdf", group=group, phony_dims="access")
+        return _open_dataset(path, group)
+
+
+def _open_dataset(path: Path, group: str | None) -> xr.Dataset:
+    """As ``xr.open_dataset(path, engine="h5netcdf")``, with the parts of the file kept open."""
+    from erlif.files.kept import open_kept
+
+    name = os.path.abspath(path)
+    manager = xr.backends.CachingFileManager(
+        open_kept,
+        name,
+        mode="r",
+        kwargs={"phony_dims": "access", "decode_vlen_strings": True},
+    )
+    with manager.acquire_context():
+        store = xr.backends.H5NetCDFStore(manager, group=group, mode="r")
+        dataset = xr.open_dataset(store, engine="store")
+    dataset.encoding["source"] = name
+    return dataset
 
 
 def write_netcdf(
