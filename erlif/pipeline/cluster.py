@@ -178,8 +178,7 @@ class Cluster:
                         self._client.replicate([sent])
                     everywhere = True
                 item, job = jobs.popleft()
-                self._wait_until_done(job)
-                collect(item, job.result())
+                collect(item, self._fetch(job))
         finally:
             self._client.cancel([job for _, job in jobs], force=True)
 
@@ -222,6 +221,18 @@ class Cluster:
                 self.scheduler,
                 self._start_a_worker(),
             )
+
+    def _fetch(self, job: Any) -> Any:
+        """Result of a job; one that is lost with its worker is computed again."""
+        patience = _LOOK
+        while True:
+            self._wait_until_done(job)
+            try:
+                return job.result(timeout=patience)
+            except TimeoutError:
+                if job.status == "error":  # the work itself was too slow
+                    raise
+                patience *= 2  # the way of a large result may be long
 
     def _replace_lost(self) -> None:
         """Start workers of our own again that ended before they were ready; dask does the rest."""
