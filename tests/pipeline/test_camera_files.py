@@ -12,6 +12,7 @@ import xarray as xr
 from readers.writers import write_cine, write_genicam, write_im7, write_mraw, write_seq
 
 import erlif
+from erlif.ingest import open_run, read_frames, read_reference_pages, select_counts
 
 
 def read_pages(*paths):
@@ -160,8 +161,42 @@ def add_parts(run, one, two, *, files, keys=""):
         *(to_alternating_pages, to_ome, to_hdf5),
     ],
 )
-def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film, convert):
-    convert(lab.run)
+def test_counts_do_not_depend_on_the_files_of_the_camera(small_rig, tmp_path, convert):
+    """Frames, darks and flats, bit for bit; tifffile reads the expected ones."""
+    pages = [
+        [
+            read_pages(*sorted((small_rig.run / camera).glob("*.tif"))),
+            read_pages(small_rig.run / f"{camera}_dark.tif"),
+            read_pages(small_rig.run / f"{camera}_flat.tif"),
+        ]
+        for camera in ("camera1", "camera2")
+    ]
+    shutil.copytree(small_rig.run, tmp_path / "run")
+    convert(tmp_path / "run")
+
+    run = open_run(tmp_path / "run")
+    assert run.pairs.full_scales == (4095, 4095)
+    counts = read_frames(run.pairs, run.pairs.usable).counts
+    for camera, expected in enumerate(pages, 1):
+        settings, found = run.cameras[camera - 1], [counts.sel(camera=camera).values]
+        for kind, pattern in (("dark", settings.dark), ("flat", settings.flat)):
+            read = read_reference_pages(
+                run.directory,
+                pattern,
+                what=kind,
+                bit_depth=settings.bit_depth,
+                shape=run.pairs.shape,
+                selection=select_counts(settings, kind),
+            )
+            found.append(np.array(list(read)))
+        for one, other in zip(found, expected, strict=True):
+            assert one.dtype == other.dtype
+            assert np.array_equal(one, other)
+
+
+def test_the_film_does_not_depend_on_the_files_of_the_camera(lab, film):
+    """Of the set of DaVis: all that a run reads is compared above."""
+    to_set(lab.run)
     erlif.process(lab.run, output=lab.film, workers=1).close()
     for group in ("/", "registration"):
         with (
