@@ -14,7 +14,7 @@ from importlib.resources import files
 import numpy as np
 import scipy
 
-from erlif.models import bearing, contact, film, friction, reaction, wear
+from erlif.models import bearing, contact, film, friction, linkage, reaction, wear
 from erlif.models.arguments import Values
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
@@ -41,7 +41,7 @@ TITLES = {
 
 OUT_OF_REACH = {
     "T": "the figures of chapters 3 and 4, Figs. 5-3 to 5-10, and the stresses of 37 and 60 MPa in "
-    "the links: no data or drawings.",
+    "the links: no data or drawings; what would give them is in the table.",
     "S": "papers B to G and Figs. 18 to 38: finite elements and tests without data.",
     "M": "Figs. 6 to 15: curves without numbers.",
     "C": "Figs. 6 to 8 and the drawn contours of Fig. B1: curves without numbers (erlif's own "
@@ -245,6 +245,11 @@ def _torque(radius: float) -> Values:
     return friction.friction_torque(0.15, load=1e5 * LBF, radius=radius)
 
 
+def _drive() -> linkage.DrivePower:
+    """Power of the drive of appendix A.4.2."""
+    return linkage.drive_power(RIG, crank_speed=RIG_SPEED, torque=_torque(1.25 * INCH))
+
+
 def _life(load: float, exponent: float) -> Values:
     """Life of the ball bearings of the rig. [h]"""
     return (
@@ -357,6 +362,18 @@ MODELS: dict[str, Callable[[], Values]] = {
     "rod": lambda: reaction.rod_stress(8.2e3, diameter=0.5 * INCH) / 1e6,
     "rod_safety": lambda: 50e6 / reaction.rod_stress(8.2e3, diameter=0.5 * INCH),
     "power": lambda: _torque(1.25 * INCH) * 24 * RPM / HORSEPOWER,
+    "crank_speed_for_24": lambda: (
+        linkage.measure_linkage(RIG, rocker_speed=24 * RPM).crank_speed / RPM
+    ),
+    "thread_safety": lambda: linkage.fatigue_safety(
+        8.2e3 / linkage.thread_stress_area(0.5 * INCH, pitch=INCH / 13), fatigue_strength=50e6
+    ),
+    "hole_for_60": lambda: (0.045 - 2.5 * 8.2e3 / (60e6 * 0.02)) * 1e3,
+    "pin_hole": lambda: linkage.pin_hole_concentration(0.5),
+    "section_for_37": lambda: 8.2e3 * RIG.rocker / 37e6 * 1e6,
+    "power_exact": lambda: _drive().peak_power / HORSEPOWER,
+    "motor": lambda: linkage.choose_motor(_drive().peak_power, series="hp") / HORSEPOWER,
+    "power_mean": lambda: _drive().mean_power / HORSEPOWER,
     # Strand (2005)
     "hole_least": lambda: np.min(_growth_with_hole(np.linspace(0, 0.2, 401))),
     "hole_largest": lambda: np.max(_growth_with_hole(np.linspace(0, 0.2, 401))),

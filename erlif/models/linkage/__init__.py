@@ -6,6 +6,7 @@ counted as in `erlif.models.mechanism.CrankRocker`.
 
 from erlif.models.linkage.design import LinkageDesign, measure_linkage
 from erlif.models.linkage.measures import grashof_class
+from erlif.models.linkage.motor import DrivePower, choose_motor, drive_power
 from erlif.models.linkage.strength import (
     beam_bending_stress,
     fatigue_safety,
@@ -18,10 +19,13 @@ from erlif.models.linkage.synthesis import Synthesis, synthesise_crank_rocker
 from erlif.models.linkage.tolerance import Sensitivity, link_sensitivity
 
 __all__ = [
+    "DrivePower",
     "LinkageDesign",
     "Sensitivity",
     "Synthesis",
     "beam_bending_stress",
+    "choose_motor",
+    "drive_power",
     "fatigue_safety",
     "grashof_class",
     "hole_stress",

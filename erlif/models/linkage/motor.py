@@ -1,0 +1,197 @@
+"""Torque and power that drive a crank-rocker against friction, and the motor for them.
+
+Farzaneh (2002), appendix A.4.2. The friction of the joint (`erlif.models.friction.friction_torque`)
+opposes the rocker and changes its sign with it; the power passes the exact linkage.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import (
+    require_not_negative,
+    require_positive,
+    require_single,
+)
+from erlif.models.linkage.measures import dead_points, links_of, rocker_rates
+from erlif.models.mechanism import CrankRocker
+
+HORSEPOWER = 745.7
+"""Watts of a horsepower of 550 ft lbf/s."""
+
+RATINGS = {
+    "hp": tuple(
+        HORSEPOWER * rating
+        for rating in (
+            *(0.25, 1 / 3, 0.5, 0.75, 1, 1.5, 2, 3, 5, 7.5, 10, 15, 20, 25, 30, 40, 50, 60, 75),
+            *(100, 125, 150, 200, 250, 300, 350, 400, 450, 500),
+        )
+    ),
+    "kW": tuple(
+        1e3 * rating
+        for rating in (
+            *(0.06, 0.09, 0.12, 0.18, 0.25, 0.37, 0.55, 0.75, 1.1, 1.5, 2.2, 3, 4, 5.5, 7.5, 11),
+            *(15, 18.5, 22, 30, 37, 45, 55, 75, 90, 110, 132, 150, 160, 185, 200, 220, 250),
+        )
+    ),
+}
+"""Standard ratings of motors: NEMA MG 1 in horsepower, IEC 60072-1 in kilowatts. [W]"""
+
+
+@dataclass(frozen=True)
+class DrivePower:
+    """Torque and power at the crank over a turn at constant speed.
+
+    Attributes
+    ----------
+    crank_angle : array, (n,)
+        Crank angle, with both dead points. [rad]
+    rocker_torque : array, (n,)
+        Torque that turns the rocker, positive towards larger rocker angles. At a dead point, where
+        the friction changes its sign, it is that of the stroke that ends. [N m]
+    crank_torque : array, (n,)
+        Torque that drives the crank. [N m]
+    power : array, (n,)
+        Power at the crank. [W]
+    peak_power, mean_power, rms_power : float
+        Greatest, mean and root mean square over a turn. [W]
+    peak_torque, rms_torque : float
+        Greatest size and root mean square of the crank torque; windings heat by the second. [N m]
+    """
+
+    crank_angle: Array
+    rocker_torque: Array
+    crank_torque: Array
+    power: Array
+    peak_power: float
+    mean_power: float
+    rms_power: float
+    peak_torque: float
+    rms_torque: float
+
+
+def drive_power(
+    linkage: CrankRocker,
+    *,
+    crank_speed: float,
+    torque: float,
+    inertia: float = 0.0,
+    efficiency: float = 1.0,
+    points: int = 720,
+) -> DrivePower:
+    """Compute torque and power at the crank of a linkage whose rocker turns against friction.
+
+    Parameters
+    ----------
+    linkage : CrankRocker
+        The four lengths. [m]
+    crank_speed : float
+        Speed of the crank, constant and positive. [rad/s]
+    torque : float
+        Friction torque on the rocker, which opposes its motion. [N m]
+    inertia : float
+        Moment of inertia of all that turns with the rocker. [kg m2]
+    efficiency : float
+        Of linkage and gear, above 0 up to 1; power that comes back is reduced likewise. [1]
+    points : int
+        Points over a turn.
+
+    Returns
+    -------
+    DrivePower
+        Torques and power over a turn; the extremes are those of the points.
+
+    Raises
+    ------
+    ModelError
+        A value out of its range.
+
+    Examples
+    --------
+    The machine of Farzaneh (2002), who has 7.1 hp at 24 rpm of the rocker:
+
+    >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
+    >>> found = drive_power(rig, crank_speed=114 * np.pi / 30, torque=2118.5)
+    >>> peak, mean = found.peak_power / HORSEPOWER, found.mean_power / HORSEPOWER
+    >>> print(f"{peak:.2f} hp, mean {mean:.2f} hp")
+    7.25 hp, mean 4.60 hp
+    """
+    numbers = {"crank_speed": crank_speed, "efficiency": efficiency}
+    require_single(**numbers, torque=torque, inertia=inertia)
+    require_positive(**numbers)
+    require_not_negative(torque=torque, inertia=inertia)
+    if efficiency > 1:
+        raise ModelError(f"efficiency must be at most 1, got {efficiency:g}.")
+    if points < 8:
+        raise ModelError(f"points must be 8 at least, got {points}.")
+
+    # both dead points are ends of strokes, so that the friction changes its sign at a point
+    links = links_of(linkage)
+    at_smallest, at_largest = (float(angle) for angle in dead_points(links))
+    half = points // 2
+    rising = np.linspace(at_smallest, at_largest + 2 * np.pi, half + 1)
+    falling = np.linspace(at_largest + 2 * np.pi, at_smallest + 2 * np.pi, points - half + 1)
+    angle = np.append(rising, falling[1:])
+    rate, second = rocker_rates(links, angle)
+    sense = np.where(np.arange(angle.size) <= half, 1.0, -1.0)
+    rocker = torque * sense + inertia * second * crank_speed**2
+    power = rocker * rate * crank_speed
+    power = np.where(power > 0, power / efficiency, power * efficiency)
+    crank = power / crank_speed
+
+    def mean(values: Array) -> float:
+        return float(scipy.integrate.simpson(values, x=angle) / (2 * np.pi))
+
+    return DrivePower(
+        crank_angle=angle,
+        rocker_torque=rocker,
+        crank_torque=crank,
+        power=power,
+        peak_power=float(power.max()),
+        mean_power=mean(power),
+        rms_power=float(np.sqrt(mean(power**2))),
+        peak_torque=float(np.abs(crank).max()),
+        rms_torque=float(np.sqrt(mean(crank**2))),
+    )
+
+
+def choose_motor(power: float, *, series: Literal["hp", "kW"] = "kW") -> float:
+    """Choose the next standard rating of a motor.
+
+    Parameters
+    ----------
+    power : float
+        Power that it must give. [W]
+    series : str
+        "hp" for the ratings of NEMA, "kW" for those of IEC.
+
+    Returns
+    -------
+    float
+        Rating of the smallest motor that gives it. [W]
+
+    Raises
+    ------
+    ModelError
+        A power not positive or above the largest rating, or another series.
+
+    Examples
+    --------
+    >>> round(choose_motor(5407, series="hp") / HORSEPOWER, 2)
+    7.5
+    >>> choose_motor(5407)
+    5500.0
+    """
+    require_single(power=power)
+    require_positive(power=power)
+    if series not in RATINGS:
+        raise ModelError(f"series must be hp or kW, got {series!r}.")
+    for rating in RATINGS[series]:
+        if rating >= power:
+            return float(rating)
+    largest = RATINGS[series][-1]
+    raise ModelError(f"power must be at most {largest:g} W, the largest rating, got {power:g} W.")
