@@ -9,6 +9,7 @@ from erlif.models.arguments import require_positive, require_single
 from erlif.models.linkage.measures import (
     Kind,
     grashof_class,
+    grashof_margin,
     links_of,
     space,
     speed_ratio,
@@ -20,6 +21,9 @@ from erlif.models.mechanism import CrankRocker
 
 Stroke: TypeAlias = Literal["rising", "falling", "neither"]
 """A stroke of the rocker, by its angle while the crank angle grows."""
+
+FLAT = 1e-6
+"""Share of the crank by which it could be longer, below which a linkage folds flat."""
 
 EQUAL_STROKES = 1e-9
 """Crank angle by which two strokes of equal duration may differ by rounding. [rad]"""
@@ -69,6 +73,11 @@ class LinkageDesign:
     def rocker_speed(self) -> float:
         """Greatest rocker speed. [rad/s]"""
         return self.speed_ratio * self.crank_speed
+
+    @property
+    def folds_flat(self) -> bool:
+        """Whether all links come to lie on one line, from where the motion is not certain."""
+        return bool(grashof_margin(links_of(self.linkage)) < FLAT * self.linkage.crank)
 
     @property
     def least_transmission(self) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from erlif.core.arrays import Array
 from erlif.core.errors import ModelError
 from erlif.models.arguments import Values
-from erlif.models.linkage.measures import Links
+from erlif.models.linkage.measures import Links, grashof_margin
 
 EDGE = 1e-9
 """Distance of the search from linkages that fold flat, of the width of the interval."""
@@ -106,8 +106,8 @@ def _outer_range(
 def _range_of(name: str, lengths: dict[str, Values], longest: float) -> tuple[Values, Values]:
     """Range of one link with the other three known."""
     if name == "crank":
-        b, c, d = lengths["coupler"], lengths["rocker"], lengths["ground"]
-        return 0.0 * b, np.minimum(np.minimum(b + c - d, c + d - b), b + d - c)
+        others = [lengths[other] for other in Links._fields[1:]]
+        return 0.0 * others[0], grashof_margin(Links(0.0, *others))
     crank = lengths["crank"]
     one, two = (lengths[other] for other in Links._fields[1:] if other != name)
     return np.abs(one - two) + crank, np.minimum(one + two - crank, longest)

@@ -103,6 +103,15 @@ def grashof_class(*, crank: float, coupler: float, rocker: float, ground: float)
     return kinds[min(lengths, key=lengths.__getitem__)]
 
 
+def grashof_margin(links: Links) -> Values:
+    """How much longer the crank could be, with the other links as they are. [m]
+
+    Where it vanishes the linkage folds flat.
+    """
+    a, b, c, d = links
+    return np.minimum(np.minimum(b + c - d, c + d - b), b + d - c) - a
+
+
 def rocker_limits(links: Links) -> tuple[Values, Values]:
     """Smallest and largest rocker angle, where crank and coupler line up. [rad]"""
     a, b, c, d = links
@@ -204,6 +213,12 @@ def speed_ratio(links: Links, *, rising: bool) -> Values:
 def _greatest_rate(links: Links, start: Values, end: Values) -> Values:
     """Rate of the rocker where its acceleration vanishes between two dead points. [1]"""
     if np.ndim(start) == 0:
+        # at the end of a stroke in which all links lie on one line the acceleration has no sign
+        ends = [rocker_rates(links, angle)[1] for angle in (start, end)]
+        if not ends[0] * ends[1] < 0:
+            inside = start + (end - start) * (1 - np.cos(np.linspace(0, np.pi, 4001)[1:-1])) / 2
+            rates = rocker_rates(links, inside)[0]
+            return rates[np.nanargmax(np.abs(rates))]
         fastest: Values = scipy.optimize.brentq(
             lambda angle: rocker_rates(links, angle)[1], start, end, xtol=ROOT_TOLERANCE
         )

@@ -189,7 +189,10 @@ def synthesise_crank_rocker(
         targets["speed_ratio"] = rocker_speed / crank_speed
         rocker_speed = None
     if len(given) < 2:
-        raise ModelError(f"two lengths at least must be given, got {len(given)}.")
+        raise ModelError(
+            "two of crank, coupler, rocker and ground at least must be given, got "
+            f"{', '.join(given) or 'none'}."
+        )
     if len(given) == 2 and not targets:
         raise ModelError("two unknown lengths need a target: swing, speed_ratio or time_ratio.")
 
@@ -457,6 +460,8 @@ def _broken_limits(design: LinkageDesign, limits: _Limits) -> tuple[str, ...]:
     for side, limit, way in zip(design.space, limits.size, ("along", "across"), strict=True):
         if side > limit * (1 + ATTAINED):
             found.append(f"{1e3 * side:.1f} mm {way} the ground link, above {1e3 * limit:g}")
+    if design.folds_flat:
+        found.append("all links fold onto one line")
     return tuple(found)
 
 

@@ -8,6 +8,7 @@ from erlif.core.arrays import Array
 from erlif.models.arguments import Values, require_not_negative
 from erlif.models.linkage.measures import (
     Links,
+    grashof_margin,
     least_transmission,
     links_of,
     speed_ratio,
@@ -108,7 +109,8 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
     0.001 degrees/mm
     """
     lengths = np.array(links_of(linkage))
-    step = STEP * linkage.crank
+    # a linkage that almost folds flat stays a crank-rocker on both sides
+    step = min(STEP * linkage.crank, float(grashof_margin(links_of(linkage))) / 10)
 
     def slope(index: int) -> list[float]:
         sides = []
