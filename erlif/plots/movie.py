@@ -277,7 +277,7 @@ def _write(
 ) -> Path:
     with in_style(style):
         frames = draw_frames(film, progress)
-    content = _encode_mp4(frames, speed, encoder) if encoder else _encode_gif(frames, speed)
+    content = _encode_mp4(frames, speed, encoder) if encoder else encode_gif(frames, speed)
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return path
@@ -334,8 +334,8 @@ def _palette() -> bytes:
     return bytes(np.rint(255 * np.concatenate([batlow, *lines])).astype(np.uint8))
 
 
-def _encode_gif(frames: list[Image.Image], speed: float) -> bytes:
-    """A GIF that repeats, with one palette, so that nothing flickers."""
+def encode_gif(frames: list[Image.Image], speed: float) -> bytes:
+    """Encode pictures as a GIF that repeats, with one palette, so that nothing flickers."""
     palette = Image.new("P", (1, 1))
     palette.putpalette(_palette())
     mapped = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
