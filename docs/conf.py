@@ -109,6 +109,7 @@ SINGLE_PAGES = (
     "tribometers",
     "planning",
     "design",
+    "linkage",
     "friction",
     "prediction",
     "compare",

@@ -29,6 +29,7 @@ from erlif.commands.export import export
 from erlif.commands.figures import figures
 from erlif.commands.friction import friction
 from erlif.commands.init import init
+from erlif.commands.linkage import linkage
 from erlif.commands.log import show_log
 from erlif.commands.movie import movie
 from erlif.commands.plan import plan
@@ -119,6 +120,7 @@ def main(verbose: int) -> None:
 
 for command in (
     plan,
+    linkage,
     simulate,
     init,
     check,

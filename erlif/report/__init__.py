@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from erlif.report.budget import render_budget
 from erlif.report.design import list_materials, summarise_design
+from erlif.report.linkage import summarise_linkages
 from erlif.report.maps import MapCoding, decode_map, embed_map
 from erlif.report.plan import check_plan_output, summarise_plan, write_plan
 from erlif.report.prediction import summarise_prediction
@@ -27,6 +28,7 @@ __all__ = [
     "summarise",
     "summarise_design",
     "summarise_in_a_line",
+    "summarise_linkages",
     "summarise_plan",
     "summarise_prediction",
     "write_check_page",

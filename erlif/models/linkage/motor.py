@@ -57,10 +57,16 @@ class DrivePower:
         Torque that drives the crank. [N m]
     power : array, (n,)
         Power at the crank. [W]
-    peak_power, mean_power, rms_power : float
-        Greatest, mean and root mean square over a turn. [W]
-    peak_torque, rms_torque : float
-        Greatest size and root mean square of the crank torque; windings heat by the second. [N m]
+    peak_power : float
+        Greatest power. [W]
+    mean_power : float
+        Mean over a turn. [W]
+    rms_power : float
+        Root mean square over a turn. [W]
+    peak_torque : float
+        Greatest size of the crank torque. [N m]
+    rms_torque : float
+        Root mean square of the crank torque, by which windings heat. [N m]
     """
 
     crank_angle: Array

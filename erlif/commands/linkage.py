@@ -1,0 +1,115 @@
+"""``erlif linkage``: links of a crank-rocker for a wanted motion."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+
+from erlif.commands.loading import large_imports
+from erlif.commands.options import OVERWRITE, PATH, expect_suffix
+from erlif.core.errors import ConfigError
+from erlif.core.units import parse_quantity
+
+
+class _Quantity(click.ParamType[float]):
+    """A number with a unit, such as "51 cm"."""
+
+    def __init__(self, unit: str, name: str) -> None:
+        self.unit, self.name = unit, name
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            return parse_quantity(value, self.unit)
+        except (ConfigError, ValueError) as error:
+            self.fail(str(error), param, ctx)
+
+
+LENGTH, ANGLE, SPEED = (
+    _Quantity("m", "LENGTH"),
+    _Quantity("rad", "ANGLE"),
+    _Quantity("rad/s", "SPEED"),
+)
+
+
+@click.command()
+@click.option("--crank", type=LENGTH, help="Length from crank pivot to crank pin.")
+@click.option("--coupler", type=LENGTH, help="Length from crank pin to rocker pin.")
+@click.option("--rocker", type=LENGTH, help="Length from rocker pivot to rocker pin.")
+@click.option("--ground", type=LENGTH, help="Distance of the pivots.")
+@click.option("--swing", type=ANGLE, help="Wanted swing of the rocker.")
+@click.option("--ratio", type=float, help="Wanted greatest rocker speed over crank speed.")
+@click.option("--time-ratio", type=float, help="Wanted slower stroke over quicker, in time.")
+@click.option("--crank-speed", type=SPEED, help="Speed of the crank.")
+@click.option("--rocker-speed", type=SPEED, help="Wanted greatest rocker speed.")
+@click.option("--transmission", type=ANGLE, default="0 deg", help="Least transmission angle.")
+@click.option("--size", type=(LENGTH, LENGTH), help="Space along and across the ground link.")
+@click.option("--longest", type=LENGTH, help="Longest link; default: ten times the longest given.")
+@click.option(
+    "-o", "--output", type=PATH, help="Figure (PNG, PDF, SVG) or movie (GIF) of the best."
+)
+@OVERWRITE
+def linkage(
+    crank: float | None,
+    coupler: float | None,
+    rocker: float | None,
+    ground: float | None,
+    swing: float | None,
+    ratio: float | None,
+    time_ratio: float | None,
+    crank_speed: float | None,
+    rocker_speed: float | None,
+    transmission: float,
+    size: tuple[float, float] | None,
+    longest: float | None,
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Find crank-rockers for a wanted swing, speed and time ratio; two links at least are given.
+
+    Prints every solution, or the nearest linkage. Names and angles are those of [linkage] in
+    run.toml. Quantities have units: "51 cm", "25 deg",
+    "114 rpm".
+
+    \b
+    Example:
+      erlif linkage --swing "25 deg" --rocker-speed "24 rpm" \\
+        --coupler "44 cm" --rocker "26 cm" --ground "51 cm" -o linkage.png
+    """
+    with large_imports():
+        from erlif.models.linkage import synthesise_crank_rocker
+        from erlif.report import summarise_linkages
+
+    # everything that can be refused is refused before the work starts
+    if output is not None:
+        from erlif.files import refuse_existing
+
+        expect_suffix(output, ".png", ".pdf", ".svg", ".gif")
+        refuse_existing(output, overwrite=overwrite)
+    found = synthesise_crank_rocker(
+        crank=crank,
+        coupler=coupler,
+        rocker=rocker,
+        ground=ground,
+        swing=swing,
+        speed_ratio=ratio,
+        time_ratio=time_ratio,
+        crank_speed=crank_speed,
+        rocker_speed=rocker_speed,
+        least_transmission_angle=transmission,
+        largest_size=size or (math.inf, math.inf),
+        longest_link=longest,
+    )
+    click.echo(summarise_linkages(found))
+    if output is None:
+        return
+
+    with large_imports():
+        from erlif.plots import write_linkage
+    best = found.designs[0] if found.designs else found.nearest
+    assert best is not None  # without a design there is a nearest one
+    click.echo(f"written: {write_linkage(best, output, overwrite=overwrite)}")

@@ -1,0 +1,50 @@
+"""``erlif linkage``: what it prints, what it writes, what it refuses."""
+
+import pytest
+from click.testing import CliRunner
+
+from erlif.commands.main import main
+
+LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
+
+
+def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path):
+    path = tmp_path / "linkage.png"
+    speeds = ("--rocker-speed", "24 rpm", "-o", path)
+    result = command("linkage", *LINKS, "--swing", "26 deg", *speeds)
+    assert "1 crank-rocker meets the targets." in result.stdout
+    row = result.stdout.split("\n\n")[1].splitlines()[2].split()
+    assert row[:6] == ["58.484", "440.000", "260.000", "510.000", "105.42", "26.000"]
+    assert f"written: {path}" in result.stdout
+    assert path.read_bytes()[1:4] == b"PNG"
+
+
+def test_out_of_reach_is_reported_with_status_0(command):
+    result = command("linkage", *LINKS, "--swing", "170 deg")
+    assert "No crank-rocker meets the targets; nearest: swing 105.1240 degrees" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--swing", "26 deg"), "at least must be given, got none"),
+        (("--crank", "30 cm", "--rocker", "26 cm", "--swing", "9 deg"), "no crank-rocker has"),
+        (("--time-ratio", "0.5", *LINKS), "time_ratio must be at least 1"),
+        (("-o", "linkage.txt", *LINKS), "a name in .png or .pdf or .svg or .gif"),
+    ],
+)
+def test_bad_input_is_one_message(refused, words, message):
+    assert message in refused("linkage", *words)
+
+
+def test_a_number_without_a_unit_is_wrong_usage():
+    result = CliRunner().invoke(main, ["linkage", "--swing", "26", *LINKS])
+    assert result.exit_code == 2
+    assert "Invalid value for '--swing': expected a number with a unit" in result.stderr
+
+
+def test_an_existing_figure_is_kept(refused, tmp_path):
+    path = tmp_path / "linkage.png"
+    path.write_text("mine", encoding="utf-8")
+    assert "--overwrite" in refused("linkage", *LINKS, "--swing", "26 deg", "-o", path)
+    assert path.read_text(encoding="utf-8") == "mine"
