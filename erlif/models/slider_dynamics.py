@@ -589,13 +589,21 @@ def _rates(
 
 
 def _touch(_time: float, state: Array, model: _Simplified | _General, _speed: float) -> float:
-    return model.gap(state)
+    """Negative before a touch, positive after it.
+
+    A flight begins at the gap zero, which rounding makes one or the other, and may be shorter than
+    a step: what counts as touched is closed and closing.
+    """
+    gap = model.gap(state)
+    return -gap - _ABSOLUTE if gap >= 0 and model.approach(state) <= 0 else gap
 
 
 def _end_of_contact(
     _time: float, state: Array, model: _Simplified | _General, _speed: float
 ) -> float:
-    return model.gap(state)
+    """Positive before the end of a contact, negative after it: open and opening."""
+    gap = model.gap(state)
+    return -gap + _ABSOLUTE if gap <= 0 and model.approach(state) >= 0 else gap
 
 
 _touch.terminal, _touch.direction = True, 1.0  # type: ignore[attr-defined]

@@ -1,6 +1,8 @@
 """Forward dynamics of the slider-crank: balances, inverse dynamics, closed forms of impacts."""
 
+import csv
 import warnings
+from pathlib import Path
 
 import numpy as np
 import numpy.testing as npt
@@ -62,6 +64,7 @@ def test_drive_supplies_what_motion_spring_and_losses_take(contact, torque):
     assert np.all(np.diff(found.friction_loss) >= 0)
     assert np.all(np.diff(found.impact_loss) >= 0)
     assert found.friction_loss[-1] > 0.01 * scale
+    assert found.penetration.max() < 1e-4
     npt.assert_allclose(found.friction_loss, 0.15 * found.rubbing, rtol=2e-3)
 
 
@@ -167,6 +170,60 @@ def test_rebound_has_the_closed_form_of_the_law(restitution):
 
     # the law is meant for restitutions near 1; Lankarani and Nikravesh (1994)
     npt.assert_allclose(rebound / touch, restitution, atol=0.5 * (1 - restitution))
+
+
+REFERENCE = Path(__file__).parents[1] / "reference" / "slider_crank_exudyn.csv"
+
+
+@pytest.mark.parametrize(
+    ("joint", "clearance", "contact", "bounds"),
+    [
+        ("perfect", 0.0, None, (2e-9, 2e-8, 2e-10, 2e-3)),
+        ("general", 2e-4, ContactLaw(1e7, restitution=1.0), (2e-7, 2e-4, 1e-8, 3e-3)),
+    ],
+)
+def test_motion_under_a_torque_is_that_of_exudyn(joint, clearance, contact, bounds):
+    """Flight and elastic contact; bounds in rad, rad/s, m and N.
+
+    benchmarks/slider_crank_exudyn.py wrote the reference; halving its step changes it by as much.
+    """
+    with REFERENCE.open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["joint"] == joint]
+    found = simulate_slider_crank(
+        linkage(clearance),
+        bodies=SliderCrankBodies(**MASSES, spring_stiffness=525.4, spring_preload=20.0),
+        crank_speed=20.0,
+        crank_angle=0.3,
+        duration=0.12,
+        torque=lambda time, _angle: 2 * np.cos(30 * time),
+        crank_inertia=CRANK_INERTIA,
+        contact=contact,
+        eccentricity=(-1e-4, 0.0),
+        samples=25,
+    )
+    assert found.touches >= 5 or joint == "perfect"
+    for name, bound in zip(
+        ("crank_angle", "crank_speed", "slider_position", "force"), bounds, strict=True
+    ):
+        npt.assert_allclose(found[name], [float(row[name]) for row in rows], atol=bound)
+
+
+def test_flights_shorter_than_a_step_are_followed():
+    """Stiff contact on a light crank: touches follow each other within a millisecond."""
+    found = simulate_slider_crank(
+        linkage(2e-4),
+        bodies=SliderCrankBodies(**MASSES, spring_stiffness=525.4, spring_preload=20.0),
+        crank_speed=20.0,
+        crank_angle=0.3,
+        duration=0.04,
+        torque=lambda time, _angle: 2 * np.cos(30 * time),
+        crank_inertia=CRANK_INERTIA,
+        contact=ContactLaw(1e8, restitution=1.0),
+        eccentricity=(-1e-4, 0.0),
+        samples=201,
+    )
+    assert found.touches >= 8
+    assert found.penetration.max() < 3e-4
 
 
 def test_tension_of_the_simplified_joint_is_checked():
