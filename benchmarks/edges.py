@@ -8,6 +8,7 @@ python benchmarks/edges.py trends    figures 3-9 and 3-10: pressure against D1, 
 python benchmarks/edges.py search    the best undercut
 python benchmarks/edges.py stress    von Mises stress in the bushing, with and without undercut
 python benchmarks/edges.py mesh      the same pressure on finer meshes
+python benchmarks/edges.py figure    docs/images/edges.png
 
 OMP_NUM_THREADS=1 and OPENBLAS_NUM_THREADS=1 keep both codes on one core.
 """
@@ -17,10 +18,11 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from erlif.models.contact import hertz_ellipse, hertz_line
+from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line
 from erlif.models.edges import (
     Joint,
     Undercut,
@@ -170,12 +172,12 @@ def compute_trends(load: float) -> None:
     for label, (name, values) in series.items():
         chosen = {**base, name: values}
         lengths = {key: [value * 1e-3 for value in given] for key, given in chosen.items()}
-        found = search_undercut(THESIS, load=load, **lengths)
+        found = search_undercut(THESIS, load=load, patch=0.5e-3, **lengths)
         print(f"{label} [mm]      " + "".join(f"{value:7g}" for value in values))
         for variable in ("patch_pressure", "peak_pressure"):
             line = found[variable].to_numpy().ravel() / 1e6
             print(f"{variable} [MPa]" + "".join(f"{value:7.0f}" for value in line))
-    print(f"uncut: 4 mm mean {float(found.patch_uncut) / 1e6:.0f} MPa")
+    print(f"uncut: 0.5 mm mean {float(found.patch_uncut) / 1e6:.0f} MPa")
 
 
 def search(load: float) -> None:
@@ -230,12 +232,48 @@ def refine(load: float) -> None:
             print(f"    1024 round the axis instead of 512: {change:+.1e}")
 
 
+def draw(load: float) -> None:
+    """Profiles, map, search and stress of the joint in one figure."""
+    from erlif import plots
+
+    straight = prepare_joint(THESIS)
+    cut = prepare_joint(replace(THESIS, undercut=OPTIMUM), pin=straight.pin)
+    before, after = solve_joint(straight, load=load), solve_joint(cut, load=load)
+    found = search_undercut(
+        THESIS,
+        load=load,
+        depths=[0.010, 0.015, 0.020, 0.030],
+        widths=[0.008],
+        lips=[0.005, 0.006, 0.007, 0.008, 0.0093, 0.0105],
+        patch=0.5e-3,
+    )
+    radius = conformal_radius(THESIS.pin_radius, bushing_radius=THESIS.bushing_radius)
+    hertz = hertz_line(load / THESIS.length, radius=radius, contact_modulus=STEEL)
+    figure = plots.joint_figure(
+        {"straight": before, "undercut": after},
+        hertz=hertz.pressure,
+        stress=section_stress(cut, after, harmonics=128),
+        search=found,
+    )
+    plots.save_figure(figure, Path(__file__).parents[1] / "docs" / "images" / "edges.png", dpi=150)
+
+
 def main() -> None:
     """Run the chosen part."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "part",
-        choices=["speed", "roller", "thesis", "lobes", "trends", "search", "stress", "mesh"],
+        choices=[
+            "speed",
+            "roller",
+            "thesis",
+            "lobes",
+            "trends",
+            "search",
+            "stress",
+            "mesh",
+            "figure",
+        ],
     )
     parser.add_argument("--pounds", type=float, default=100e3, help="load on the pin [lbf]")
     given = parser.parse_args()
@@ -249,6 +287,7 @@ def main() -> None:
         "search": lambda: search(load),
         "stress": lambda: compute_stress(load),
         "mesh": lambda: refine(load),
+        "figure": lambda: draw(load),
     }[given.part]()
 
 

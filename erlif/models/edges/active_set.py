@@ -1,8 +1,9 @@
 """Pressure that closes a gap and nowhere pulls: conjugate gradients on the cells in contact.
 
-Polonsky and Keer (1999). The deflection is linear in the pressure, and symmetric for cells weighted
-by their areas. Where cells touch, gap plus deflection equals a motion of the rigid body; elsewhere
-the gap is open and the pressure is zero.
+Polonsky and Keer (1999), for cells of any size: the gap of each is weighed by its own compliance.
+The deflection is linear in the pressure, and symmetric for cells weighted by their areas. Where
+cells touch, gap plus deflection equals a motion of the rigid body; elsewhere the gap is open and
+the pressure is zero.
 """
 
 from collections.abc import Callable
@@ -98,13 +99,14 @@ def solve_active_set(
     (array([1., 0.]), array([1.]))
     """
     weight = np.broadcast_to(np.asarray(area, float), gap.shape)
+    own = np.broadcast_to(np.asarray(diagonal, float), gap.shape)
     free = targets is not None
     aims = np.asarray(targets if free else [], dtype=float)
     fixed = np.tensordot(np.asarray(motion, float), modes, 1) if not free else np.zeros(gap.shape)
 
     def rigid(values: Array, touching: Mask) -> Array:
-        """Amplitudes of the modes nearest to the values of the cells in contact."""
-        inside = modes[:, touching] * weight[touching]
+        """Modes that leave a rest of the gap whose pressures, over `own`, carry no load."""
+        inside = modes[:, touching] * (weight / own)[touching]
         matrix = inside @ modes[:, touching].T
         found: Array = np.linalg.lstsq(matrix, inside @ values[touching], rcond=1e-14)[0]
         return found
@@ -136,7 +138,7 @@ def solve_active_set(
             residual -= np.tensordot(amplitudes, modes, 1)
 
         # a closed gap where cells touch, an open one elsewhere
-        wrong = np.where(touching, np.abs(residual), np.maximum(-residual, 0.0)) / diagonal
+        wrong = np.where(touching, np.abs(residual), np.maximum(-residual, 0.0)) / own
         peak = float(pressure.max())
         error = float(wrong.max()) / peak if peak > 0 else float(wrong.max() > 0) * np.inf
         if error <= tolerance and known:
@@ -146,23 +148,22 @@ def solve_active_set(
             found = amplitudes if free else np.asarray(motion, float)
             return Contact(pressure, deflection, found, step, error)
         if peak == 0:  # a given motion starts from the cells that overlap
-            pressure = np.maximum(-residual, 0.0) / diagonal
+            pressure = np.maximum(-residual, 0.0) / own
             continue
 
         # conjugate direction within the contact, and the step that minimises along it
-        square = float(np.sum(weight[touching] * residual[touching] ** 2))
-        direction = np.where(
-            touching, residual + (square / last_square if keep else 0.0) * direction, 0.0
-        )
-        if free and keep and shrunk:  # cells that left took a part of a rigid motion with them
-            motion_of = np.tensordot(rigid(direction, touching), modes, 1)
-            direction = np.where(touching, direction - motion_of, 0.0)
+        missing = residual / own
+        square = float(np.sum((weight * residual * missing)[touching]))
+        turn = square / last_square if keep else 0.0
+        direction = np.where(touching, missing + turn * direction, 0.0)
+        if free and turn and shrunk:  # cells that left took a part of the load with them
+            lost = np.tensordot(rigid(direction * own, touching), modes, 1) / own
+            direction = np.where(touching, direction - lost, 0.0)
         raw = deflect(direction)
-        change = raw - np.tensordot(rigid(raw, touching), modes, 1) if free else raw
-        along = float(np.sum(weight[touching] * direction[touching] * change[touching]))
+        along = float(np.sum((weight * direction * raw)[touching]))
         if free and np.count_nonzero(touching) <= len(modes):
             # so few cells follow any motion; others have to join them
-            direction, length = np.zeros(gap.shape), 1 / float(np.mean(diagonal))
+            direction, length = np.zeros(gap.shape), 1.0
         elif along <= 0:
             raise ModelError(
                 "The contact has no solution: its deflection is not positive for every pressure; "
@@ -177,7 +178,7 @@ def solve_active_set(
 
         # cells that overlap join the contact, and the directions start anew
         joining = (pressure == 0) & (residual < 0)
-        pressure[joining] = -length * residual[joining]
+        pressure[joining] = -length * missing[joining]
         last_square, keep = square, not joining.any()
 
         # the deflection follows from that of the step as long as the contact stays the same

@@ -63,9 +63,9 @@ def solve_contact(
     load_position : tuple of float
         With `free_tilt`: place of the load along x and z, from the middle of the grid. [m]
     mirror : float
-        Share of the pressure, mirrored about both ends in z, that deflects the bodies too. Both end
-        there at free faces with `end_mirror` of their Poisson's ratio, one of two equal bodies with
-        half of it; half spaces with 0. [1]
+        Share of the pressure, mirrored about both ends in z, that deflects the bodies too. 0 stands
+        for half spaces, 1 for two free ends at a Poisson's ratio of 0, about 1.5 at 0.3, and half
+        of it where one of two equal bodies goes on. [1]
     tolerance : float
         Largest error of the gap, over the deflection of a cell under its own largest pressure. [1]
 

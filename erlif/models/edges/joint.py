@@ -218,7 +218,7 @@ def prepare_joint(
     >>> joint = Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> elastic.cells.size - 1
-    5
+    10
     """
     require_positive(smallest_cell=smallest_cell, largest_cell=largest_cell)
     if growth < 1:

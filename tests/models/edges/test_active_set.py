@@ -45,6 +45,20 @@ def test_given_loads_are_those_of_the_motion_found(problem):
     npt.assert_allclose(again.pressure, found.pressure, atol=1e-7)
 
 
+def test_cells_of_any_size_carry_forces_in_equilibrium(problem):
+    """The forces of the cells, area times pressure, minimise the same energy."""
+    matrix, gap = problem
+    area = np.logspace(-2, 1, 30)
+    root = np.linalg.cholesky(matrix).T
+    forces, _ = nnls(root, np.linalg.solve(root.T, 1.0 - gap))
+    found = solve_active_set(
+        lambda p: matrix @ (area * p), gap, diagonal=np.diag(matrix) * area, area=area,
+        modes=np.ones((1, 30)), targets=[forces.sum()], tolerance=1e-10,
+    )  # fmt: skip
+    npt.assert_allclose(area * found.pressure, forces, atol=1e-7)
+    npt.assert_allclose(found.motion, 1.0, rtol=1e-7)
+
+
 def test_a_matrix_that_pulls_is_refused(problem):
     with pytest.raises(ModelError, match="not positive"):
         solve_active_set(

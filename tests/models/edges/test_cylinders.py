@@ -103,6 +103,20 @@ def test_edge_has_the_exponent_of_a_right_angle():
     npt.assert_allclose(-slope, edge_exponent(np.pi / 2), atol=5e-3)
 
 
+def test_free_end_without_poisson_mirrors_its_load():
+    """Hetenyi (1970): a pressure and its mirror image leave the plane between them free."""
+    cells = 0.4 - np.concatenate([[0], np.cumsum(0.004 * 1.6 ** np.arange(8)), [0.4]])[::-1]
+    lines = 1 - np.concatenate([[0], np.cumsum(0.004 * 1.8 ** np.arange(9))])[::-1]
+    lines[0] = 0
+    share = {}
+    for poisson in (0.0, 0.3):
+        pin = Section(lines, cells, 1.0, MODULUS, poisson, False)
+        moved = compute_compliance(pin, cells, harmonics=[32]).matrices[0].sum(axis=1)
+        share[poisson] = 2 * moved[-1] / moved[0] - 1
+    npt.assert_allclose(share[0.0], 1.0, atol=1e-3)
+    assert 1.4 < share[0.3] < 1.6
+
+
 def test_cells_that_miss_the_mesh_are_refused():
     with pytest.raises(ModelError, match="does not end at lines"):
         compute_compliance(DISC, np.array([0.0, 0.4]), harmonics=[0])
