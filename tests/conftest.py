@@ -1,6 +1,8 @@
 """A small virtual rig, copies of it that a test may damage, and the command line."""
 
+import functools
 import hashlib
+import importlib
 import os
 import shutil
 from collections.abc import Callable
@@ -95,6 +97,14 @@ def film(small_rig, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("film") / "film.nc"
     erlif.process(small_rig.run, output=path, workers=1).close()
     return path
+
+
+@pytest.fixture
+def coarse_pressure(monkeypatch) -> None:
+    """The pressure of a film on few cells, for tests that do not look at its values."""
+    module = importlib.import_module("erlif.pipeline.pressure")
+    coarse = functools.partial(module.find_pressures, cells=(64, 4))
+    monkeypatch.setattr(module, "find_pressures", coarse)
 
 
 def snapshot(directory: Path) -> dict[str, str]:

@@ -1,6 +1,10 @@
 """``erlif pressure``: what it writes, what it shows, what it refuses."""
 
+import pytest
+
 from erlif.files import open_netcdf
+
+pytestmark = pytest.mark.usefixtures("coarse_pressure")
 
 
 def test_a_pressure_lies_beside_its_film_and_is_replaced_on_request_only(own, command, refused):

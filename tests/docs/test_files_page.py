@@ -103,6 +103,7 @@ def test_prediction_holds_the_variables_and_attributes_of_the_page(page, film, t
         check_variables(contents(file.groups["frames"]), [*frames, *page.PREDICTED_FRAMES])
 
 
+@pytest.mark.usefixtures("coarse_pressure")
 def test_pressure_holds_the_variables_and_attributes_of_the_page(page, film, tmp_path):
     write_dataset(erlif.pressure_from_film(film), tmp_path / "pressure.nc")
     with h5netcdf.File(tmp_path / "pressure.nc") as file:

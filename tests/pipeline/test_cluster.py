@@ -176,7 +176,6 @@ def test_work_waits_for_a_worker_and_reports_it(own_workers, monkeypatch, caplog
     assert f"dask worker {own_workers.scheduler_address}" in line
 
 
-@pytest.mark.slow
 def test_an_item_that_ends_every_worker_is_refused(own_workers, tmp_path):
     folder = tmp_path / "deaths"
     folder.mkdir()
