@@ -110,12 +110,13 @@ def margin(value: float) -> str:
     if abs(value) < ROUNDING:
         return "0 %"
     if value > _FACTOR:
-        return f"x {value + 1:.3g}"
+        return f"x {value + 1:.3g}" if value < _LARGE else f"x {value + 1:.0f}"
     # the sign of a small margin is what matters
     return f"{100 * value:+.0f} %" if abs(value) >= _SMALL else f"{100 * value:+.2g} %"
 
 
 _SMALL = 0.01
+_LARGE = 999.0  # three digits of a larger factor would need an exponent
 _FACTOR = 10.0  # a margin above 1000 % is written as a factor
 
 
@@ -172,11 +173,32 @@ def dimensions(design: BearingDesign) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _dimension_lines(design: BearingDesign) -> list[str]:
+def dimension_title(design: BearingDesign) -> str:
+    """Return the heading of the dimensions.
+
+    Parameters
+    ----------
+    design : BearingDesign
+
+    Returns
+    -------
+    str
+        With the way in which dimensions were chosen, if any was.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> dimension_title(example_design())
+    'Dimensions (chosen: rounded up to R20)'
+    """
     how = "least that are enough" if design.series == "none" else f"rounded up to {design.series}"
+    return f"Dimensions (chosen: {how})" if design.chosen else "Dimensions"
+
+
+def _dimension_lines(design: BearingDesign) -> list[str]:
     rows = dimensions(design)
     lines = [f"{title:<22} {value:>11}  {source}" for title, value, source in rows]
-    return [f"Dimensions (chosen: {how})" if design.chosen else "Dimensions", *lines]
+    return [dimension_title(design), *lines]
 
 
 def _step_lines(design: BearingDesign) -> list[str]:

@@ -17,7 +17,7 @@ from erlif.core.version import __version__
 from erlif.files import refuse_existing, replacing
 from erlif.plots.design import design_figure, design_margins_figure
 from erlif.report.captions import Caption
-from erlif.report.design import dimensions, margin, verdict, within
+from erlif.report.design import dimension_title, dimensions, margin, verdict, within
 from erlif.report.download import download_link, file_name
 from erlif.report.layout import PageFigure, arrange_figures, compose_page, embed_figure
 from erlif.report.tables import make_table
@@ -118,11 +118,11 @@ def make_design_page(design: BearingDesign) -> str:
 
 def _result(design: BearingDesign) -> str:
     first, *rest = verdict(design)
-    lines = [f"<p><strong>{escape(first)}</strong></p>"]
+    lines = [f"<p><strong>{_signs(first)}</strong></p>"]
     failed = [line.strip() for line in rest if line.startswith("  ")]
     if failed:
-        lines.append(f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in failed)}</ul>")
-    lines += [f"<p>{escape(line)}</p>" for line in rest if not line.startswith("  ")]
+        lines.append(f"<ul>{''.join(f'<li>{_signs(line)}</li>' for line in failed)}</ul>")
+    lines += [f"<p>{_signs(line)}</p>" for line in rest if not line.startswith("  ")]
 
     joint = design.joint
     load = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
@@ -139,8 +139,7 @@ def _result(design: BearingDesign) -> str:
         for part in ("pin", "bushing", "seat", "housing")
     ]
     rows = [(escape(title), _signs(value), source) for title, value, source in dimensions(design)]
-    how = "least that are enough" if design.series == "none" else f"rounded up to {design.series}"
-    sizes = make_table(rows, caption=f"Dimensions (chosen: {how})", numbers=[1])
+    sizes = make_table(rows, caption=dimension_title(design), numbers=[1])
     given = make_table(load, caption="Load, motion and materials")
     return "\n".join([*lines, f'<div class="columns"><div>{sizes}</div><div>{given}</div></div>'])
 

@@ -126,7 +126,8 @@ def size_lock(joint: Joint, lock: Lock, *, series: Series = "none") -> Lock:
         chosen["end_width"] = round_up(_least_end(joint, lock, strength, force), series)
     if lock.screw_diameter is None and lock.screw_yield is not None:
         least = _least_screw(joint, lock.screw_yield, force)
-        chosen["screw_diameter"] = round_up(least, series)
+        # a screw without load has the size of the plate
+        chosen["screw_diameter"] = round_up(least, series) if force > 0 else lock.thickness
     return replace(lock, **chosen)
 
 

@@ -16,6 +16,7 @@ STEP = 1e-5
 """Relative step of the central differences; the margins are smooth to nine digits. [1]"""
 
 _PERCENT = 0.01
+_LARGEST_RATIO = 0.4999  # Poisson's ratio up to which it can grow
 _SMALLEST = 1e-8  # change of a margin that is rounding
 
 _NUMBERS = {
@@ -193,8 +194,9 @@ def _variations(joint: Joint) -> Iterator[tuple[str, str, _Variation]]:
         yield "yield stress of the plate", "1 %", partial(_scaled_plate, joint)
     for part, title in _PARTS.items():
         for field, name in _PROPERTIES.items():
-            material: Material = getattr(joint, part)
-            if getattr(material, field):
+            value = getattr(getattr(joint, part), field)
+            at_end = field == "poissons_ratio" and value is not None and value > _LARGEST_RATIO
+            if value and not at_end:
                 yield f"{name} of the {title}", "1 %", partial(_scaled_part, joint, part, field)
 
 

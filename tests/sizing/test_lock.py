@@ -1,5 +1,6 @@
 """The lock plate: published numbers and choices."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -64,6 +65,16 @@ def test_a_screw_is_sized_where_its_strength_is_known():
     walk = walk_guide(replace(joint, lock=chosen))
     assert walk.step("lock_screw").margin == pytest.approx(0, abs=1e-9)
     assert walk_guide(with_lock()).step("lock_screw").state == "result"
+
+
+def test_a_lock_without_load_has_the_size_of_its_plate():
+    """As much friction in the seats as in the bushing."""
+    joint = with_lock(
+        kind="closed", height=None, end_width=None, screw_yield=640e6, friction_seat=1.0
+    )
+    chosen = size_lock(joint, joint.lock)
+    assert chosen.screw_diameter == chosen.height == chosen.end_width == 10e-3
+    assert walk_guide(replace(joint, lock=chosen)).step("lock_screw").margin == math.inf
 
 
 def test_a_joint_without_lock_has_no_steps_of_it():

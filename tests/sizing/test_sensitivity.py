@@ -57,6 +57,12 @@ def test_first_order_changes_are_those_of_a_small_finite_one():
         assert found[name] == pytest.approx(100 * finite, rel=1e-3)
 
 
+def test_an_incompressible_bushing_has_its_sensitivities():
+    joint = example_joint()
+    rubber = replace(joint.bushing, poissons_ratio=0.5)
+    assert "load" in changes(replace(joint, bushing=rubber))[1]
+
+
 def test_a_joint_without_limits_has_no_sensitivity():
     joint = replace(example_joint(), lock=None)
     bare = replace(
