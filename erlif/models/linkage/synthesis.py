@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -44,8 +44,8 @@ STEP = 1e-11
 LARGE = 1e6
 """Deviation in the place of an infinite one."""
 
-CALLS = 15
-"""Steps of a search from such a minimum where a crossing is a solution already."""
+CALLS, MOST_CALLS = 15, 60
+"""Steps of a search from a minimum of the deviation at first, and of any search."""
 
 NEIGHBOURS = 0.25
 """Distance on the square up to which two points of neighbouring rows lie on one curve."""
@@ -85,6 +85,10 @@ class _Target:
         """Relative deviation from the wanted value; large where a linkage folds flat."""
         deviation = self.measure(links) / self.wanted - 1
         return np.clip(np.nan_to_num(deviation, nan=LARGE), -LARGE, LARGE)
+
+
+_Point: TypeAlias = tuple[Array, float]
+"""Place where the first target is met, and the deviation of the second."""
 
 
 @dataclass(frozen=True)
@@ -277,26 +281,39 @@ def _roots_on_line(deviation: Callable[[Values], Values]) -> list[Array]:
     """All zeros of a function of one unknown; without one, where it is nearest to zero."""
     axis = _axis(LINE)
     values = deviation(axis)
+    roots = _zeros(deviation, axis, values)
+    if not roots:
+        k = int(np.argmin(np.abs(values)))
+        low, high = axis[max(k - 1, 0)], axis[min(k + 1, LINE - 1)]
+        inside = _lowest(lambda u: abs(float(deviation(u))), low, high)
+        roots = [min((inside, axis[k]), key=lambda u: abs(float(deviation(u))))]
+    return [np.array([root]) for root in roots]
+
+
+def _zeros(deviation: Callable[[Values], Values], axis: Array, values: Array) -> list[float]:
+    """All zeros of a function along an axis, from its values there."""
 
     def dip(sign: float, low: float, high: float) -> float:
         return _lowest(lambda u: sign * float(deviation(u)), low, high)
 
-    # a minimum between two places may dip through zero and hide two roots
-    signs = np.sign(values)
-    extra = [
-        dip(signs[k], axis[k - 1], axis[k + 1])
-        for k in range(1, LINE - 1)
-        if signs[k - 1] == signs[k] == signs[k + 1]
-        and abs(values[k]) <= min(abs(values[k - 1]), abs(values[k + 1]))
-    ]
-    axis = np.sort(np.append(axis, extra))
-    values = deviation(axis)
+    # a dip between two places hides two zeros; that of a parabola is shallower than its step
+    signs, sizes = np.sign(values), np.abs(values)
+    steps = np.abs(np.diff(values))
+    hidden = 1 + np.flatnonzero(
+        (signs[:-2] == signs[1:-1])
+        & (signs[2:] == signs[1:-1])
+        & (sizes[1:-1] <= np.minimum(sizes[:-2], sizes[2:]))
+        & (sizes[1:-1] <= np.maximum(steps[:-1], steps[1:]))
+    )
+    extra = [dip(signs[k], axis[k - 1], axis[k + 1]) for k in hidden]
+    axis = np.append(axis, extra)
+    values = np.append(values, [float(deviation(u)) for u in extra])
+    order = np.argsort(axis)
+    axis, values = axis[order], values[order]
 
     changes = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
     roots = [scipy.optimize.brentq(deviation, axis[k], axis[k + 1], xtol=1e-16) for k in changes]
-    roots += list(axis[np.abs(values) < ATTAINED / 10])
-    roots = roots or [axis[np.argmin(np.abs(values))]]
-    return [np.array([root]) for root in roots]
+    return [float(root) for root in (*roots, *axis[np.abs(values) < ATTAINED / 10])]
 
 
 def _lowest(function: Callable[[float], Values], low: float, high: float) -> float:
@@ -315,20 +332,13 @@ def _best_on_line(domain: Domain, limits: _Limits) -> Array:
     return np.array([_lowest(lambda u: -limits.score(domain.links([u])), low, high)])
 
 
-def _changes(values: Array) -> Iterator[tuple[int, float, float]]:
-    """Row and bracket of every change of sign along the rows of the square."""
-    axis = _axis(SQUARE)
-    for row, k in np.argwhere(np.sign(values[:, :-1]) * np.sign(values[:, 1:]) < 0):
-        yield int(row), float(axis[k]), float(axis[k + 1])
+def _zeros_on_row(domain: Domain, target: _Target, row: float, values: Array) -> list[Array]:
+    """All places of one row of the square where a target is met, from its deviations there."""
 
+    def deviation(v: Values) -> Values:
+        return target.deviation(domain.links([row, v]))
 
-def _root_on_row(domain: Domain, target: _Target, row: float, low: float, high: float) -> float:
-    """Place between two others of one row where a target is met."""
-
-    def deviation(v: float) -> float:
-        return float(target.deviation(domain.links([row, v])))
-
-    return float(scipy.optimize.brentq(deviation, low, high, xtol=1e-16))
+    return [np.array([row, root]) for root in _zeros(deviation, _axis(SQUARE), values)]
 
 
 def _best_of_family(domain: Domain, target: _Target, limits: _Limits) -> list[Array]:
@@ -339,16 +349,15 @@ def _best_of_family(domain: Domain, target: _Target, limits: _Limits) -> list[Ar
 
     def across(u: float) -> list[Array]:
         along = target.deviation(domain.links([u + 0 * axis, axis]))
-        brackets = _changes(along[None])
-        return [np.array([u, _root_on_row(domain, target, u, *ends)]) for _, *ends in brackets]
+        return _zeros_on_row(domain, target, u, along)
 
     def score(u: float) -> float:
         return max((float(limits.score(domain.links(p))) for p in across(u)), default=-np.inf)
 
-    rows = sorted({row for row, _, _ in _changes(values)})
+    rows = [row for row in range(SQUARE) if _zeros_on_row(domain, target, axis[row], values[row])]
     if not rows:
-        place = np.unravel_index(np.argmin(np.abs(values)), values.shape)
-        return [axis[list(place)]]
+        place = np.clip(np.unravel_index(np.argmin(np.abs(values)), values.shape), 1, SQUARE - 2)
+        return [_fit(lambda p: target.deviation(domain.links(p)), axis[place], MOST_CALLS).x]
 
     # the best row first, then between its neighbours
     row = max(rows, key=lambda row: score(float(axis[row])))
@@ -363,25 +372,38 @@ def _least_squares(
     """All zeros of several functions, or the least sum of their squares."""
     found: list[tuple[float, float, Array]] = []
 
-    def refine(starts: list[Array], calls: int | None) -> None:
+    def refine(starts: list[Array], calls: int) -> None:
         for start in starts:
-            fit = scipy.optimize.least_squares(
-                deviations,
-                start,
-                bounds=(EDGE, 1 - EDGE),
-                xtol=STEP,
-                ftol=1e-15,
-                gtol=1e-15,
-                max_nfev=calls,
-            )
+            fit = _fit(deviations, start, calls)
             found.append((float(np.abs(fit.fun).max()), float(fit.cost), fit.x))
 
-    # a minimum far from zero is of interest only where nothing else is found
+    # a minimum far from zero is refined only where nothing else is found
     crossings, minima = _starts(domain, branch, deviations)
-    refine(crossings, None)
-    refine(minima, CALLS if any(worst < ATTAINED for worst, _, _ in found) else None)
+    refine(crossings, MOST_CALLS)
+    refine(minima, CALLS)
     solved = [place for worst, _, place in found if worst < ATTAINED]
-    return solved or [min(found, key=lambda entry: entry[1])[2]]
+    if not solved:
+        refine([np.clip(_nearest(found), 2 * EDGE, 1 - 2 * EDGE)], MOST_CALLS)
+        solved = [place for worst, _, place in found if worst < ATTAINED]
+    return solved or [_nearest(found)]
+
+
+def _fit(deviations: Callable[[Array], Values], start: Array, calls: int) -> Any:
+    """Least squares from a start within the square."""
+    return scipy.optimize.least_squares(
+        deviations,
+        start,
+        bounds=(EDGE, 1 - EDGE),
+        xtol=STEP,
+        ftol=1e-15,
+        gtol=1e-15,
+        max_nfev=calls,
+    )
+
+
+def _nearest(found: list[tuple[float, float, Array]]) -> Array:
+    """Place with the least sum of squares."""
+    return min(found, key=lambda entry: entry[1])[2]
 
 
 def _starts(
@@ -403,17 +425,27 @@ def _starts(
     minima = [axis[np.clip(place, 1, SQUARE - 2)] for place in order]
 
     # the curve of the first target, row by row; nearly parallel curves cross at flat angles
-    curves: dict[int, list[tuple[Array, float]]] = {}
-    for row, low, high in _changes(values[0]):
-        place = np.array([axis[row], _root_on_row(domain, branch[0], axis[row], low, high)])
-        curves.setdefault(row, []).append((place, float(deviations(place)[1])))
+    curves: dict[int, list[_Point]] = {}
+    for row, u in enumerate(axis):
+        for place in _zeros_on_row(domain, branch[0], u, values[0, row]):
+            curves.setdefault(row, []).append((place, float(deviations(place)[1])))
     crossings = [
         one + (two - one) * before / (before - after)
         for row, points in curves.items()
-        for (one, before), (two, after) in product(points, curves.get(row + 1, []))
+        for (one, before), (two, after) in _neighbours(points, curves.get(row + 1, []))
         if before * after < 0 and abs(one[1] - two[1]) < NEIGHBOURS
     ]
     return crossings, minima
+
+
+def _neighbours(points: list[_Point], following: list[_Point]) -> list[tuple[_Point, _Point]]:
+    """Pairs of points of two rows that may lie on one curve; curves of one row keep their order."""
+    if len(points) == len(following):
+        in_order = [
+            sorted(row, key=lambda point: float(point[0][1])) for row in (points, following)
+        ]
+        return list(zip(*in_order, strict=True))
+    return list(product(points, following))
 
 
 def _is_minimum(values: Array) -> Any:
