@@ -45,6 +45,9 @@ _STEPS_PER_TURN = 60
 _FEWEST_STEPS = 10
 """Steps in a simulation at least."""
 
+_STEEPEST = 0.999999
+"""Sine of the rod angle at most."""
+
 _MOST_TOUCHES = 100_000
 """Touches and losses of contact after which a simulation is given up."""
 
@@ -83,7 +86,8 @@ _VARIABLES = {
 class ContactLaw:
     """Contact of pin and bushing in the general joint. Mukras et al. (2008), eqs. 12 and 13.
 
-    The force is that of `erlif.models.contact.impact_force`, never below zero.
+    The force is that of `erlif.models.contact.impact_force`, with a rate of penetration of the
+    speed of the touch at most.
 
     Attributes
     ----------
@@ -102,7 +106,10 @@ class ContactLaw:
     Notes
     -----
     The damping of the law is divided by the speed of the touch, so a pin laid down at no speed
-    would stand still. The source does not state what was done; `slowest_impact` ends the law there.
+    would stand still: `slowest_impact` ends the law there. A pin that strikes the bore without
+    having left it penetrates faster than at its last touch, and the force of the law would be many
+    times the elastic one: the rate counts as the speed of the touch at most. In an impact of a free
+    body it never is more. The source does not state what was done.
     """
 
     stiffness: float
@@ -438,7 +445,9 @@ class _General(_Linkage):
         s, c = sin(angle), cos(angle)
 
         # the bushing centre follows from the pin, rod and slider from the bushing
-        phi = asin(-(self.crank * s - ey) / self.coupler)
+        # a trial step may lie beyond the reach of the rod; its error refuses it
+        height = (self.crank * s - ey) / self.coupler
+        phi = -asin(max(-_STEEPEST, min(_STEEPEST, height)))
         sp, cp = sin(phi), cos(phi)
         by_t, bx_t = self.crank * c * speed - vy, -self.crank * s * speed - vx
         rate = -by_t / (self.coupler * cp)
@@ -453,8 +462,8 @@ class _General(_Linkage):
         elastic = normal = slip = rubbed = 0.0
         if impact_speed and penetration > 0:
             elastic = self.stiffness * penetration * sqrt(penetration)
-            damping = 0.75 * (1 - self.restitution**2) * depth_rate / impact_speed
-            normal = max(0.0, elastic * (1 + damping))
+            share = max(-1.0, min(1.0, depth_rate / impact_speed))
+            normal = elastic * (1 + 0.75 * (1 - self.restitution**2) * share)
         lever = self.pin_radius - penetration
         slip = vy * nx - vx * ny + lever * speed - self.bushing_radius * rate
         if self.friction:

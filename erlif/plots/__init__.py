@@ -104,6 +104,7 @@ from erlif.plots.pressure import (
     write_pressure_figure,
 )
 from erlif.plots.registration import displacement_map, drift_of_frames, registration_figure
+from erlif.plots.slider import extrapolation_error, joint_force, joint_wear
 from erlif.plots.style import save_figure
 from erlif.plots.trend import film_against_speed, film_and_theory, speed_figure
 
@@ -139,6 +140,7 @@ __all__ = [
     "example_plan_results",
     "example_pressure",
     "example_registration",
+    "extrapolation_error",
     "film_against_duty",
     "film_against_speed",
     "film_and_prediction",
@@ -152,6 +154,8 @@ __all__ = [
     "friction_over_test",
     "gap_curvature",
     "joint_figure",
+    "joint_force",
+    "joint_wear",
     "linkage_figure",
     "linkage_movie",
     "linkage_positions",
