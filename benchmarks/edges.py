@@ -144,17 +144,16 @@ def compute_thesis() -> None:
 
 def compute_lobes() -> None:
     """Lobes of 200 mm radius under 10,000 lbf; both bores that the thesis has, and Hertz."""
-    hertz = hertz_ellipse(5e3 * POUND, radius=4.872, radius_across=0.2, contact_modulus=STEEL)
-    print(f"Hertz: {hertz.pressure / 1e6:.0f} MPa, half axes {hertz.a * 1e3:.1f}, ", end="")
-    print(f"{hertz.b * 1e3:.2f} mm")
     spans = {"on the ends of the pin": None, "on the whole pin": (0.0, THESIS.pin_length / 2)}
     for bore, height in ((0.03359, 37.5e-6), (0.03394, 0.2375e-3)):
         joint = replace(THESIS, bushing_radius=bore)
+        radius = conformal_radius(THESIS.pin_radius, bushing_radius=bore - height)
+        hertz = hertz_ellipse(5e3 * POUND, radius=radius, radius_across=0.2, contact_modulus=STEEL)
+        print(f"bore {bore * 1e3:g}, Hertz on the crest: {hertz.pressure / 1e6:.0f} MPa, ", end="")
+        print(f"half axes {hertz.a * 1e3:.1f} round the bore, {hertz.b * 1e3:.2f} mm along it")
         for place, span in spans.items():
-            even = prepare_joint(
-                joint, smallest_cell=1e-3, largest_cell=1e-3, growth=1.0, load_span=span
-            )
             for centre in (0.03, 0.06, 0.09):
+                even = prepare_joint(joint, smallest_cell=0.2e-3, refine=[centre], load_span=span)
                 found = solve_joint(
                     even, load=10e3 * POUND, lobes=[centre], lobe_height=height, around=1024
                 )

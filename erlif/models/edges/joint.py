@@ -178,6 +178,7 @@ def prepare_joint(
     smallest_cell: float = 0.5e-3,
     growth: float = 1.3,
     largest_cell: float = 3e-3,
+    refine: Sequence[float] = (),
     load_span: tuple[float, float] | None = None,
     whole: bool = False,
     harmonics: Sequence[int] = HARMONICS,
@@ -193,6 +194,8 @@ def prepare_joint(
         Length of the axial cells at the end of the bushing, and at most in its middle. [m]
     growth : float
         Ratio of neighbouring cells. [1]
+    refine : sequence of float
+        Distances from the middle at which cells are as small as at the end: crests of lobes. [m]
     load_span : tuple of float, optional
         Extent over which the load acts on either half of the pin, from the middle. Default: from
         the end of the bushing to that of the pin. [m]
@@ -231,7 +234,17 @@ def prepare_joint(
             "give load_span where no pin goes beyond the bushing."
         )
     fine = {"first": smallest_cell, "growth": growth, "largest": largest_cell}
-    cells = half - graded_lines(half, **fine)[::-1]
+    if any(not 0 < place < half for place in refine):
+        raise ModelError(f"refine must lie between 0 and {half:g} m, got {list(refine)}.")
+    parts, before = [np.array([0.0])], 0.0
+    for place in sorted([*refine, half]):
+        # from the middle between two fine places, or from that of the bushing, to the next one
+        between = (before + place) / 2 if before else 0.0
+        if before:
+            parts.append(before + graded_lines(between - before, **fine)[1:])
+        parts.append(place - graded_lines(place - between, **fine)[-2::-1])
+        before = place
+    cells = np.concatenate(parts)
     beyond = half + graded_lines(end - half, **fine) if end > half else np.array([half])
     places = _with_lines(np.union1d(cells, beyond), span)
 

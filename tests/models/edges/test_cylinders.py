@@ -104,7 +104,7 @@ def test_edge_has_the_exponent_of_a_right_angle():
 
 
 def test_free_end_without_poisson_mirrors_its_load():
-    """Hetenyi (1970): a pressure and its mirror image leave the plane between them free."""
+    """Hetényi (1970): a pressure and its mirror image leave the plane between them free."""
     cells = 0.4 - np.concatenate([[0], np.cumsum(0.004 * 1.6 ** np.arange(8)), [0.4]])[::-1]
     lines = 1 - np.concatenate([[0], np.cumsum(0.004 * 1.8 ** np.arange(9))])[::-1]
     lines[0] = 0
