@@ -26,10 +26,10 @@ RUNNING_IN = (1 / 20, 1 / 5)
 SCANNED = (0.0, 10.0, 40.0)
 """Time constants of the rise in the search for an onset; 0 is a step. [s]"""
 
-EXPONENTIALS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+EXPONENTIALS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
 """Time constants of the rise in the posterior. [s]"""
 
-RAMPS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+RAMPS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0, 23.0, 32.0, 64.0)
 """Durations of a straight rise in the posterior. [s]"""
 
 GROWTHS = (1.0, 1.4, 2.0, 2.8)
@@ -41,10 +41,12 @@ USUAL = (0.05, 0.05, 0.05)
 In a short stage a rise could else be offset by a huge running-in against a huge drift.
 """
 
+FEWEST = 12
+"""Samples of a stage that is searched: a rise, four columns, and as many degrees of freedom."""
+
 INTERVAL = (0.025, 0.5, 0.975)
 """Quantiles of the onset."""
 
-_FEWEST = 16  # blocks of a stage that is searched: four columns, and as many degrees of freedom
 _MARGIN = 3  # blocks at both ends of a stage in which no onset is searched
 _ROUNDS = 4  # of noise and candidate, which depend on each other
 _FINE = 8  # places of the posterior in a sample interval
@@ -118,11 +120,14 @@ class OnsetSearch:
         Probability of as clear a rise anywhere in a test without galling. [1]
     noise : Noise
         Noise of friction in this test.
+    left_out : tuple[int, ...]
+        Places of the stages that are too short to be searched.
     """
 
     onset: Onset | None
     p_value: float
     noise: Noise
+    left_out: tuple[int, ...] = ()
 
 
 def find_onset(
@@ -154,9 +159,10 @@ def find_onset(
     >>> found.p_value < 1e-6, found.onset.earliest < 333 < found.onset.latest
     (True, True)
     """
-    usable = [k for k, stage in enumerate(stages) if stage.time.size >= _FEWEST]
+    usable = [k for k, stage in enumerate(stages) if stage.time.size >= FEWEST]
+    left_out = tuple(k for k in range(len(stages)) if k not in usable)
     if not usable:
-        return OnsetSearch(None, 1.0, Noise(1.0, 1.0))
+        return OnsetSearch(None, 1.0, Noise(1.0, 1.0), left_out)
     longest = max(stages[k].time[-1] - stages[k].time[0] for k in usable)
     records = [_Record.of(stages[k], longest) for k in usable]
 
@@ -175,9 +181,9 @@ def find_onset(
     level = _normal_quantile(scans[place])
     p_value = min(1.0, sum(_exceedance(level, scan.correlation) for scan in scans))
     if p_value > significance:
-        return OnsetSearch(None, p_value, noise)
+        return OnsetSearch(None, p_value, noise, left_out)
     onset = _posterior(records[place], noise, scans[place].deviation, usable[place])
-    return OnsetSearch(onset if onset.rise >= least_rise else None, p_value, noise)
+    return OnsetSearch(onset if onset.rise >= least_rise else None, p_value, noise, left_out)
 
 
 # stages as blocks

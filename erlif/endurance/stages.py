@@ -15,10 +15,11 @@ SAME_LOAD = 0.03
 LEAST_DURATION = 20.0
 """Shorter stretches of one load, such as a load that is being raised, are left out. [s]"""
 
-_FLOOR = 0.02  # of the highest load: loads below it are equal
+_FLOOR = 0.005  # of the highest load: smaller differences are noise of the cells
 _MEMORY = 20.0  # s: bolts relax more slowly, loads are changed faster
 _MEDIAN = 5  # samples of the running median, against single bad readings
 _UNLOADED = 0.25  # of the second load: a lower first one is idle where nothing else shows it
+_BRIEF = 1 / 3  # of the duration of the second stretch, likewise
 _AT_REST = 0.2  # of the median torque of a stage: below it the machine stands
 
 
@@ -112,7 +113,8 @@ def find_stages(
         if time[last] - time[first] >= least_duration
     ]
     loads = [float(np.median(load[first : last + 1])) for first, last in spans]
-    idle = _find_idle(loads, same_load, floor, idle_load)
+    durations = [float(time[last] - time[first]) for first, last in spans]
+    idle = _find_idle(loads, durations, same_load, floor, idle_load)
 
     stages, number = [], 0
     for (first, last), level, is_idle in zip(spans, loads, idle, strict=True):
@@ -163,7 +165,11 @@ def _steady_spans(
 
 
 def _find_idle(
-    loads: Sequence[float], same_load: float, floor: float, idle_load: float | None
+    loads: Sequence[float],
+    durations: Sequence[float],
+    same_load: float,
+    floor: float,
+    idle_load: float | None,
 ) -> list[bool]:
     """Which stretches are idle runs."""
     if idle_load is not None:
@@ -179,8 +185,12 @@ def _find_idle(
     dropped = [load for load, is_idle in zip(loads, idle, strict=True) if is_idle]
     if dropped:
         reach = max(dropped) + max(same_load * abs(max(dropped)), floor)
+    elif len(loads) > 1:
+        # a test of one stage has no other idle run: the run before it is light, or short
+        brief = durations[0] < _BRIEF * durations[1]
+        reach = loads[0] if brief else _UNLOADED * loads[1]
     else:
-        reach = _UNLOADED * loads[1] if len(loads) > 1 else -np.inf
+        reach = -np.inf
     for n, load in enumerate(loads):
         if idle[n] or load > reach:
             break

@@ -66,4 +66,5 @@ def test_posterior_adds_up_and_holds_its_interval():
 def test_a_test_without_a_searchable_stage_has_no_onset():
     short = StageFriction(np.arange(5.0), np.full(5, 0.1))
     assert find_onset([short]).onset is None
+    assert find_onset([short]).left_out == (0,)
     assert find_onset([]).p_value == 1.0

@@ -34,11 +34,27 @@ def test_a_first_run_without_load_is_idle_even_alone():
     assert [stage.number for stage in stages] == [0, 1]
 
 
+def test_a_short_first_run_is_idle_whatever_its_load():
+    stages = find_stages(TIME[:330], load_of((60, 16e3), (600, 36e3)))
+    assert [stage.number for stage in stages] == [0, 1]
+
+
 def test_a_load_that_is_being_raised_is_no_stage():
     ramp = np.concatenate([np.full(100, 1e3), np.linspace(1e3, 36e3, 40), np.full(200, 36e3)])
     stages = find_stages(TIME[:340], ramp)
     assert [stage.number for stage in stages] == [0, 1]
     assert stages[1].start >= 270
+
+
+def test_a_slow_rise_to_a_small_first_load_divides_idle_run_and_stage():
+    """Beside a highest load of 180 kN a change from 12 to 20 kN is small."""
+    rise = np.linspace(12e3, 20e3, 40)
+    load = np.concatenate(
+        [load_of((40, 12e3)), rise, load_of((400, 20e3), (40, 12e3), (400, 180e3))]
+    )
+    stages = find_stages(TIME[: load.size], load)
+    assert [stage.number for stage in stages] == [0, 1, 0, 2]
+    assert stages[1].start >= 110
 
 
 def test_repeated_stages_of_one_load_are_stages():
