@@ -14,6 +14,7 @@ from pathlib import Path
 from erlif.core.flags import Flag
 from erlif.settings import (
     DesignSettings,
+    EnduranceSettings,
     FixtureSettings,
     Key,
     PlanSettings,
@@ -1076,6 +1077,11 @@ What a rig is to be, for `erlif plan` ([Planning](planning.md)). Spectra are CSV
 columns `wavelength_nm,value`; lines that begin with # are remarks."""
 
 
+ENDURANCE_TEXT = """\
+Columns, machine and designs of endurance tests, for `erlif endurance` ([Endurance
+tests](endurance.md))."""
+
+
 JOINT_TEXT = """\
 What a pin joint is to be, for `erlif design` ([Design](design.md)). Keys of a part that state a
 value of its material replace that of the table."""
@@ -1146,6 +1152,8 @@ def render() -> str:
     lines += settings_section(PlanSettings, "plan.toml")
     lines += ["## joint.toml", "", JOINT_TEXT, ""]
     lines += settings_section(DesignSettings, "joint.toml")
+    lines += ["## endurance.toml", "", ENDURANCE_TEXT, ""]
+    lines += settings_section(EnduranceSettings, "endurance.toml")
     lines += ["## prediction.nc", "", PREDICTION_TEXT, ""]
     lines += variables_table(PREDICTION)
     lines += ["Attributes of the file:", ""]
@@ -1166,6 +1174,7 @@ def schemas() -> dict[str, str]:
         "fixture.schema.json": FixtureSettings,
         "plan.schema.json": PlanSettings,
         "joint.schema.json": DesignSettings,
+        "endurance.schema.json": EnduranceSettings,
     }
     return {
         name: json.dumps(json_schema(kind), indent=2, ensure_ascii=False) + "\n"

@@ -1,10 +1,12 @@
 """run.toml, fixture.toml, plan.toml and joint.toml as frozen, checked tables with descriptions."""
 
 from erlif.settings.design import DesignSettings, LockOfJoint, PartOfJoint
+from erlif.settings.endurance import EnduranceSettings
 from erlif.settings.keys import Key, Table, keys_of, tables_of
 from erlif.settings.planning import CoefficientSettings, DyeSettings, PlanSettings
 from erlif.settings.reading import (
     read_design_settings,
+    read_endurance_settings,
     read_fixture_settings,
     read_plan_settings,
     read_run_settings,
@@ -67,6 +69,7 @@ __all__ = [
     "DyeSettings",
     "Electrons",
     "EncoderSettings",
+    "EnduranceSettings",
     "FileName",
     "FixtureProfile",
     "FixtureSettings",
@@ -110,6 +113,7 @@ __all__ = [
     "json_schema",
     "keys_of",
     "read_design_settings",
+    "read_endurance_settings",
     "read_fixture_settings",
     "read_plan_settings",
     "read_run_settings",

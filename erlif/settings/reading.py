@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 from erlif.core.bounded import read_bounded
 from erlif.core.errors import ConfigError
 from erlif.settings.design import DesignSettings
+from erlif.settings.endurance import EnduranceSettings
 from erlif.settings.keys import Key, keys_of, tables_in
 from erlif.settings.planning import PlanSettings
 from erlif.settings.tables import (
@@ -167,6 +168,36 @@ def read_design_settings(path: Path) -> DesignSettings:
             "joint.toml"
         )
     return _check(path, _load(path), DesignSettings)
+
+
+def read_endurance_settings(path: Path) -> EnduranceSettings:
+    """Read and check the settings of endurance tests.
+
+    Parameters
+    ----------
+    path : Path
+        The file, endurance.toml.
+
+    Returns
+    -------
+    EnduranceSettings
+
+    Raises
+    ------
+    ConfigError
+        As for `read_run_settings`.
+
+    Examples
+    --------
+    >>> read_endurance_settings(Path("no.toml"))
+    Traceback (most recent call last):
+        ...
+    erlif.core.errors.ConfigError: Expected settings in no.toml; there is no such file. Give a file.
+    """
+    if not path.is_file():
+        what = "it is a directory" if path.is_dir() else "there is no such file"
+        raise ConfigError(f"Expected settings in {path}; {what}. Give a file.")
+    return _check(path, _load(path), EnduranceSettings)
 
 
 def _read(directory: Path, name: str, kind: type[_Settings]) -> _Settings:
