@@ -29,6 +29,7 @@ _FUNCTIONS = {
     "calibrate": "erlif.pipeline.fixture",
     "check": "erlif.audit",
     "compare": "erlif.comparison",
+    "compare_designs": "erlif.endurance",
     "design": "erlif.pipeline.design",
     "export": "erlif.conversion",
     "find_pin_position": "erlif.trend",
@@ -83,6 +84,7 @@ __all__ = [
     "calibration",
     "check",
     "compare",
+    "compare_designs",
     "comparison",
     "conversion",
     "correction",
@@ -152,7 +154,7 @@ if TYPE_CHECKING:
     from erlif.conversion import export
     from erlif.core.errors import ErlifError
     from erlif.core.flags import Flag
-    from erlif.endurance import analyse_endurance, read_endurance_log
+    from erlif.endurance import analyse_endurance, compare_designs, read_endurance_log
     from erlif.files import open_film
     from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget

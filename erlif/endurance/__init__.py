@@ -1,9 +1,10 @@
 """Endurance tests of bearings: log to friction, stages, onset of galling and load at failure."""
 
 from erlif.endurance.analysis import EnduranceResult, analyse_endurance
+from erlif.endurance.comparison import DesignComparison, compare_designs
 from erlif.endurance.failure import FailureLoad, failure_load
 from erlif.endurance.friction import measure_friction
-from erlif.endurance.log import LogColumns, read_endurance_log
+from erlif.endurance.log import QUANTITIES, SEVERAL, LogColumns, read_endurance_log
 from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
 from erlif.endurance.reversals import (
     ReversalSeries,
@@ -12,9 +13,13 @@ from erlif.endurance.reversals import (
     write_reversal_table,
 )
 from erlif.endurance.stages import Stage, find_stages
-from erlif.endurance.summary import describe_test, write_test_table
+from erlif.endurance.summary import describe_designs, describe_test, write_test_table
+from erlif.endurance.witness import Witness, hear_witnesses
 
 __all__ = [
+    "QUANTITIES",
+    "SEVERAL",
+    "DesignComparison",
     "EnduranceResult",
     "FailureLoad",
     "LogColumns",
@@ -23,13 +28,17 @@ __all__ = [
     "ReversalSeries",
     "Stage",
     "StageFriction",
+    "Witness",
     "analyse_endurance",
     "analyse_reversals",
+    "compare_designs",
+    "describe_designs",
     "describe_reversals",
     "describe_test",
     "failure_load",
     "find_onset",
     "find_stages",
+    "hear_witnesses",
     "measure_friction",
     "read_endurance_log",
     "write_reversal_table",

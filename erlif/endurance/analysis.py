@@ -12,6 +12,7 @@ from erlif.endurance.failure import FailureLoad, failure_load
 from erlif.endurance.friction import measure_friction
 from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
 from erlif.endurance.stages import Stage, find_stages
+from erlif.endurance.witness import Witness, hear_witnesses
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class EnduranceResult:
         The search for galling, with its p-value.
     failure : FailureLoad
         Load at failure, or the load survived.
+    witnesses : tuple[Witness, ...]
+        What temperature and vibration show at the onset.
     """
 
     name: str
@@ -37,6 +40,7 @@ class EnduranceResult:
     stages: tuple[Stage, ...]
     search: OnsetSearch
     failure: FailureLoad
+    witnesses: tuple[Witness, ...] = ()
 
     @property
     def onset(self) -> Onset | None:
@@ -122,10 +126,14 @@ def analyse_endurance(
         significance=significance,
         least_rise=least_rise,
     )
+    witnesses: tuple[Witness, ...] = ()
+    if search.onset is not None:
+        witnesses = hear_witnesses(test, loaded[search.onset.stage], search.onset)
     return EnduranceResult(
         name=name or str(log.attrs.get("file", "")).rpartition(".")[0],
         test=test,
         stages=stages,
         search=search,
         failure=failure_load(test, loaded, search.onset, calibration=calibration),
+        witnesses=witnesses,
     )

@@ -8,7 +8,9 @@ from pathlib import Path
 
 from erlif.core.units import count_of
 from erlif.endurance.analysis import EnduranceResult
-from erlif.endurance.onset import Onset
+from erlif.endurance.comparison import DesignComparison
+from erlif.endurance.onset import FEWEST, Onset
+from erlif.endurance.witness import Witness
 from erlif.files import replacing
 
 HEADINGS = (
@@ -26,6 +28,8 @@ HEADINGS = (
     "rise",
     "rise std",
     "p-value",
+    "p-value of temperature",
+    "p-value of vibration",
 )
 """Headings of the table of tests."""
 
@@ -67,6 +71,12 @@ def describe_test(found: EnduranceResult) -> list[str]:
             line += f", {float(test['temperature'][stage.last]):.1f} degC at its end"
         lines.append(line)
 
+    for place in found.search.left_out:
+        stage = found.loaded[place]
+        lines.append(
+            f"note: stage {stage.number} has {stage.last - stage.first + 1} samples and was not "
+            f"searched for galling; {FEWEST} are needed"
+        )
     chance = found.search.p_value
     p = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
     onset = found.onset
@@ -80,6 +90,7 @@ def describe_test(found: EnduranceResult) -> list[str]:
         f"{onset.latest:.1f} s), {into:.0f} s into it; {p}"
     )
     lines.append(_describe_rise(onset))
+    lines += [_describe_witness(witness) for witness in found.witnesses]
     lines.append(
         f"load at failure: {failure.load / 1e3:.2f} ± {failure.std / 1e3:.2f} kN; "
         f"{failure.survived / 1e3:.1f} kN were survived"
@@ -93,6 +104,57 @@ def _describe_rise(onset: Onset) -> str:
         f"friction: {onset.friction_before:.3f} to {after:.3f}, a rise of {onset.rise:.3f} ± "
         f"{onset.rise_std:.3f}"
     )
+
+
+def _describe_witness(witness: Witness) -> str:
+    verdict = "confirms it" if witness.confirms else "does not confirm it"
+    span = f"{witness.low:.2f} to {witness.high:.2f}"
+    if witness.name == "temperature":
+        what = f"temperature: slope {witness.change:+.2f} K/min more from the onset on ({span})"
+    else:
+        what = f"vibration: {witness.change:.2f} times the level before ({span})"
+    return f"{what}, p = {witness.p_value:.2g}: {verdict}"
+
+
+def describe_designs(found: DesignComparison) -> list[str]:
+    """Describe the comparison of two designs in lines of text.
+
+    Parameters
+    ----------
+    found : DesignComparison
+        From `erlif.compare_designs`.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.endurance import FailureLoad, compare_designs
+    >>> low = [FailureLoad(load, 0.0, load - 4, True, 1) for load in (24.0, 28.0, 28.0)]
+    >>> high = [FailureLoad(load, 0.0, load - 4, True, 1) for load in (36.0, 36.0, 40.0)]
+    >>> print(describe_designs(compare_designs(low, high, names=("uncut", "undercut")))[-1])
+    log-rank test by permutation: p = 0.1 (so few runs give 0.1 at least)
+    """
+    lines = [
+        f"{name}: {count_of(runs, 'run')}, {count_of(failures, 'failure')}"
+        for name, runs, failures in zip(
+            (found.first, found.second), found.runs, found.failures, strict=True
+        )
+    ]
+    if found.ratio == found.ratio:
+        lines.append(
+            f"load at failure of {found.second} over {found.first}: {found.ratio:.2f} (95 %: "
+            f"{found.low:.2f} to {found.high:.2f}, {found.model}); {found.second} carries more "
+            f"with a probability of {found.probability:.3g}"
+        )
+    else:
+        lines.append("no ratio of the loads: it needs a failure of each design")
+    lines.append(
+        f"log-rank test by permutation: p = {found.log_rank:.2g} (so few runs give "
+        f"{found.least_p:.2g} at least)"
+    )
+    return lines
 
 
 def write_test_table(found: Sequence[EnduranceResult], output: Path) -> Path:
@@ -144,4 +206,6 @@ def _row(found: EnduranceResult) -> list[str]:
     else:
         row += [f"{value:.2f}" for value in (onset.time, onset.earliest, onset.latest)]
         row += [f"{value:.4f}" for value in (onset.friction_before, onset.rise, onset.rise_std)]
-    return [*row, f"{found.search.p_value:.3g}"]
+    chances = {witness.name: f"{witness.p_value:.3g}" for witness in found.witnesses}
+    others = [chances.get(name, "") for name in ("temperature", "vibration")]
+    return [*row, f"{found.search.p_value:.3g}", *others]

@@ -1,6 +1,7 @@
 """Sentences and table of endurance tests."""
 
 import csv
+from dataclasses import replace
 
 from erlif.endurance import describe_test, write_test_table
 from erlif.endurance.example import example_test
@@ -26,3 +27,9 @@ def test_table_has_a_row_for_each_test(tmp_path):
     assert first["failed"] == "1"
     assert float(first["onset [s]"]) == round(found[0].onset.time, 2)
     assert (second["failed"], second["onset [s]"]) == ("0", "")
+
+
+def test_a_stage_that_is_too_short_for_a_search_is_named():
+    result = example_test(galls=False)
+    short = replace(result, search=replace(result.search, left_out=(5,)))
+    assert "note: stage 6 has 150 samples and was not searched" in "\n".join(describe_test(short))
