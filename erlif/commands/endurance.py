@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatch
 from pathlib import Path
 
 import click
@@ -10,9 +12,12 @@ from erlif.commands.loading import large_imports
 from erlif.commands.log_columns import choose_columns, column_pairs, quantity
 from erlif.commands.options import OVERWRITE, PATH
 
+_FEWEST_RUNS = 2
+
 
 @click.command()
 @click.argument("logs", metavar="LOG...", type=PATH, nargs=-1, required=True)
+@click.option("--settings", type=PATH, help="endurance.toml; options take precedence over it.")
 @click.option("--radius", callback=quantity("m"), help='Radius of the pin, "33.36 mm".')
 @click.option("--arm", callback=quantity("m"), help='Arm of the torque\'s load cell, "30 cm".')
 @click.option(
@@ -32,53 +37,138 @@ from erlif.commands.options import OVERWRITE, PATH
     callback=column_pairs,
     help="Unit of a column whose header has none.",
 )
+@click.option("--idle-load", callback=quantity("N"), help='Load up to which a run is idle, "2 kN".')
+@click.option(
+    "--design",
+    "designs",
+    metavar="NAME=PATTERN",
+    multiple=True,
+    callback=column_pairs,
+    help="Logs of a design, by their file names; two designs are compared.",
+)
+@click.option(
+    "--model",
+    type=click.Choice(["lognormal", "weibull"]),
+    default="lognormal",
+    show_default=True,
+    help="Distribution of the load at failure for the comparison.",
+)
 @click.option("-o", "--output", type=PATH, help="Directory; default: endurance/ beside the log.")
 @OVERWRITE
 def endurance(
     logs: tuple[Path, ...],
+    settings: Path | None,
     radius: float | None,
     arm: float | None,
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
+    idle_load: float | None,
+    designs: dict[str, tuple[str, ...]],
+    model: str,
     output: Path | None,
     overwrite: bool,
 ) -> None:
     """Find stages, onset of galling and load at failure in the logs of endurance tests.
 
     Prints them with their uncertainties, draws load, torque, friction and temperature over time,
-    and writes a table of the tests.
+    and writes a table of the tests. Two designs are compared by their loads at failure.
 
     \b
     Example:
       erlif endurance run_1.csv --radius "33.36 mm" --arm "30 cm"
-      erlif endurance run_1.csv --radius "33.36 mm" --column torque="Moment [N m]"
+      erlif endurance *.csv --settings endurance.toml --design uncut=uncut_* --design new=new_*
     """
     with large_imports():
         from erlif.endurance import (
             analyse_endurance,
+            compare_designs,
+            describe_designs,
             describe_test,
             read_endurance_log,
             write_test_table,
         )
         from erlif.files import refuse_existing
         from erlif.plots import write_endurance_figures
+        from erlif.settings import EnduranceSettings, read_endurance_settings
 
+    # everything that can be refused is refused before anything is written
+    given = read_endurance_settings(settings) if settings else EnduranceSettings()
+    machine = given.machine
+    radius = radius if radius is not None else machine.pin_radius
     if radius is None:
         raise click.UsageError('Expected the radius of the pin. Give it: --radius "33.36 mm"')
-    choice = choose_columns(columns, units)
+    stated = given.columns.model_dump(exclude_none=True)
+    choice = choose_columns(
+        {name: one if isinstance(one, tuple) else (one,) for name, one in stated.items()} | columns,
+        {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
+    )
+    names = [log.stem for log in logs]
+    doubled = {name for name in names if names.count(name) > 1}
+    if doubled:
+        raise click.UsageError(
+            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice."
+        )
+    members = _divide(logs, designs or dict(given.designs))
     output = output or logs[0].parent / "endurance"
     table = output / "endurance.csv"
     refuse_existing(table, overwrite=overwrite)
-    for log in logs:
-        refuse_existing(output / f"{log.stem}.png", overwrite=overwrite)
+    for name in names:
+        refuse_existing(output / f"{name}.png", overwrite=overwrite)
 
     found = []
     for log in logs:
         read = read_endurance_log(log, choice)
-        found.append(analyse_endurance(read, pin_radius=radius, arm=arm, name=log.stem))
+        found.append(
+            analyse_endurance(
+                read,
+                pin_radius=radius,
+                arm=arm if arm is not None else machine.arm,
+                torque_ratio=machine.torque_ratio,
+                tare=machine.tare,
+                calibration=machine.load_error,
+                idle_load=idle_load if idle_load is not None else machine.idle_load,
+                significance=given.galling.significance,
+                least_rise=given.galling.least_rise,
+                name=log.stem,
+            )
+        )
         click.echo("\n".join(describe_test(found[-1])))
-        click.echo(f"  columns: {read.attrs['columns']}\n")
+        click.echo(f"columns: {read.attrs['columns']}\n")
+
+    if members:
+        (first, one), (second, other) = members.items()
+        failures = {result.name: result.failure for result in found}
+        compared = compare_designs(
+            [failures[name] for name in one],
+            [failures[name] for name in other],
+            names=(first, second),
+            model=model,
+        )
+        click.echo("\n".join(describe_designs(compared)) + "\n")
     click.echo(f"written: {write_test_table(found, table)}")
-    for one in found:
-        for path in write_endurance_figures(one, output):
+    for result in found:
+        for path in write_endurance_figures(result, output):
             click.echo(f"written: {path}")
+
+
+def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    """Names of the logs of both designs."""
+    members: dict[str, list[str]] = {}
+    for name, patterns in designs.items():
+        members[name] = [
+            log.stem
+            for log in logs
+            if any(fnmatch(log.name, one) or fnmatch(log.stem, one) for one in patterns)
+        ]
+        if len(members[name]) < _FEWEST_RUNS:
+            raise click.UsageError(
+                f"Expected at least two logs of design {name}; {', '.join(patterns)} fits "
+                f"{len(members[name])} of them."
+            )
+    twice = [
+        log for log in {one.stem for one in logs} if sum(log in m for m in members.values()) > 1
+    ]
+    if len(members) not in (0, 2) or twice:
+        what = f"{twice[0]} belongs to two" if twice else f"got {len(members)}"
+        raise click.UsageError(f"Expected two designs, each log in one; {what}.")
+    return members

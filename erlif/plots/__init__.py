@@ -37,8 +37,10 @@ from erlif.plots.edges import (
 )
 from erlif.plots.endurance import (
     endurance_figure,
+    failure_figure,
     friction_over_test,
     load_profile,
+    name_figures,
     temperature_over_test,
     torque_over_test,
     vibration_over_test,
@@ -141,6 +143,7 @@ __all__ = [
     "example_pressure",
     "example_registration",
     "extrapolation_error",
+    "failure_figure",
     "film_against_duty",
     "film_against_speed",
     "film_and_prediction",
@@ -164,6 +167,7 @@ __all__ = [
     "load_profile",
     "map_sheet_figure",
     "missing_figures",
+    "name_figures",
     "pin_figure",
     "pin_orbit",
     "plan_figure",

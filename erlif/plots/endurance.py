@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from erlif.core.arrays import Array
+from erlif.core.errors import EnduranceError
 from erlif.endurance import EnduranceResult
 from erlif.plots.style import (
     OUTWARD,
@@ -27,6 +29,8 @@ from erlif.plots.style import (
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
+_MARGIN = 0.02  # of the time axis
+_BEFORE = 90.0  # s that are drawn before the onset
 _LOADS = "#F0F0F0"  # behind the stages
 
 
@@ -206,6 +210,99 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     return figure
 
 
+@styled
+def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) -> AnyFigure:
+    """Draw torque and friction around the onset, with the posterior of the onset. Fig. 4-11.
+
+    Parameters
+    ----------
+    result
+        As for `load_profile`; a test that has failed.
+    figure
+        As for `endurance_figure`.
+
+    Returns
+    -------
+    Figure
+        One column wide, two panels.
+
+    Raises
+    ------
+    EnduranceError
+        If the test has no onset.
+
+    Examples
+    --------
+    >>> from erlif.endurance.example import example_test
+    >>> [ax.get_ylabel() for ax in failure_figure(example_test()).axes]
+    ['torque [N m]', 'friction coefficient']
+    """
+    onset = result.onset
+    if onset is None:
+        raise EnduranceError(
+            f"Expected a test with an onset of galling to draw; {result.name} survived. Draw "
+            "endurance_figure in its place."
+        )
+    figure = new_figure(height=_ROW * 2.4, text=0.4) if figure is None else figure
+    figure.suptitle(f"{result.name}: galling at {onset.time:.1f} s")
+    stage = result.loaded[onset.stage]
+    time = result.test["time"].values[stage.samples]
+    near = time > onset.earliest - _BEFORE
+    panels = rows_or_columns(figure, 2, sharex=True)
+    for ax, name, label in (
+        (panels[0], "torque", "torque [N m]"),
+        (panels[1], "friction", "friction coefficient"),
+    ):
+        values = result.test[name].values[stage.samples]
+        ax.plot(time[near], values[near], ".-", color=OUTWARD, linewidth=pt(0.6), markersize=pt(2))
+        ax.axvspan(onset.earliest, onset.latest, color=RETURN, alpha=0.25, linewidth=0)
+        ax.axvline(onset.time, color=RETURN, linewidth=pt(0.8))
+        ax.set_ylabel(label)
+
+    # level before and after, as they are printed
+    after = onset.friction_before + onset.rise
+    for level, span in (
+        (onset.friction_before, (time[near][0], onset.earliest)),
+        (after, (onset.latest, time[-1])),
+    ):
+        panels[1].plot(span, (level, level), color="black", linewidth=pt(0.8), linestyle="--")
+    panels[0].set_title(
+        f"95 %: {onset.earliest:.1f} to {onset.latest:.1f} s", loc="right", color=RETURN
+    )
+    panels[1].set(xlabel="time [s]", xlim=(time[near][0], time[-1]))
+    return figure
+
+
+_FIGURES: dict[str, Callable[..., list[Artist]]] = {
+    "load": load_profile,
+    "friction": friction_over_test,
+    "temperature": temperature_over_test,
+}
+"""Figures of one panel."""
+
+
+def name_figures(result: EnduranceResult) -> list[str]:
+    """List the files that `write_endurance_figures` writes.
+
+    Parameters
+    ----------
+    result : EnduranceResult
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from erlif.endurance.example import example_test
+    >>> name_figures(example_test(galls=False))
+    ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
+    """
+    names = [f"{result.name}.png"]
+    names += [f"{result.name}_{name}.png" for name in _FIGURES if name in result.test]
+    return names + [f"{result.name}_failure.png"] * (result.onset is not None)
+
+
 def write_endurance_figures(result: EnduranceResult, folder: Path) -> list[Path]:
     """Write the figures of a test.
 
@@ -217,6 +314,8 @@ def write_endurance_figures(result: EnduranceResult, folder: Path) -> list[Path]
     Returns
     -------
     list of Path
+        All that the test has logged (figs. 4-3 and 4-10), the load (4-2), friction (4-4, 4-6 and
+        4-7) and temperature (4-5, 4-8 and 4-9), and torque and friction around the onset (4-11).
 
     Raises
     ------
@@ -228,11 +327,30 @@ def write_endurance_figures(result: EnduranceResult, folder: Path) -> list[Path]
     >>> import tempfile
     >>> from erlif.endurance.example import example_test
     >>> with tempfile.TemporaryDirectory() as directory:
-    ...     [path.name for path in write_endurance_figures(example_test(), Path(directory))]
-    ['example.png']
+    ...     paths = write_endurance_figures(example_test(galls=False), Path(directory))
+    ...     [path.name for path in paths][:2]
+    ['example.png', 'example_load.png']
     """
+    written = []
     with in_style(None):
-        return [save_figure(endurance_figure(result), folder / f"{result.name}.png")]
+        for name in name_figures(result):
+            kind = name.removeprefix(result.name).removesuffix(".png").removeprefix("_")
+            if kind == "failure":
+                figure: AnyFigure = failure_figure(result)
+            elif kind in _FIGURES:
+                figure = _one_panel(result, kind)
+            else:
+                figure = endurance_figure(result)
+            written.append(save_figure(figure, folder / name))
+    return written
+
+
+@styled
+def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
+    figure = new_figure()
+    _FIGURES[kind](result, ax=figure.add_subplot())
+    figure.suptitle(result.name)
+    return figure
 
 
 def _in_stages(result: EnduranceResult, name: str) -> Array:
@@ -256,5 +374,7 @@ def _draw(result: EnduranceResult, values: Array, ax: Axes, label: str) -> list[
             onset.earliest / _MINUTE, onset.latest / _MINUTE, color=RETURN, alpha=0.3, linewidth=0
         )
         artists.append(ax.axvline(onset.time / _MINUTE, color=RETURN, linewidth=pt(0.8)))
-    ax.set(xlim=(time[0], time[-1]), xlabel="time [min]", ylabel=label)
+    # a jump just before the end must not lie on the frame
+    right = time[-1] + _MARGIN * (time[-1] - time[0])
+    ax.set(xlim=(time[0], right), xlabel="time [min]", ylabel=label)
     return artists

@@ -25,7 +25,9 @@ def test_a_log_gives_text_table_and_figure(log, tmp_path):
     result = run(log, *GIVEN, "-o", tmp_path)
     assert result.exit_code == 0, result.output
     assert "galling in stage 6" in result.stdout
-    assert {path.name for path in tmp_path.iterdir()} == {"endurance.csv", "run_1.png"}
+    kinds = ("", "_load", "_friction", "_temperature", "_failure")
+    figures = {f"run_1{kind}.png" for kind in kinds}
+    assert {path.name for path in tmp_path.iterdir()} == {"endurance.csv", *figures}
     again = run(log, *GIVEN, "-o", tmp_path)
     assert again.exit_code == 2
     assert "exists already" in again.stderr
@@ -41,6 +43,8 @@ def test_a_log_gives_text_table_and_figure(log, tmp_path):
         ((*GIVEN, "--column", "load=Cell 1"), "expected one of time, cells"),
         ((*GIVEN, "--column", "time=a,b"), "expected one column for time"),
         ((*GIVEN, "--unit", "cells"), "QUANTITY=NAME"),
+        ((*GIVEN, "--design", "uncut=run_*"), "at least two logs of design uncut"),
+        (("--settings", "none.toml"), "no such file"),
     ],
 )
 def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
@@ -48,3 +52,20 @@ def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
     assert result.exit_code == 2
     assert message in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_settings_and_designs(log, tmp_path):
+    logs = [tmp_path / f"{name}_{n}.csv" for name in ("uncut", "undercut") for n in (1, 2)]
+    for path in logs:
+        path.write_bytes(log.read_bytes())
+    settings = tmp_path / "endurance.toml"
+    settings.write_text(
+        '[machine]\npin_radius = "33.36 mm"\narm = "30 cm"\n[galling]\nsignificance = 0.001\n'
+        '[designs]\nuncut = ["uncut_*.csv"]\nundercut = ["undercut_*.csv"]\n',
+        encoding="utf-8",
+    )
+    result = run(*logs, "--settings", settings, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "load at failure of undercut over uncut: 1.00" in result.stdout
+    assert "so few runs give 1 at least" in result.stdout
+    assert len((tmp_path / "out" / "endurance.csv").read_text().splitlines()) == 5

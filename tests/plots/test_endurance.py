@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
+from erlif.core.errors import EnduranceError
 from erlif.endurance.example import example_test
-from erlif.plots import endurance_figure, friction_over_test, load_profile
+from erlif.plots import (
+    endurance_figure,
+    failure_figure,
+    friction_over_test,
+    load_profile,
+    name_figures,
+)
 
 
 def test_onset_and_stages_are_marked():
@@ -34,3 +41,18 @@ def test_panels_are_those_of_the_log():
         "temperature [°C]",
         "vibration",
     ]
+
+
+def test_the_figure_of_the_failure_shows_the_interval_of_the_onset():
+    result = example_test()
+    _, friction = failure_figure(result).axes
+    before = friction.lines[2]
+    assert before.get_ydata()[0] == pytest.approx(result.onset.friction_before)
+    assert friction.get_xlim()[0] > result.onset.earliest - 100
+    with pytest.raises(EnduranceError, match="survived"):
+        failure_figure(example_test(galls=False))
+
+
+def test_figures_have_names_by_what_they_show():
+    assert "example_failure.png" in name_figures(example_test())
+    assert "example_failure.png" not in name_figures(example_test(galls=False))
