@@ -113,6 +113,7 @@ SINGLE_PAGES = (
     "friction",
     "prediction",
     "compare",
+    "endurance",
     "tutorial",
     "notebook",
     "files",
