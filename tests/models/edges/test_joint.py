@@ -33,12 +33,13 @@ COARSE = {"smallest_cell": 2e-3, "harmonics": [0, 1, 2, 4, 8, 16, 32, 64, 128]}
 
 @pytest.fixture(scope="module")
 def straight():
-    return prepare_joint(THESIS, **COARSE)
+    return prepare_joint(THESIS, **COARSE, largest_cell=8e-3)
 
 
 @pytest.fixture(scope="module")
 def undercut(straight):
-    return prepare_joint(replace(THESIS, undercut=OPTIMUM), pin=straight.pin, **COARSE)
+    cut = replace(THESIS, undercut=OPTIMUM)
+    return prepare_joint(cut, pin=straight.pin, **COARSE, largest_cell=8e-3)
 
 
 @pytest.fixture(scope="module")
