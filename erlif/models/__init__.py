@@ -70,6 +70,7 @@ __all__ = [
     "steady_journal",
     "subsurface_stress",
     "wear",
+    "winkler_arc",
 ]
 
 _REYNOLDS = frozenset(
@@ -128,6 +129,7 @@ if TYPE_CHECKING:
         slider_wear,
         sources,
         wear,
+        winkler_arc,
     )
     from erlif.models.edges import (
         Joint,

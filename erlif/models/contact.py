@@ -1087,7 +1087,7 @@ def winkler_load(
     fit = shaft_radius / bushing_radius
     grid = half_angle * fit  # carries the dimensions of both; 0 * grid broadcasts each alone
     angle, ratio = np.asarray(0 * grid + half_angle, float), np.asarray(0 * grid + fit, float)
-    supported = supported_by_arc(angle, ratio)
+    supported = supported_by_arc(angle, fit=ratio)
     return modulus * bushing_radius**2 / thickness * _like(grid, supported)
 
 
@@ -1150,22 +1150,22 @@ def winkler_contact(
     )
     ratio = np.asarray(0 * grid + shaft_radius / bushing_radius, float)
     group = np.asarray(grid, float) / ratio
-    largest = supported_by_arc(np.full(ratio.shape, np.pi / 2), ratio)
+    largest = supported_by_arc(np.full(ratio.shape, np.pi / 2), fit=ratio)
     if np.any(group > largest):
         raise ModelError(
             "load_per_length must not exceed the load that wraps the contact to 90 degrees; "
             f"got {float(np.nanmax(group / largest)):.3g} times that."
         )
 
-    half_angle, torque_ratio = arc_of_load(group, ratio)
-    eccentricity = eccentricity_of_arc(half_angle, ratio)
+    half_angle, torque_ratio = arc_of_load(group, fit=ratio)
+    eccentricity = eccentricity_of_arc(half_angle, fit=ratio)
     return WinklerContact(
         half_angle=_like(grid, half_angle),
         eccentricity=_like(grid, eccentricity) * bushing_radius,
         pressure=modulus
         / thickness
         * bushing_radius
-        * _like(grid, indentation_of_arc(half_angle, ratio)),
+        * _like(grid, indentation_of_arc(half_angle, fit=ratio)),
         torque_ratio=_like(grid, torque_ratio),
     )
 

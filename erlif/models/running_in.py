@@ -6,12 +6,13 @@ of the unworn wall, an interference loses its squeeze, and both end at the press
 a torque ratio of 4/pi (their figure 8).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from erlif.core.errors import ModelError
@@ -30,6 +31,7 @@ from erlif.models.arguments import (
 )
 
 if TYPE_CHECKING:
+    import xarray as xr
     from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
@@ -287,6 +289,8 @@ def _require_resolved(wall: _Wall, place: float, pressure: Array) -> None:
 
 
 def _describe(wall: _Wall, distances: Array, found: list[tuple[float, Array, Array]]) -> xr.Dataset:
+    import xarray as xr  # at use: a contact alone needs none of it
+
     places, pressures, depths = (np.array(column) for column in zip(*found, strict=True))
     along, both = ("sliding_distance",), ("sliding_distance", "angle")
     # the edge lies where the last two cells that carry load point to, half a cell on at least
@@ -435,7 +439,7 @@ def _group_of(half_angle: Array) -> Array:
 
 
 @cache
-def _angles_by_group() -> "BSpline":
+def _angles_by_group() -> BSpline:
     """Half angle by arcsinh of the group, from no opening at all to `_NARROWEST`."""
     from scipy.interpolate import make_interp_spline  # at use, as all solvers of the theories
 

@@ -37,7 +37,7 @@ _BLOCK = 1 << 14
 """Angles that are searched at once; their arrays stay in the cache."""
 
 
-def eccentricity_of_arc(half_angle: Values, fit: Values) -> Values:
+def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:
     """Eccentricity over bushing radius. Colbert et al. (2009), B10, without its cancellation.
 
     Parameters
@@ -56,14 +56,14 @@ def eccentricity_of_arc(half_angle: Values, fit: Values) -> Values:
     --------
     A narrow contact has the clearance as its eccentricity:
 
-    >>> print(f"{eccentricity_of_arc(np.array(1e-6), np.array(0.99)):.3f}")
+    >>> print(f"{eccentricity_of_arc(np.array(1e-6), fit=np.array(0.99)):.3f}")
     0.010
     """
     sine, cosine = np.sin(half_angle), np.cos(half_angle)
     return (1 - fit) * (1 + fit) / (np.sqrt(1 - (fit * sine) ** 2) + fit * cosine)
 
 
-def indentation_of_arc(half_angle: Values, fit: Values) -> Values:
+def indentation_of_arc(half_angle: Values, *, fit: Values) -> Values:
     """Largest indentation over bushing radius, on the line of load.
 
     Parameters
@@ -82,15 +82,15 @@ def indentation_of_arc(half_angle: Values, fit: Values) -> Values:
     --------
     For a narrow contact it is e (1 - e) A^2 / 2:
 
-    >>> print(f"{indentation_of_arc(np.array(0.01), np.array(0.9)) / (0.1 * 0.9 * 5e-5):.3f}")
+    >>> print(f"{indentation_of_arc(np.array(0.01), fit=np.array(0.9)) / (0.1 * 0.9 * 5e-5):.3f}")
     1.000
     """
-    e = eccentricity_of_arc(half_angle, fit)
+    e = eccentricity_of_arc(half_angle, fit=fit)
     w2 = (e * np.sin(half_angle)) ** 2
     return 2 * e * np.sin(half_angle / 2) ** 2 - w2 / (1 + np.sqrt(1 - w2))
 
 
-def supported_by_arc(half_angle: Values, fit: Values) -> Values:
+def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
     """Integral of indentation times cosine over the arc, times the fit.
 
     Parameters
@@ -110,15 +110,15 @@ def supported_by_arc(half_angle: Values, fit: Values) -> Values:
     For a narrow contact it is two thirds of the arc times the indentation:
 
     >>> A, fit = np.array(0.01), np.array(0.9)
-    >>> print(f"{supported_by_arc(A, fit) / (fit * 4 / 3 * A * indentation_of_arc(A, fit)):.3f}")
+    >>> print(f"{supported_by_arc(A, fit=fit) / (fit * 4 / 3 * A * indentation_of_arc(A, fit=fit)):.3f}")
     1.000
     """
-    e = eccentricity_of_arc(half_angle, fit)
+    e = eccentricity_of_arc(half_angle, fit=fit)
     wide, narrow = _segments(half_angle, e * np.sin(half_angle))
     return fit * (e * wide - narrow / e) / 2
 
 
-def rubbed_by_arc(half_angle: Values, fit: Values) -> Values:
+def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
     """Integral of the indentation over the arc, times the fit.
 
     Parameters
@@ -138,10 +138,10 @@ def rubbed_by_arc(half_angle: Values, fit: Values) -> Values:
     All pressure bears on a narrow contact along the line of load:
 
     >>> A, fit = np.array([0.01]), np.array([0.9])
-    >>> print(f"{rubbed_by_arc(A, fit)[0] / supported_by_arc(A, fit)[0]:.4f}")
+    >>> print(f"{rubbed_by_arc(A, fit=fit)[0] / supported_by_arc(A, fit=fit)[0]:.4f}")
     1.0000
     """
-    e = eccentricity_of_arc(half_angle, fit)
+    e = eccentricity_of_arc(half_angle, fit=fit)
     sine, cosine = np.sin(half_angle), np.cos(half_angle)
     w = e * sine
     found = np.empty(np.shape(w))
@@ -165,7 +165,7 @@ def rubbed_by_arc(half_angle: Values, fit: Values) -> Values:
     return 2 * fit * found
 
 
-def arc_of_load(supported: Values, fit: Values) -> tuple[Values, Values]:
+def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
     """Half angle at which `supported_by_arc` has a wanted value, and the ratio of both integrals.
 
     Parameters
@@ -183,7 +183,7 @@ def arc_of_load(supported: Values, fit: Values) -> tuple[Values, Values]:
     Examples
     --------
     >>> A, fit = np.array([0.7]), np.array([0.9])
-    >>> print(f"{arc_of_load(supported_by_arc(A, fit), fit)[0][0]:.6f} rad")
+    >>> print(f"{arc_of_load(supported_by_arc(A, fit=fit), fit=fit)[0][0]:.6f} rad")
     0.700000 rad
     """
     angle, ratio = np.empty(np.shape(supported)), np.empty(np.shape(supported))
@@ -192,7 +192,7 @@ def arc_of_load(supported: Values, fit: Values) -> tuple[Values, Values]:
         block = slice(start, start + _BLOCK)
         found = _search(wanted[block], fits[block])
         angle.reshape(-1)[block] = found
-        ratio.reshape(-1)[block] = rubbed_by_arc(found, fits[block]) / wanted[block]
+        ratio.reshape(-1)[block] = rubbed_by_arc(found, fit=fits[block]) / wanted[block]
     return angle, ratio
 
 

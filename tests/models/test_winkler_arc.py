@@ -27,7 +27,7 @@ def test_integrals_are_those_of_the_indentation(half_angle, fit):
             return indentation(angle, e, fit) * weight(angle)
 
         true = 2 * fit * quad(weighed, 0, half_angle, **options)[0]
-        npt.assert_allclose(found(np.array([half_angle]), np.array([fit])), true, rtol=1e-9)
+        npt.assert_allclose(found(np.array([half_angle]), fit=np.array([fit])), true, rtol=1e-9)
 
 
 @pytest.mark.parametrize("clearance", [1e-6, 1e-3, 0.1])
@@ -37,7 +37,7 @@ def test_narrow_arcs_have_the_parabola_of_hertz(clearance):
     fit, e = 1 - clearance, clearance
     both = 2 * fit * e * (1 - e) * half_angle**3 / 3
     for found in (supported_by_arc, rubbed_by_arc):
-        npt.assert_allclose(found(np.array([half_angle]), np.array([fit])), both, rtol=2e-8)
+        npt.assert_allclose(found(np.array([half_angle]), fit=np.array([fit])), both, rtol=2e-8)
 
 
 def test_contacts_are_found_again():
