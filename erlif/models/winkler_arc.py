@@ -110,7 +110,8 @@ def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
     For a narrow contact it is two thirds of the arc times the indentation:
 
     >>> A, fit = np.array(0.01), np.array(0.9)
-    >>> print(f"{supported_by_arc(A, fit=fit) / (fit * 4 / 3 * A * indentation_of_arc(A, fit=fit)):.3f}")
+    >>> carried = fit * 4 / 3 * A * indentation_of_arc(A, fit=fit)
+    >>> print(f"{supported_by_arc(A, fit=fit) / carried:.3f}")
     1.000
     """
     e = eccentricity_of_arc(half_angle, fit=fit)
