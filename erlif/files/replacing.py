@@ -37,6 +37,7 @@ UNMARKED = {
         b"x [mm],y [mm],thickness [um],",
         b"first,second,statistic,",
         b"test,stages,failed,",
+        b"time [s],friction [1],friction_std [1],",
     )
 }
 """First bytes of files that are read without the mark: headings of tables."""
