@@ -199,7 +199,11 @@ def write_pair_table(found: xr.Dataset, output: Path) -> None:
 
 
 def _html(rows: list[list[str]]) -> str:
-    """The table as a page."""
+    """The table as a page; a probability below those that are known is stated as such."""
+    chances = [_COLUMNS.index(name) for name in ("probability", "probability corrected")]
+    for row in rows:
+        for k in chances:
+            row[k] = "below 1e-12" if float(row[k]) < _NO_CHANCE else row[k]
     head = "".join(f"<th>{escape(name)}</th>" for name in _COLUMNS)
     body = "\n".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
@@ -215,5 +219,6 @@ def _html(rows: list[list[str]]) -> str:
         '<meta name="viewport" content="width=device-width">\n'
         '<meta name="generator" content="erlif">\n'
         f"<title>Runs compared</title><style>{style}</style></head>\n<body><h1>Runs compared</h1>"
+        "\n<p>Differences are the second run less the first; std is one standard deviation.</p>"
         f"\n<div><table><tr>{head}</tr>\n{body}</table></div></body></html>\n"
     )

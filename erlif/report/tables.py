@@ -128,7 +128,7 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     caption = "Results (± is one standard deviation, random and shared)"
     limits_of = film.film_theory.attrs if "film_theory" in film else {}
     notes = str(limits_of.get("notes", "")).split("\n")
-    limits = " ".join(escape(note) for note in notes if note)
+    limits = "; ".join(escape(note) for note in notes if note)
     below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
     sentences = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
     carried = " ".join(escape(sentence) for sentence in sentences if sentence)

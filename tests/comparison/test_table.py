@@ -55,3 +55,11 @@ def test_tables_hold_every_pair_and_escape_names(film, other, tmp_path):
     page = (tmp_path / "a.html").read_text()
     assert "<b>one" not in page
     assert "&lt;b&gt;one" in page
+
+
+def test_page_of_pairs_states_direction_and_bound_of_the_probability(film, other, tmp_path):
+    write_pair_table(compare([film, other]), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert "the second run less the first" in page
+    assert "<td>below 1e-12</td>" in page
+    assert "<td>0</td>" not in page

@@ -103,6 +103,8 @@ def test_limits_of_the_theory_stand_below_the_results(changed):
     assert "Limits of the theory" not in results_table(changed, 0.9)
     changed.film_theory.attrs["notes"] = "stroke < contact width"
     assert "Limits of the theory: stroke &lt; contact width" in results_table(changed, 0.9)
+    changed.film_theory.attrs["notes"] = "fitted to the minima\nrigid bodies"
+    assert "fitted to the minima; rigid bodies" in results_table(changed, 0.9)
 
 
 def test_calibration_is_described_with_units(film_path, film):
