@@ -71,9 +71,8 @@ def linkage(
 ) -> None:
     """Find crank-rockers for a wanted swing, speed and time ratio; two links at least are given.
 
-    Prints every solution, or the nearest linkage. Names and angles are those of [linkage] in
-    run.toml. Quantities have units: "51 cm", "25 deg",
-    "114 rpm".
+    Prints every solution, or the nearest linkage. Names and angles are those of [mechanism] in
+    run.toml. Quantities have units: "51 cm", "25 deg", "114 rpm".
 
     \b
     Example:

@@ -1,9 +1,12 @@
 """``erlif linkage``: what it prints, what it writes, what it refuses."""
 
+import re
+
 import pytest
 from click.testing import CliRunner
 
 from erlif.commands.main import main
+from erlif.settings import RunSettings
 
 LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 
@@ -48,3 +51,10 @@ def test_an_existing_figure_is_kept(refused, tmp_path):
     path.write_text("mine", encoding="utf-8")
     assert "--overwrite" in refused("linkage", *LINKS, "--swing", "26 deg", "-o", path)
     assert path.read_text(encoding="utf-8") == "mine"
+
+
+def test_the_help_names_a_table_that_run_toml_has():
+    text = CliRunner().invoke(main, ["linkage", "--help"]).output
+    tables = set(re.findall(r"\[(\w+)\]\s+in\s+run\.toml", text))
+    assert tables
+    assert tables <= set(RunSettings.model_fields)
