@@ -291,10 +291,14 @@ def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> l
         f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
         f"({found.pairs.sizes['time']} pairs of stretches)"
     ]
-    lines += [f"  {name}: {value:.5f}" for name, value in found.budget.items()]
+    stated = {name: value for name, value in found.budget.items() if value > 0}
+    lines += [f"  {name}: {value:.2g}" for name, value in stated.items()]
+    if len(stated) < len(found.budget):
+        missing = [name for name in found.budget if name not in stated]
+        lines.append(f"  not stated: {', '.join(missing)}")
     lines.append(f"offset of the torque: {float(found.pairs['offset'].mean()):.4f}")
     if np.isfinite(found.trend):
-        lines.append(f"change over the log: {found.trend:+.4f} ± {found.trend_std:.4f}")
+        lines.append(f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g}")
     if torque_ratio > 1:
         lines.append(
             f"true friction coefficient, at a torque ratio of {torque_ratio:.4g}: "

@@ -79,6 +79,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         xlabel="sliding distance [m]" if known else "time [min]",
         ylabel="apparent friction coefficient",
     )
+    ax.margins(y=0.3)
     ax.legend()
     return [drawn[0], mean]
 
