@@ -2,7 +2,8 @@
 
 Pin diameter and bushing width depend on each other: a wider bushing bends the pin more, a thicker
 pin needs a narrower bushing. The least diameter at which all limits hold, each with its least
-width, is found by bisection.
+width, is found by bisection. With a given width or housing a thicker pin need not be enough, as it
+slides faster and leaves less of the eye.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ WIDTH = 1.3
 
 _SMALLEST, _LARGEST = 1e-4, 10.0  # m: pins that are looked for
 _HALVINGS = 44  # of the logarithm of the diameter: to 1e-12 of it
+_LADDER = 120  # pins that are tried where the thickest is not enough, 10 % apart
 _CANDIDATES = 40  # preferred diameters that are tried, two decades of R20
 _ROUNDS = 8  # in which the play settles; it only grows, and two are usual
 _CONFORMAL = 8.0  # E Delta / 2q up to which the peak of eq. 9 is below the edge pressure of eq. 10
@@ -151,30 +153,49 @@ def _pin_and_width(joint: Joint, relative: float, series: Series) -> tuple[float
 
     # the recommended proportion is kept where the limits leave it
     for keep_ratio in (True, False):
-        if _is_enough(joint, _LARGEST, w, relative, series, keep_ratio):
+        least = _least_pin(joint, w, relative, series, keep_ratio)
+        if least is not None:
             break
     else:
         return _fallback(joint, w, series)
-
-    low, high = math.log(_SMALLEST), math.log(_LARGEST)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        if _is_enough(joint, math.exp(middle), w, relative, series, keep_ratio):
-            high = middle
-        else:
-            low = middle
-    least = math.exp(high)
     if series == "none":
         return least, w if w is not None else _round_width(joint, least, relative, series)
 
     # a rounded width bends the pin more, so the next diameter may be needed
     candidate = round_up(least, series)
+    tried = []
     for _ in range(_CANDIDATES):
         width = w if w is not None else _round_width(joint, candidate, relative, series)
         if _is_enough(joint, candidate, width, relative, series, keep_ratio=False):
             return candidate, width
+        tried.append((candidate, width))
         candidate = round_up(candidate * 1.001, series)
-    return candidate, width
+    return tried[0]
+
+
+def _least_pin(
+    joint: Joint, width: float | None, relative: float, series: Series, keep_ratio: bool
+) -> float | None:
+    """Least diameter that is enough; None where none is."""
+
+    def enough(log_diameter: float) -> bool:
+        return _is_enough(joint, math.exp(log_diameter), width, relative, series, keep_ratio)
+
+    low, high = math.log(_SMALLEST), math.log(_LARGEST)
+    if not enough(high):
+        # a given width takes up only so much heat, a given housing only so thick a pin
+        if width is None and joint.housing_diameter is None:
+            return None
+        step = (high - low) / _LADDER
+        found = next((n for n in range(1, _LADDER) if enough(low + n * step)), None)
+        if found is None:
+            return None
+        low, high = low + (found - 1) * step, low + found * step
+
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return math.exp(high)
 
 
 def _round_width(joint: Joint, diameter: float, relative: float, series: Series) -> float:
@@ -258,17 +279,19 @@ def _least_width(joint: Joint, diameter: float, wall: float, relative: float) ->
 
     least = max(widths)
     modulus = combined_modulus(joint)
-    if hardness is None or modulus is None:
+    if hardness is None or modulus is None or math.isinf(least):
         return least
     play = relative * d if joint.play is None else joint.play
     return _width_for_peak(force, hardness / joint.safety, modulus, play, d, least)
 
 
 def _width_for_eye(joint: Joint, bore: float) -> float:
-    """Least width of eq. 14 in the housing, or in one of usual proportion."""
+    """Least width of eq. 14 in the housing, or in one of usual proportion; infinite without eye."""
     strength = joint.housing.yield_stress
     outer = joint.housing_diameter or sum(RECOMMENDED_HOUSING) / 2 * bore
-    if strength is None or outer <= bore:
+    if outer <= bore:
+        return math.inf
+    if strength is None:
         return 0.0
     return joint.force * joint.safety * (bore / outer + outer / bore) / (strength * (outer - bore))
 

@@ -70,6 +70,26 @@ def test_given_dimensions_stay():
     ]
 
 
+@pytest.mark.parametrize(
+    "given", [{"bushing_width": 0.02}, {"housing_diameter": 0.12, "force": 400e3}]
+)
+@pytest.mark.parametrize("series", ["none", "R40"])
+def test_a_pin_is_found_where_a_much_thicker_one_is_not_enough(given, series):
+    """A thick pin heats a bushing of given width, and leaves no eye in a given housing."""
+    joint = replace(wanted(**given), lock=None, largest_wear=None)
+    sized = size_joint(joint, series=series)
+    assert walk_guide(sized).sound
+    thick = size_joint(replace(joint, pin_diameter=5.0))
+    assert not walk_guide(thick).sound
+
+
+def test_a_pin_that_no_preferred_number_satisfies_has_the_next_one():
+    """An eye of 120 mm around pins of 50 to 57 mm: R10 has 50 and 63 mm."""
+    joint = wanted(housing_diameter=0.12, force=400e3, largest_wear=None)
+    sized = size_joint(replace(joint, lock=None), series="R10")
+    assert sized.pin_diameter == 0.063
+
+
 @pytest.mark.parametrize("temperature", [130.0, 119.999])
 def test_a_joint_that_no_size_saves_is_sized_and_reported(temperature):
     joint = replace(wanted(), outside_temperature=temperature, friction=1.0)
