@@ -91,7 +91,7 @@ def friction(
     for path in (table, picture):
         refuse_existing(path, overwrite=overwrite)
 
-    read = read_endurance_log(log, choice)
+    read = read_endurance_log(log, choice, vector=vector)
     found = analyse_reversals(
         read,
         shaft_radius=radius,

@@ -86,7 +86,9 @@ class LogColumns:
         return names if isinstance(names, tuple) else (names,) * bool(names)
 
 
-def read_endurance_log(path: Path | str, columns: LogColumns | None = None) -> xr.Dataset:
+def read_endurance_log(
+    path: Path | str, columns: LogColumns | None = None, *, vector: bool = False
+) -> xr.Dataset:
     """Read the log of an endurance test.
 
     Parameters
@@ -97,6 +99,8 @@ def read_endurance_log(path: Path | str, columns: LogColumns | None = None) -> x
     columns : LogColumns, optional
         Which columns hold what. Columns with plain names, such as time, load, cell 1, torque, arm
         force, temperature and vibration, are found without it.
+    vector : bool
+        The cells are components across the shaft, of either sign; default: the load is their sum.
 
     Returns
     -------
@@ -137,7 +141,7 @@ def read_endurance_log(path: Path | str, columns: LogColumns | None = None) -> x
             log["cells"] = (("cell", "time"), np.array(values), {"units": "N"})
         else:
             log[quantity] = ("time", np.mean(values, axis=0), {"units": unit})
-    _check(log, found, table)
+    _check(log, found, table, vector=vector)
     log.attrs["file"] = path.name
     log.attrs["columns"] = ", ".join(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
@@ -294,7 +298,13 @@ def _convert(column: LogColumn, quantity: str, table: LogTable, columns: LogColu
     )
 
 
-def _check(log: xr.Dataset, found: Mapping[str, Sequence[LogColumn]], table: LogTable) -> None:
+def _check(
+    log: xr.Dataset,
+    found: Mapping[str, Sequence[LogColumn]],
+    table: LogTable,
+    *,
+    vector: bool,
+) -> None:
     """Refuse numbers that cannot be those of a test."""
     time = log["time"].values
     if time.size < _FEWEST:
@@ -311,10 +321,12 @@ def _check(log: xr.Dataset, found: Mapping[str, Sequence[LogColumn]], table: Log
             f"{found['time'][0].name} of {table.file}: {time[n]:.9g} s {what} {time[n - 1]:.9g} s "
             "of the row before. Export the log in the order of time and with more digits."
         )
-    load = log["cells"].sum("cell").values
+    cells = log["cells"].values
+    load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     if not np.percentile(load, 95) > 0:
         raise EnduranceError(
-            f"Expected a positive load in {table.file}; the sum of its cells is at most "
+            f"Expected a positive load in {table.file}; the {'vector ' if vector else ''}sum of "
+            f"its cells is at most "
             f"{load.max():g} N. Correct the sign of the cells, or choose other columns."
         )
     if "temperature" in log:
