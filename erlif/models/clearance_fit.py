@@ -15,6 +15,7 @@ from erlif.models.arguments import (
     Values,
     check_length,
     check_line_load,
+    require_between,
     require_finite,
     require_not_negative,
     require_positive,
@@ -146,8 +147,8 @@ def fit_clearances(
     measured = np.atleast_1d(np.asarray(friction, float))
     places = np.atleast_1d(np.asarray(clearance, float))
     _require(clearance=places, friction=measured)
-    torque_std = np.broadcast_to(np.asarray(friction_std, float), measured.shape)
-    place_std = np.broadcast_to(np.asarray(clearance_std, float), measured.shape)
+    torque_std = _spread("friction_std", friction_std, measured.size)
+    place_std = _spread("clearance_std", clearance_std, measured.size)
     require_positive(friction=measured, friction_std=torque_std)
     require_not_negative(clearance_std=place_std, load_std=load_std, radius_std=radius_std)
     require_single(load_per_length=load_per_length, shaft_radius=shaft_radius, thickness=thickness)
@@ -164,6 +165,7 @@ def fit_clearances(
     if known_modulus is not None:
         value, std = known_modulus
         require_positive(known_modulus=value, std_of_modulus=std)
+        require_between(*_RANGE, known_modulus=value)
         prior = (np.log(moduli / value) / std) ** 2
     both, torque_alone = (
         _Profile.of(moduli, places, measured, torque_std, spread, wall)
@@ -226,6 +228,17 @@ class _Profile:
             friction = np.sum(shape * measured / variance, axis=1) / weight
         left = np.sum((measured - friction[:, None] * shape) ** 2 / variance, axis=1)
         return cls(friction, weight**-0.5, left)
+
+
+def _spread(name: str, std: Values, bushings: int) -> NDArray[np.float64]:
+    """A standard deviation for each bushing."""
+    given = np.asarray(std, float)
+    if given.shape not in ((), (bushings,)) or np.any(np.isnan(given)):
+        raise ModelError(
+            f"{name} must be one number, or one for each bushing without NaN, got shape "
+            f"{given.shape} for {bushings} bushings."
+        )
+    return np.broadcast_to(given, (bushings,))
 
 
 def _require(*, clearance: NDArray[np.float64], friction: NDArray[np.float64]) -> None:

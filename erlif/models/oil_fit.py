@@ -175,7 +175,13 @@ def fit_viscosity(
     spread = np.ones(T.shape)
     if relative_std is not None:
         require_positive(relative_std=relative_std)
-        spread = np.broadcast_to(np.asarray(relative_std, float), T.shape)
+        given = np.asarray(relative_std, float)
+        if given.shape not in ((), T.shape) or np.any(np.isnan(given)):
+            raise ModelError(
+                "relative_std must be one number, or one for each viscosity without NaN, got "
+                f"shape {given.shape} for {T.size} viscosities."
+            )
+        spread = np.broadcast_to(given, T.shape)
     if law == "vogel":
         check_viscosity(viscosities=viscosities)
         values, slopes, residuals = _fit_vogel(T, viscosity, spread)

@@ -206,11 +206,15 @@ def run_in_bushing(
     check_specific_wear(specific_wear=specific_wear)
     distances = np.atleast_1d(np.asarray(sliding_distance, float))
     require_not_negative(sliding_distance=distances)
-    if distances.ndim != 1 or np.any(np.isnan(distances)) or np.any(np.diff(distances) <= 0):
+    rises = distances.ndim == 1 and distances.size > 0 and np.all(np.diff(distances) > 0)
+    if not rises or np.any(np.isnan(distances)):
         raise ModelError(
             "sliding_distance must be one row of rising distances without NaN, got "
-            f"{distances.size} values from {distances.flat[0]:g} m."
+            f"{np.array2string(distances, threshold=8)} m."
         )
+    if cells != int(cells):
+        raise ModelError(f"cells must be a whole number, got {cells:g}.")
+    cells = int(cells)
 
     cell = np.pi / cells
     wall = _Wall(

@@ -81,6 +81,9 @@ def test_the_budget_adds_up():
         ({"clearance": 0 * CLEARANCE}, "must differ"),
         ({"friction": -CLEARANCE}, "friction must be positive"),
         ({"friction": CLEARANCE * np.nan}, "must not be NaN"),
+        ({"friction_std": np.nan}, "friction_std must be one number"),
+        ({"clearance_std": [1e-6, 1e-6]}, "clearance_std must be one number"),
+        ({"known_modulus": (1e15, 0.1)}, "known_modulus must lie in"),
     ],
 )
 def test_series_that_hold_too_little_are_refused(changes, message):

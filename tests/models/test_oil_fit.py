@@ -111,6 +111,11 @@ def test_grades_of_iso():
             "do not determine c",
         ),
         (lambda: fit_viscosity(T, viscosities=1e-6 + 0 * T, law="walther"), "at least 2e-6"),
+        (
+            lambda: fit_viscosity(T, viscosities=law_of("vogel"), relative_std=[0.01, 0.01]),
+            "one for each viscosity",
+        ),
+        (lambda: fit_viscosity(T, viscosities=law_of("vogel"), relative_std=np.nan), "without NaN"),
         (lambda: sae_oil(35), "SAE grade of 10, 20"),
         (lambda: iso_vg_viscosity(33), "ISO VG grade of 2, 3"),
         (

@@ -111,7 +111,9 @@ def test_thin_wall_takes_arrays():
     ("changes", "message"),
     [
         ({"sliding_distance": [1.0, 0.5]}, "rising distances"),
+        ({"sliding_distance": []}, r"rising distances without NaN, got \[\] m"),
         ({"sliding_distance": [1e5]}, "worn through"),
+        ({"cells": 100.5}, "whole number"),
         ({"cells": 40}, "Choose more cells"),
         ({"modulus": -1.0}, "modulus must be positive"),
         ({"width": np.nan}, "width must be a number"),

@@ -182,9 +182,13 @@ def synthesise_crank_rocker(
     speeds = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}
     wanted = {"swing": swing, "speed_ratio": speed_ratio, "time_ratio": time_ratio}
     targets = {name: value for name, value in wanted.items() if value is not None}
-    numbers = given | targets | {name: value for name, value in speeds.items() if value is not None}
-    require_single(**numbers)
+    others = speeds | {"longest_link": longest_link}
+    numbers = given | targets | {name: value for name, value in others.items() if value is not None}
+    require_single(**numbers, least_transmission_angle=least_transmission_angle)
     require_positive(**numbers)
+    for name, value in (numbers | {"least_transmission_angle": least_transmission_angle}).items():
+        if np.isnan(value):
+            raise ModelError(f"{name} must be a number, got NaN.")
     check_length(**given)
     _refuse_impossible(targets, least_transmission_angle, largest_size)
     if crank_speed is not None and rocker_speed is not None:
