@@ -112,7 +112,7 @@ def measure_linkage(
 
     Examples
     --------
-    The rig of Farzaneh (2002): 24 rpm of the rocker need 112.29 rpm of the crank, not 114.
+    The rig of Farzaneh (2002): 24 rpm of the rocker need 112.27 rpm of the crank, not 114.
 
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> found = measure_linkage(rig, rocker_speed=24 * np.pi / 30)

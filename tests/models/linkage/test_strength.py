@@ -63,6 +63,7 @@ def test_goodman_line():
     npt.assert_allclose(fatigue_safety(25e6, fatigue_strength=50e6), 2)
     safety = fatigue_safety(25e6, fatigue_strength=50e6, mean=200e6, tensile_strength=400e6)
     npt.assert_allclose(safety, 1)
+    assert fatigue_safety(0.0, fatigue_strength=50e6) == np.inf
     with pytest.raises(ModelError, match="tensile_strength must be finite"):
         fatigue_safety(25e6, fatigue_strength=50e6, mean=1e6)
     with pytest.raises(ModelError, match="amplitude must not be negative"):
