@@ -107,6 +107,24 @@ def bending_factor(ratio: float) -> tuple[float, float]:
     return concentration, max(1 - 16 * ratio / (3 * math.pi), 0.0)
 
 
+def _with_hole(unweakened: float, hole: float) -> float:
+    """Least diameter of a pin with a hole, from that of one without. Eq. 4."""
+    if hole <= 0:
+        return unweakened
+
+    # from 0.2 d on, a thicker pin has at most 3.05 times the stress of one without a hole
+    low, high = unweakened, max(unweakened * 1.46, hole / LARGEST_HOLE_RATIO)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        concentration, remaining = bending_factor(hole / middle)
+        weak = concentration * (unweakened / middle) ** 3 > remaining
+        low, high = (middle, high) if weak else (low, middle)
+    return high
+
+
+_HALVINGS = 60  # to the last digit
+
+
 def _bending(joint: Joint) -> Step:
     """Eq. 2, or eq. 4 where a hole crosses the pin."""
     hole = joint.hole_diameter > 0
@@ -122,10 +140,9 @@ def _bending(joint: Joint) -> Step:
     whole = 4 * joint.force * free / (math.pi * d**3)
     stress = whole * concentration / remaining if remaining > 0 else math.inf
 
-    # the least diameter of a pin with the same ratio of its hole
     strength = {"yield_stress": joint.pin.yield_stress, "safety": joint.safety}
-    least = pin_diameter_in_bending(joint.force, free_length=free, **strength)
-    least *= (concentration / remaining) ** (1 / 3) if remaining > 0 else math.inf
+    unweakened = pin_diameter_in_bending(joint.force, free_length=free, **strength)
+    least = _with_hole(float(unweakened), joint.hole_diameter)
 
     slender, in_fit = d <= free, ratio <= LARGEST_HOLE_RATIO
     limits = [f"pin diameter up to its free length ({d * 1e3:.4g} of {free * 1e3:.4g} mm)"]

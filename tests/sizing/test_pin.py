@@ -39,6 +39,17 @@ def test_a_hole_thickens_the_pin_by_40_to_45_per_cent():
     assert 1.44 < max(growth) < 1.455
 
 
+@pytest.mark.parametrize("hole", [1e-3, 4e-3, 12e-3, 30e-3])
+def test_the_least_diameter_keeps_the_hole(hole):
+    """Just enough with the hole as it is, from a pin of another diameter."""
+    least = step(gold(pin_diameter=0.06, hole_diameter=hole), "pin_bending").number(
+        "least diameter"
+    )
+    for diameter, holds in ((1.0001 * least, True), (0.9999 * least, False)):
+        found = step(gold(pin_diameter=diameter * 1e-3, hole_diameter=hole), "pin_bending")
+        assert found.holds == holds
+
+
 def test_a_hole_beyond_the_fit_is_marked_and_one_as_wide_as_the_pin_leaves_nothing():
     wide = step(gold(pin_diameter=0.08, hole_diameter=0.024), "pin_bending")
     assert (wide.valid, wide.number("stress concentration")) == (False, 3.0)
