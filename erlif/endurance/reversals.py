@@ -296,7 +296,13 @@ def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> l
     if len(stated) < len(found.budget):
         missing = [name for name in found.budget if name not in stated]
         lines.append(f"  not stated: {', '.join(missing)}")
-    lines.append(f"offset of the torque: {float(found.pairs['offset'].mean()):.4f}")
+    offset = float(found.pairs["offset"].mean())
+    lines.append(f"offset of the torque: {offset:.4f}")
+    if abs(offset) > found.friction:
+        lines.append(
+            "  The torque has one sign in both directions: the offset is larger than the friction. "
+            "Check that the log has the torque with its sign."
+        )
     if np.isfinite(found.trend):
         lines.append(f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g}")
     if torque_ratio > 1:

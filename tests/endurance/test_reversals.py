@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import EnduranceError
-from erlif.endurance import analyse_reversals
+from erlif.endurance import analyse_reversals, describe_reversals
 
 RADIUS, LOAD = 0.005, 400.0
 
@@ -89,6 +89,14 @@ def test_a_log_without_reversals_is_refused(changes, message):
         log["torque"] = log["torque"] * 0 + 1.0
     with pytest.raises(EnduranceError, match=message):
         analyse_reversals(log, shaft_radius=RADIUS)
+
+
+def test_a_torque_without_its_sign_is_pointed_out():
+    """The size of the torque, as some instruments log it: no difference between directions."""
+    log = make_log(np.random.default_rng(0), offset=0.0)
+    for torque, told in ((log.torque, False), (abs(log.torque), True)):
+        found = analyse_reversals(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
+        assert any("torque with its sign" in line for line in describe_reversals(found)) == told
 
 
 def test_a_force_needs_its_arm():
