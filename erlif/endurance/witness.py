@@ -19,6 +19,7 @@ CONFIRMS = 0.01
 _MOST_BLOCKS = 200
 _FEWEST_AFTER = 3
 _FEWEST = 16
+_FLAT = 1e-9  # of the largest value: what varies less is rounding
 _START = 1 / 5  # of the stage: time constant of what changes after its start
 
 
@@ -71,7 +72,8 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
     Returns
     -------
     tuple of Witness
-        Of the sensors in the test; none where too few samples follow the onset.
+        Of the sensors in the test; none where too few samples lie beside the interval of the onset
+        or follow it, or where a sensor does not change at all.
 
     Examples
     --------
@@ -85,11 +87,15 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
     time = test["time"].values[stage.samples]
     clear = (time < onset.earliest) | (time > onset.latest)
     time = time[clear]
-    found = []
+    found: list[Witness] = []
+    if time.size < _FEWEST:
+        return ()
     for name in ("temperature", "vibration"):
         if name not in test:
             continue
         values = test[name].values[stage.samples][clear]
+        if np.ptp(values) <= _FLAT * np.max(np.abs(values)):
+            continue  # a sensor that stands still is no witness
         if name == "vibration":
             if not np.all(values > 0):
                 continue  # a level is positive; a signed signal has no level

@@ -1,5 +1,7 @@
 """Temperature and vibration at the onset."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -51,3 +53,15 @@ def test_a_sensor_that_is_not_logged_gives_no_witness():
 def test_an_onset_at_the_very_end_has_no_witness():
     late = Onset(397.0, 396.0, 398.0, 0, 0.1, 0.1, 0.01, np.array([397.0]), np.array([1.0]))
     assert hear_witnesses(test_of(2.0, 2.5, seed=1), STAGE, late) == ()
+
+
+def test_a_sensor_that_stands_still_is_no_witness():
+    """Rounding must not confirm galling."""
+    stuck = test_of(2.0, 2.5, seed=1)
+    stuck["temperature"][:] = 30.0
+    assert [one.name for one in hear_witnesses(stuck, STAGE, ONSET)] == ["vibration"]
+
+
+def test_an_interval_as_long_as_the_stage_has_no_witness():
+    wide = replace(ONSET, earliest=-1.0, latest=500.0)
+    assert hear_witnesses(test_of(2.0, 2.5, seed=1), STAGE, wide) == ()
