@@ -50,6 +50,7 @@ INTERVAL = (0.025, 0.5, 0.975)
 _MARGIN = 3  # blocks at both ends of a stage in which no onset is searched
 _ROUNDS = 4  # of noise and candidate, which depend on each other
 _FINE = 8  # places of the posterior in a sample interval
+_WITHIN = 8  # samples in a block; more are averaged, as the work grows with them
 _MOST_PLACES = 240  # of the posterior, where it is wide
 _FAR = 15.0  # logarithm of a density beyond which it is nothing
 _COLLINEAR = 1e-6  # norm of a rise that the background explains altogether
@@ -208,9 +209,10 @@ class _Record:
 
     @classmethod
     def of(cls, stage: StageFriction, longest: float) -> _Record:
-        per_block = int(np.ceil(stage.time.size / MOST_BLOCKS))
-        kept = stage.time.size // per_block * per_block
-        samples, starts = stage.time[:kept], np.arange(0, kept, per_block)
+        time, friction = _thinned(stage)
+        per_block = int(np.ceil(time.size / MOST_BLOCKS))
+        kept = time.size // per_block * per_block
+        samples, starts = time[:kept], np.arange(0, kept, per_block)
 
         # level, drift, and running-in of any time constant between those two
         passed = samples - samples[0]
@@ -220,12 +222,22 @@ class _Record:
             samples,
             starts,
             _average(samples, starts),
-            _average(stage.friction[:kept], starts),
+            _average(friction[:kept], starts),
             _average(np.column_stack(columns), starts),
         )
 
     def average(self, values: Array) -> Array:
         return _average(values, self.starts)
+
+
+def _thinned(stage: StageFriction) -> tuple[Array, Array]:
+    """Time and friction, averaged where the samples are many more than the blocks."""
+    together = int(np.ceil(stage.time.size / (_WITHIN * MOST_BLOCKS)))
+    if together == 1:
+        return stage.time, stage.friction
+    kept = stage.time.size // together * together
+    starts = np.arange(0, kept, together)
+    return _average(stage.time[:kept], starts), _average(stage.friction[:kept], starts)
 
 
 def _average(values: Array, starts: AnyArray) -> Array:
@@ -358,7 +370,9 @@ def _posterior(record: _Record, noise: Noise, deviation: float, stage: int) -> O
     """The onset with its interval, over forms of the rise and growth of the noise."""
     factor = noise.factor(record.time)
     step = float(np.median(np.diff(record.time)))
-    coarse = np.arange(record.samples[0] + step / 2, record.samples[-1], step)
+    coarse = _beside_samples(
+        np.arange(record.samples[0] + step / 2, record.samples[-1], step), record.samples, step
+    )
     density = _log_density(record, factor, deviation, coarse, growths=(1.0,))[0].max(axis=(0, 1))
     near = np.flatnonzero(density > density.max() - _FAR)
     low, high = coarse[max(near[0] - 2, 0)], coarse[min(near[-1] + 2, coarse.size - 1)]
@@ -389,6 +403,13 @@ def _posterior(record: _Record, noise: Noise, deviation: float, stage: int) -> O
         places=places,
         weights=weights,
     )
+
+
+def _beside_samples(places: Array, samples: Array, reach: float) -> Array:
+    """Places with a sample within reach: in the pause of a logger all onsets look alike."""
+    after = np.searchsorted(samples, places)
+    distance = np.minimum(places - samples[after - 1], samples[after] - places)
+    return np.asarray(places[distance <= reach])
 
 
 def _forms(time: Array, onsets: Array) -> Iterator[Array]:

@@ -1,5 +1,7 @@
 """The onset of galling against simulated friction."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -68,3 +70,28 @@ def test_a_test_without_a_searchable_stage_has_no_onset():
     assert find_onset([short]).onset is None
     assert find_onset([short]).left_out == (0,)
     assert find_onset([]).p_value == 1.0
+
+
+def test_a_stage_of_very_many_samples_takes_no_more_memory():
+    """Friction at 500 Hz for two minutes; a rise at 100 s in white noise."""
+    rng = np.random.default_rng(6)
+    time = np.arange(0.0, 120.0, 2e-3)
+    friction = 0.15 + 0.02 * rng.standard_normal(time.size) + 0.05 * (time >= 100.0)
+    tracemalloc.start()
+    try:
+        onset = find_onset([StageFriction(time, friction)]).onset
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert onset.earliest < 100.0 < onset.latest
+    assert onset.latest - onset.earliest < 1.0
+    assert peak < 100e6  # 60,000 samples times 300 onsets are 144 MB
+
+
+def test_a_pause_of_the_logger_within_a_stage_is_no_matter():
+    """A pause of a hundred days at one load: places of the onset lie beside samples."""
+    (stage,) = friction_of(rise=0.12, rng=np.random.default_rng(4), stages=1)
+    time = np.where(stage.time < 60, stage.time, stage.time + 1e7)
+    onset = find_onset([StageFriction(time, stage.friction)]).onset
+    assert onset.earliest < 1e7 + 170 < onset.latest
+    assert onset.latest - onset.earliest < 20
