@@ -196,9 +196,17 @@ def _posterior(
 
 
 def _bounds(runs: Sequence[FailureLoad]) -> Array:
-    """Load that each bearing carried, and load that it did not carry: (run, 2)."""
+    """Load that each bearing carried, and load that it did not carry: (run, 2).
+
+    A bearing that fails at a load that it carried before, as bolts relax or the load is lowered,
+    fails at exactly this load: an interval would be empty.
+    """
     return np.array(
-        [(run.survived, run.load) if run.failed else (run.load, np.inf) for run in runs], float
+        [
+            (min(run.survived, run.load), run.load) if run.failed else (run.load, np.inf)
+            for run in runs
+        ],
+        float,
     )
 
 
@@ -245,17 +253,18 @@ def _log_rank(first: Sequence[FailureLoad], second: Sequence[FailureLoad]) -> tu
     failed = np.array([run.failed for run in runs])
     scores = _scores(loads, failed)
     n = len(first)
+    own = tuple(range(n))
     choices: list[tuple[int, ...]]
     if comb(len(runs), n) <= _MOST_PERMUTATIONS:
         choices = list(combinations(range(len(runs)), n))
     else:
         rng = np.random.default_rng(0)
-        choices = [
+        # the division that was made is one of those possible, so that no p-value is zero
+        choices = [own] + [
             tuple(rng.permutation(len(runs))[:n].tolist()) for _ in range(_MOST_PERMUTATIONS)
         ]
     sums = np.abs([scores[list(one)].sum() for one in choices])
-    own = abs(scores[:n].sum())
-    p_value = float(np.mean(sums >= own - _TIE))
+    p_value = float(np.mean(sums >= abs(scores[:n].sum()) - _TIE))
     return p_value, float(np.mean(sums >= sums.max() - _TIE))
 
 

@@ -79,3 +79,16 @@ def test_one_run_or_another_model_is_refused():
         compare_designs([exact(20)] * 2, [exact(20)])
     with pytest.raises(EnduranceError, match="lognormal or weibull"):
         compare_designs([exact(20)] * 2, [exact(20)] * 2, model="normal")
+
+
+def test_failure_at_a_load_carried_before_is_a_failure_at_this_load():
+    """Bolts relax: 36 kN in the stage before, 35.9 kN at the onset."""
+    one, two = [exact(x) for x in (20, 22, 25)], [exact(x) for x in (30, 33)]
+    relaxed = FailureLoad(35.9, 0.0, 36.0, True, 4)
+    assert compare_designs(one, [*two, relaxed]) == compare_designs(one, [*two, exact(35.9)])
+
+
+def test_no_p_value_by_permutation_is_zero():
+    """Of 15 and 15 runs without overlap 2 of 155,117,520 divisions are as extreme."""
+    one, two = ([exact(first + k / 10) for k in range(15)] for first in (20, 30))
+    assert 2 / 155_117_520 <= compare_designs(one, two).log_rank < 1e-3
