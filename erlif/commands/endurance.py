@@ -106,7 +106,8 @@ def endurance(
     doubled = {name for name in names if names.count(name) > 1}
     if doubled:
         raise click.UsageError(
-            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice."
+            f"Expected logs of different names; {', '.join(sorted(doubled))} comes twice. Rename "
+            "one, or analyse them with different -o."
         )
     members = _divide(logs, designs or dict(given.designs))
     output = output or logs[0].parent / "endurance"
@@ -163,12 +164,15 @@ def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dic
         if len(members[name]) < _FEWEST_RUNS:
             raise click.UsageError(
                 f"Expected at least two logs of design {name}; {', '.join(patterns)} fits "
-                f"{len(members[name])} of them."
+                f"{len(members[name])} of them. Give more logs, or another pattern."
             )
     twice = [
         log for log in {one.stem for one in logs} if sum(log in m for m in members.values()) > 1
     ]
     if len(members) not in (0, 2) or twice:
         what = f"{twice[0]} belongs to two" if twice else f"got {len(members)}"
-        raise click.UsageError(f"Expected two designs, each log in one; {what}.")
+        raise click.UsageError(
+            f"Expected two designs, each log in one; {what}. Give --design NAME=PATTERN "
+            "twice, with patterns that no log shares."
+        )
     return members

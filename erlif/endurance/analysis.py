@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -130,7 +131,7 @@ def analyse_endurance(
     if search.onset is not None:
         witnesses = hear_witnesses(test, loaded[search.onset.stage], search.onset)
     return EnduranceResult(
-        name=name or str(log.attrs.get("file", "")).rpartition(".")[0],
+        name=name or Path(log.attrs.get("file", "")).stem,
         test=test,
         stages=stages,
         search=search,

@@ -50,7 +50,8 @@ def measure_friction(
     Raises
     ------
     EnduranceError
-        If the arm is missing, or a reversing torque is sampled too slowly.
+        If the arm is missing or not positive, the tare exceeds the load, or a torque of both signs
+        is sampled too slowly or does not reverse with the oscillation.
 
     Examples
     --------
@@ -65,12 +66,22 @@ def measure_friction(
     array([0.1  , 0.101])
     """
     load = log["cells"].sum("cell").values - tare
+    if not np.max(load) > 0:
+        raise EnduranceError(
+            f"Expected a tare below the reading of the cells, at most {np.max(load) + tare:g} N; "
+            f"got {tare:g} N. Correct the tare, or choose other columns for the cells."
+        )
     if "torque" in log:
         torque = log["torque"].values
     elif arm is None:
         raise EnduranceError(
             "Expected the arm of the load cell whose force is logged; it is not given. Write "
             '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
+        )
+    elif not arm > 0:
+        raise EnduranceError(
+            f"Expected a positive arm of the load cell; got {arm:g} m. Give its distance from the "
+            'axis, --arm "30 cm".'
         )
     else:
         torque = log["arm_force"].values * arm
@@ -113,9 +124,14 @@ def _over_oscillations(time: Array, columns: dict[str, Array]) -> tuple[Array, d
     low, high = np.percentile(torque, _ENDS)
     positive = torque > 0.5 * (low + high)
     turns = np.flatnonzero(positive[1:] & ~positive[:-1])
-    period = float(np.median(np.diff(time[turns]))) if turns.size > _CYCLES else np.inf
+    if turns.size <= _CYCLES:
+        raise EnduranceError(
+            "Expected a torque of both signs to reverse with each oscillation; it becomes positive "
+            f"{turns.size} times in the whole log. Log the size of the torque."
+        )
+    period = float(np.median(np.diff(time[turns])))
     interval = float(np.median(np.diff(time)))
-    if not period >= _SAMPLES * interval:
+    if period < _SAMPLES * interval:
         raise EnduranceError(
             "Expected a torque that reverses to be sampled at least "
             f"{_SAMPLES} times in an oscillation; it is sampled {period / interval:.1f} times. "

@@ -51,8 +51,8 @@ def describe_test(found: EnduranceResult) -> list[str]:
     Examples
     --------
     >>> from erlif.endurance.example import example_test
-    >>> print(describe_test(example_test())[-1])
-    load at failure: 123.85 ± 0.62 kN; 106.6 kN were survived
+    >>> print(describe_test(example_test())[0])
+    example: 6 stages and 6 idle runs in 4434 s
     """
     test, failure = found.test, found.failure
     last = float(test["time"][-1])

@@ -23,3 +23,10 @@ def test_a_log_without_a_stage_is_refused(simulated, rig):
     ramp = log.assign(cells=log.cells * 0 + np.linspace(1, 1e5, log.sizes["time"]))
     with pytest.raises(EnduranceError, match="stage of constant load"):
         analyse_endurance(ramp, pin_radius=rig.pin_radius, arm=rig.arm, idle_load=1e6)
+
+
+def test_the_name_of_a_test_is_that_of_its_file(simulated, rig):
+    log, _ = simulated
+    for file in ("run_1", "run_1.csv"):
+        short = log.isel(time=slice(0, 300)).assign_attrs(file=file)
+        assert analyse_endurance(short, pin_radius=rig.pin_radius, arm=rig.arm).name == "run_1"

@@ -57,3 +57,19 @@ def test_friction_without_load_is_unknown():
     found = measure_friction(log, pin_radius=0.04)
     assert np.isnan(found.friction[:10]).all()
     assert np.isfinite(found.friction[10:]).all()
+
+
+def test_a_torque_that_changes_its_sign_once_is_refused():
+    time = np.arange(400.0)
+    torque = np.where(time < 200, 160.0, -160.0)
+    with pytest.raises(EnduranceError, match="Log the size of the torque"):
+        measure_friction(log_of(time, torque=torque), pin_radius=0.04)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"), [({"arm": 0.0}, "positive arm"), ({"arm": 0.4, "tare": 50e3}, "tare")]
+)
+def test_an_arm_or_tare_without_meaning_is_refused(options, message):
+    log = log_of(np.arange(100.0), arm_force=np.full(100, 400.0))
+    with pytest.raises(EnduranceError, match=message):
+        measure_friction(log, pin_radius=0.04, **options)
