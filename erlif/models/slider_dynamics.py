@@ -210,8 +210,14 @@ def simulate_slider_crank(
         samples=samples,
         **vars(bodies),
     )
-    require_finite(crank_speed=crank_speed, crank_angle=crank_angle)
-    require_positive(duration=duration, slowest_slip=slowest_slip, samples=samples)
+    require_finite(
+        crank_speed=crank_speed, crank_angle=crank_angle, duration=duration, samples=samples
+    )
+    require_positive(duration=duration, slowest_slip=slowest_slip)
+    if samples < 1:
+        raise ModelError(f"samples must be 1 or more, got {samples}.")
+    if eccentricity is not None and not np.all(np.isfinite(eccentricity)):
+        raise ModelError(f"eccentricity must be two finite numbers, got {eccentricity}.")
     require_positive(rod_mass=bodies.rod_mass, slider_mass=bodies.slider_mass)
     require_not_negative(crank_inertia=crank_inertia)
 

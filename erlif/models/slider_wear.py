@@ -186,6 +186,15 @@ def wear_slider_crank(
         cells=cells,
         **vars(bodies),
     )
+    whole = {
+        "cycles": cycles,
+        "extrapolation": extrapolation,
+        "steps_per_cycle": steps_per_cycle,
+        "cells": cells,
+    }
+    for name, value in whole.items():
+        if not value % 1 == 0:
+            raise ModelError(f"{name} must be a whole number, got {value:g}.")
     require_positive(
         crank_speed=crank_speed,
         cycles=cycles,

@@ -339,7 +339,8 @@ def solve_joint(
     Raises
     ------
     ModelError
-        A load that is not positive, an odd number of cells, a lobe or a load beyond the bushing.
+        A load or patch that is not positive, an odd number of cells, a lobe or a load beyond the
+        bushing.
 
     Examples
     --------
@@ -350,7 +351,7 @@ def solve_joint(
     28 of 30 mm
     """
     joint, cells = elastic.joint, elastic.cells
-    require_positive(load=load, lobe_radius=lobe_radius, tolerance=tolerance)
+    require_positive(load=load, lobe_radius=lobe_radius, patch=patch, tolerance=tolerance)
     require_not_negative(lobe_height=lobe_height)
     require_single(load=load)
     check_load(load=load)

@@ -175,6 +175,8 @@ def test_joints_that_cannot_be_are_refused(changes, part):
 def test_options_that_cannot_be_are_refused(straight):
     with pytest.raises(ModelError, match="even number"):
         solve_joint(straight, load=1.0, around=33)
+    with pytest.raises(ModelError, match="patch must be positive"):
+        solve_joint(straight, load=1.0, patch=0.0)
     with pytest.raises(ModelError, match="Lobes lie"):
         solve_joint(straight, load=1.0, lobes=[0.2], lobe_height=1e-4)
     with pytest.raises(ModelError, match="load_span"):
