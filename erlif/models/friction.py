@@ -587,7 +587,9 @@ def analyse_endurance(
     """Find the load stages of an endurance test and the onset of galling.
 
     The tests are those of Farzaneh (2002), chapter 4: the load rises in stages until the friction
-    jumps.
+    jumps. This is the simple analysis, kept for compatibility: it takes samples as independent and
+    compares levels alone, so that drift, running-in or correlated noise can count as galling. Use
+    `erlif.analyse_endurance` for the log of a test.
 
     Parameters
     ----------
