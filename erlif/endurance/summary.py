@@ -52,7 +52,7 @@ def describe_test(found: EnduranceResult) -> list[str]:
     --------
     >>> from erlif.endurance.example import example_test
     >>> print(describe_test(example_test())[0])
-    example: 6 stages and 6 idle runs in 4434 s
+    example: 6 stages and 6 idle runs in 4424 s
     """
     test, failure = found.test, found.failure
     last = float(test["time"][-1])
