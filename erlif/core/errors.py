@@ -69,6 +69,8 @@ _PLAIN = (
     (r"Unable to synchronously open file \((unable to lock.*)\)", r"it cannot be opened: \1"),
     (r"Unable to synchronously open file.*", "its header is damaged"),
     (r"(?:Unable to|Can't) synchronously read data(.*)", r"its values cannot be read\1"),
+    (r".*object '(.+)' doesn't exist.*", r"its part \1 is missing"),
+    (r".*group not found: (\S+).*", r"its part \1 is missing"),
     (r".*Unable to synchronously open object.*|.*group not found.*", "a part of it is missing"),
 )
 """Texts of the HDF5 library, and what they mean."""

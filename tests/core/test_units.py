@@ -122,9 +122,12 @@ def test_number_in_the_requested_unit_is_unchanged(value, unit):
 
 def test_usual_units_are_converted_as_pint_converts_them():
     for unit, usual in units._USUAL.items():
+        if unit == "HB":  # pint has no hardness
+            continue
         # pint counts a turn as 6.28 and so 1 rpm as 0.105 Hz
         for name in set(usual) - ({"rpm"} if unit == "Hz" else set()):
-            reference = units._registry().Quantity(3.7, name).to(unit).magnitude
+            spelled = name.replace("mm3", "mm^3").replace("mm2", "mm^2")
+            reference = units._registry().Quantity(3.7, spelled).to(unit).magnitude
             assert parse_quantity(f"3.7 {name}", unit) == pytest.approx(reference, rel=1e-14)
 
 

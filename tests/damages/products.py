@@ -343,7 +343,7 @@ USAGE = [
         "usage: figures of a calibration",
         _nothing,
         "figures fixture/calibration.nc",
-        "erlif.open_calibration opens it",
+        "which erlif.open_calibration opens",
     ),
     _state("usage: report of nothing", _nothing, "report nothing.nc", "does not exist"),
     _state("usage: report of a frame", _nothing, "report run/camera1/frame_0001.tif", "process"),
