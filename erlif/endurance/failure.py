@@ -24,7 +24,7 @@ class FailureLoad:
     std : float
         Standard deviation: onset, noise of the cells and their calibration. [N]
     survived : float
-        Load of the last stage that was survived whole; 0 where there is none. [N]
+        Highest load of the stages that were survived whole; 0 where there is none. [N]
     failed : bool
         Whether the bearing failed; if not, its load at failure is above `load`.
     stage : int

@@ -427,8 +427,9 @@ def _log_density(
 ) -> tuple[Array, Array, Array]:
     """Logarithm of the posterior density, rise up to the end of the stage and its std.
 
-    All are arrays (growth, form, onset). Amplitude, background and variance have flat priors and
-    are integrated out; an amplitude is positive.
+    All are arrays (growth, form, onset). Amplitude, background and variance are integrated out:
+    level, amplitude and the logarithm of the variance have flat priors, drift and running-in those
+    of `USUAL`; an amplitude is positive.
     """
     forms = np.stack([record.average(form) for form in _forms(record.samples, onsets)])
     ends = forms[:, -1, :]
