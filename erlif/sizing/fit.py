@@ -129,10 +129,14 @@ def _press_fit(joint: Joint) -> Step:
     )
 
 
+_UNKNOWN_FIT = "; without what the press fit takes, which is not known"
+
+
 def _relative_play(joint: Joint) -> Step:
     size, play = dimensions_of(joint), assembled_play(joint)
     low, high = RECOMMENDED_PLAY
     wanted = low * 1e-3 * size.pin - 2 * (bore_displacement(joint) or 0.0)
+    known = bore_displacement(joint) is not None
     return make_step(
         "relative_play",
         "relative play",
@@ -143,7 +147,9 @@ def _relative_play(joint: Joint) -> Step:
         1e3 * play / size.pin,
         least=low,
         most=high,
-        validity="heavily loaded grease-lubricated joints with metal bushings",
+        valid=known,
+        validity="heavily loaded grease-lubricated joints with metal bushings"
+        + ("" if known else _UNKNOWN_FIT),
         reason="Slow oscillating joints have as little play as possible: it raises the peak "
         "pressure and leaves less for wear.",
         alternatives=(
@@ -204,6 +210,7 @@ def _warm_play(joint: Joint) -> Step:
         )
     play, size = assembled_play(joint), dimensions_of(joint)
     warm = play - loss
+    known = bore_displacement(joint) is not None
     return make_step(
         key,
         title,
@@ -215,8 +222,9 @@ def _warm_play(joint: Joint) -> Step:
         least=0.0,
         # a play has no ratio to nothing: its margin is that over the least play of eq. 23
         margin=warm / (RECOMMENDED_PLAY[0] * 1e-3 * size.pin),
+        valid=known,
         validity="pin at the temperature of the surface, bushing at its mean temperature; the "
-        "margin is in parts of the least play of eq. 23",
+        "margin is in parts of the least play of eq. 23" + ("" if known else _UNKNOWN_FIT),
         reason="Warm parts grow by as much as the play is large; without play the joint seizes.",
         alternatives=(
             f"play before pressing of at least {(size.play - warm) * 1e6:.4g} um",

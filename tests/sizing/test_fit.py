@@ -64,3 +64,13 @@ def test_the_least_play_meets_both_recommendations():
         walk = walk_guide(replace(joint, play=least_play(joint)))
         margins = [walk.step(key).margin for key in ("relative_play", "warm_play")]
         assert min(margins) == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("interference", [0.0, 60e-6])
+def test_play_is_marked_where_the_loss_by_the_press_fit_is_not_known(interference):
+    joint = example_joint()
+    unknown = replace(joint.bushing, poissons_ratio=None)
+    walk = walk_guide(replace(joint, bushing=unknown, interference=interference))
+    for key in ("relative_play", "warm_play"):
+        assert walk.step(key).valid == (interference == 0)
+        assert ("press fit" in walk.step(key).validity) == (interference > 0)
