@@ -353,6 +353,11 @@ def _fit_walther(T: Values, viscosity: Values, spread: Values) -> tuple[Values, 
     )
     # from the centre, where both are independent, to 1 K
     B = found.x[1]
+    if not B > 0:
+        raise ModelError(
+            "viscosities must fall with temperature for Walther's law, and these do not. Check "
+            "which viscosity belongs to which temperature."
+        )
     values = np.array([found.x[0] + B * np.log10(_CENTRE), B])
     slopes = derivatives(found.x)
     slopes[:, 1] -= np.log10(_CENTRE) * slopes[:, 0]

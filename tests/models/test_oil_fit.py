@@ -112,6 +112,10 @@ def test_grades_of_iso():
         ),
         (lambda: fit_viscosity(T, viscosities=1e-6 + 0 * T, law="walther"), "at least 2e-6"),
         (
+            lambda: fit_viscosity(T, viscosities=1e-5 * T / T[0], law="walther"),
+            "must fall with temperature",
+        ),
+        (
             lambda: fit_viscosity(T, viscosities=law_of("vogel"), relative_std=[0.01, 0.01]),
             "one for each viscosity",
         ),
