@@ -1150,7 +1150,9 @@ def winkler_contact(
     )
     ratio = np.asarray(0 * grid + shaft_radius / bushing_radius, float)
     group = np.asarray(grid, float) / ratio
-    largest = supported_by_arc(np.full(ratio.shape, np.pi / 2), fit=ratio)
+    # one bushing and many loads is the usual case
+    fits = ratio.flat[:1] if ratio.size and np.ptp(ratio) == 0 else ratio
+    largest = supported_by_arc(np.full(fits.shape, np.pi / 2), fit=fits)
     if np.any(group > largest):
         raise ModelError(
             "load_per_length must not exceed the load that wraps the contact to 90 degrees; "

@@ -39,8 +39,8 @@ def trigger_csv(film: xr.Dataset, valid: Array, triggers: AnyArray) -> str:
     --------
     >>> from erlif.plots import example_film
     >>> text = trigger_csv(example_film(), np.full(6, 0.5), np.arange(6))
-    >>> text.splitlines()[0][:46]
-    'trigger,frames_used [1],encoder_angle [degree]'
+    >>> text.splitlines()[0][:38]
+    'trigger,frames_used [1],film_mean [um]'
     """
     # covariances and other numbers with further dims are left to erlif export
     columns = [

@@ -12,7 +12,8 @@ import erlif
 from conftest import SMALL, Laboratory
 from erlif.rig import RigSettings, simulate
 
-KILLS = 20
+KILLS = 10
+"""Of each kind of file; a fault that half of the moments bring out is missed with 0.1 %."""
 COMMAND = [sys.executable, "-c", "from erlif.commands.main import main; main()", "process"]
 
 
@@ -55,7 +56,7 @@ class Command:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["film.nc", "film.zarr"])
-def test_a_film_survives_twenty_kills_at_random_moments(laboratory, tmp_path, name):
+def test_a_film_survives_kills_at_random_moments(laboratory, tmp_path, name):
     rng = np.random.default_rng(2024)
     directory, aside = tmp_path / "out", tmp_path / "aside"
     directory.mkdir()
