@@ -145,6 +145,7 @@ STAGES = (
     "audit",
     "conversion",
     "comparison",
+    "friction",
     "endurance",
     "files",
     "plots",

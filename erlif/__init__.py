@@ -24,6 +24,7 @@ _FUNCTIONS = {
     "ErlifError": "erlif.core.errors",
     "Flag": "erlif.core.flags",
     "analyse_endurance": "erlif.endurance",
+    "analyse_friction": "erlif.friction",
     "batch": "erlif.pipeline.batch",
     "budget": "erlif.pipeline.budget",
     "calibrate": "erlif.pipeline.fixture",
@@ -53,6 +54,7 @@ _MODULES = (
     "correction",
     "endurance",
     "files",
+    "friction",
     "ingest",
     "kinematics",
     "models",
@@ -77,6 +79,7 @@ __all__ = [
     "Flag",
     "__version__",
     "analyse_endurance",
+    "analyse_friction",
     "audit",
     "batch",
     "budget",
@@ -93,6 +96,7 @@ __all__ = [
     "export",
     "files",
     "find_pin_position",
+    "friction",
     "ingest",
     "init",
     "kinematics",
@@ -131,6 +135,7 @@ if TYPE_CHECKING:
         correction,
         endurance,
         files,
+        friction,
         ingest,
         kinematics,
         models,
@@ -156,6 +161,7 @@ if TYPE_CHECKING:
     from erlif.core.flags import Flag
     from erlif.endurance import analyse_endurance, compare_designs, read_endurance_log
     from erlif.files import open_film
+    from erlif.friction import analyse_friction
     from erlif.pipeline.batch import batch
     from erlif.pipeline.budget import budget
     from erlif.pipeline.design import design

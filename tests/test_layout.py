@@ -33,6 +33,7 @@ ORDER = (
     "audit",
     "conversion",
     "comparison",
+    "friction",
     "endurance",
     "plots",
     "report",

@@ -74,13 +74,13 @@ def friction(
       erlif friction bushing.csv --radius "5 mm" --vector --load-std 0.01
     """
     with large_imports():
-        from erlif.endurance import (
-            analyse_reversals,
-            describe_reversals,
-            read_endurance_log,
-            write_reversal_table,
-        )
         from erlif.files import refuse_existing
+        from erlif.friction import (
+            analyse_friction,
+            describe_friction,
+            read_torque_log,
+            write_friction_table,
+        )
         from erlif.plots import write_reversal_figure
 
     if radius is None:
@@ -91,8 +91,8 @@ def friction(
     for path in (table, picture):
         refuse_existing(path, overwrite=overwrite)
 
-    read = read_endurance_log(log, choice, vector=vector)
-    found = analyse_reversals(
+    read = read_torque_log(log, choice, vector=vector)
+    found = analyse_friction(
         read,
         shaft_radius=radius,
         arm=arm,
@@ -102,7 +102,7 @@ def friction(
         load_std=load_std,
         radius_std=radius_std,
     )
-    click.echo("\n".join(describe_reversals(found, torque_ratio=torque_ratio)))
+    click.echo("\n".join(describe_friction(found, torque_ratio=torque_ratio)))
     click.echo(f"columns: {read.attrs['columns']}\n")
-    click.echo(f"written: {write_reversal_table(found, table)}")
+    click.echo(f"written: {write_friction_table(found, table)}")
     click.echo(f"written: {write_reversal_figure(found, picture)}")

@@ -39,8 +39,7 @@ def column_pairs(
 
 def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[str, ...]]) -> Any:
     """The columns as the reader takes them."""
-    from erlif.endurance import LogColumns
-    from erlif.endurance.log import QUANTITIES, SEVERAL
+    from erlif.friction import QUANTITIES, SEVERAL, LogColumns
 
     for option, given in (("--column", columns), ("--unit", units)):
         for name in given:

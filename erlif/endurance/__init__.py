@@ -3,18 +3,29 @@
 from erlif.endurance.analysis import EnduranceResult, analyse_endurance
 from erlif.endurance.comparison import DesignComparison, compare_designs
 from erlif.endurance.failure import FailureLoad, failure_load
-from erlif.endurance.friction import measure_friction
-from erlif.endurance.log import QUANTITIES, SEVERAL, LogColumns, read_endurance_log
 from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
-from erlif.endurance.reversals import (
-    ReversalSeries,
-    analyse_reversals,
-    describe_reversals,
-    write_reversal_table,
-)
 from erlif.endurance.stages import Stage, find_stages
 from erlif.endurance.summary import describe_designs, describe_test, write_test_table
 from erlif.endurance.witness import Witness, hear_witnesses
+from erlif.friction import (
+    QUANTITIES,
+    SEVERAL,
+    LogColumns,
+    ReversalSeries,
+    analyse_friction,
+    describe_friction,
+    measure_friction,
+    read_torque_log,
+    write_friction_table,
+)
+
+read_endurance_log = read_torque_log
+"""The name in this stage of `erlif.friction.read_torque_log`."""
+
+# earlier names of what erlif.friction holds
+analyse_reversals = analyse_friction
+describe_reversals = describe_friction
+write_reversal_table = write_friction_table
 
 __all__ = [
     "QUANTITIES",

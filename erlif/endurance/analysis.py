@@ -10,10 +10,10 @@ import xarray as xr
 
 from erlif.core.errors import EnduranceError
 from erlif.endurance.failure import FailureLoad, failure_load
-from erlif.endurance.friction import measure_friction
 from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
 from erlif.endurance.stages import Stage, find_stages
 from erlif.endurance.witness import Witness, hear_witnesses
+from erlif.friction import measure_friction
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def analyse_endurance(
     log : xarray.Dataset
         From `erlif.read_endurance_log`.
     pin_radius, arm, torque_ratio, tare
-        As for `erlif.endurance.measure_friction`.
+        As for `erlif.friction.measure_friction`.
     calibration : float
         Relative standard deviation of the calibration of the load cells. [1]
     idle_load : float, optional
@@ -93,7 +93,7 @@ def analyse_endurance(
     Raises
     ------
     EnduranceError
-        If there is no stage, or as `erlif.endurance.measure_friction`.
+        If there is no stage, or as `erlif.friction.measure_friction`.
 
     Examples
     --------

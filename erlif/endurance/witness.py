@@ -63,7 +63,7 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
     Parameters
     ----------
     test : xarray.Dataset
-        From `erlif.endurance.measure_friction`.
+        From `erlif.friction.measure_friction`.
     stage : Stage
         Stage of the onset.
     onset : Onset

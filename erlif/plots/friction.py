@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from erlif.endurance import ReversalSeries
+from erlif.friction import ReversalSeries
 from erlif.plots.style import (
     ONE_COLUMN,
     OUTWARD,
@@ -31,7 +31,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     Parameters
     ----------
     series : ReversalSeries
-        From `erlif.endurance.analyse_reversals`.
+        From `erlif.friction.analyse_friction`.
     ax : Axes, optional
         Default: those of a new figure, one column wide.
 
@@ -43,11 +43,11 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
     --------
     >>> import numpy as np
     >>> import xarray as xr
-    >>> from erlif.endurance import analyse_reversals
+    >>> from erlif.friction import analyse_friction
     >>> time = np.arange(0.0, 40.0, 0.1)
     >>> log = xr.Dataset({"cells": (("cell", "time"), [np.full(time.size, 400.0)])}, {"time": time})
     >>> log["torque"] = "time", 0.6 * np.where(time % 10 < 5, 1, -1)
-    >>> points, *_ = friction_over_reversals(analyse_reversals(log, shaft_radius=0.01))
+    >>> points, *_ = friction_over_reversals(analyse_friction(log, shaft_radius=0.01))
     >>> points.axes.get_xlabel()
     'time [min]'
     """
@@ -90,7 +90,7 @@ def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
     Parameters
     ----------
     series : ReversalSeries
-        From `erlif.endurance.analyse_reversals`.
+        From `erlif.friction.analyse_friction`.
     output : Path
 
     Returns

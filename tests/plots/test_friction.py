@@ -5,7 +5,7 @@ import numpy.testing as npt
 import pytest
 import xarray as xr
 
-from erlif.endurance import analyse_reversals
+from erlif.friction import analyse_friction
 from erlif.plots import friction_over_reversals
 
 
@@ -20,7 +20,7 @@ def log():
 
 
 def test_points_lie_at_the_pairs_and_the_line_at_their_mean(log):
-    series = analyse_reversals(log, shaft_radius=0.01, load_std=0.01)
+    series = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
     points, mean = friction_over_reversals(series)
     npt.assert_allclose(points.get_ydata(), [0.15] * 4 + [0.1525] * 4, rtol=1e-9)
     npt.assert_allclose(mean.get_ydata(), 0.15125, rtol=1e-9)
@@ -28,7 +28,7 @@ def test_points_lie_at_the_pairs_and_the_line_at_their_mean(log):
 
 
 def test_a_known_speed_gives_the_sliding_distance(log):
-    series = analyse_reversals(log, shaft_radius=0.01, speed=0.1)
+    series = analyse_friction(log, shaft_radius=0.01, speed=0.1)
     points, _ = friction_over_reversals(series)
     assert points.axes.get_xlabel() == "sliding distance [m]"
     npt.assert_allclose(points.get_xdata(), np.arange(0.5, 8, 1), atol=0.01)

@@ -1,11 +1,11 @@
-"""Logs of endurance tests as loggers write them."""
+"""Logs of load and torque as loggers write them."""
 
 import numpy as np
 import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import EnduranceError
-from erlif.endurance import LogColumns, read_endurance_log
+from erlif.friction import LogColumns, read_torque_log
 
 ROWS = [[n * 0.5, 18e3 + n, 17e3, 400 + n % 5, 25 + 0.01 * n, 0.4] for n in range(80)]
 HEADER = ["Time [s]", "Cell 1 [N]", "Cell 2 [N]", "Arm [N]", "Pin temperature [degC]", "Vib [g]"]
@@ -18,7 +18,7 @@ def write(path, header=HEADER, rows=ROWS, separator=","):
 
 
 def test_plain_names_are_found(tmp_path):
-    log = read_endurance_log(write(tmp_path / "run.csv"))
+    log = read_torque_log(write(tmp_path / "run.csv"))
     npt.assert_allclose(log.cells.sum("cell"), [row[1] + row[2] for row in ROWS])
     npt.assert_allclose(log.arm_force, [row[3] for row in ROWS])
     assert log.temperature.units == "degree_Celsius"
@@ -36,7 +36,7 @@ def test_names_of_another_language_and_units_are_chosen(tmp_path):
         temperature=("Stift",),
         units={"time": "min", "cells": "kN", "arm_force": "lbf", "temperature": "degF"},
     )
-    log = read_endurance_log(path, columns)
+    log = read_torque_log(path, columns)
     npt.assert_allclose(log.time, [60 * row[0] for row in ROWS])
     npt.assert_allclose(log.cells[0], [1e3 * row[1] for row in ROWS])
     npt.assert_allclose(log.arm_force[0], 400 * 4.4482216152605)
@@ -46,7 +46,7 @@ def test_names_of_another_language_and_units_are_chosen(tmp_path):
 @pytest.mark.parametrize("unit", ["N m", "Nm", "kN m", "lbf ft"])
 def test_units_of_torque(tmp_path, unit):
     header = ["Time [s]", "Load [N]", f"Torque [{unit}]"]
-    log = read_endurance_log(write(tmp_path / "run.csv", header, [row[:3] for row in ROWS]))
+    log = read_torque_log(write(tmp_path / "run.csv", header, [row[:3] for row in ROWS]))
     factor = {"N m": 1, "Nm": 1, "kN m": 1e3, "lbf ft": 1.3558179483314}[unit]
     npt.assert_allclose(log.torque, 17e3 * factor)
 
@@ -69,7 +69,7 @@ def test_units_of_torque(tmp_path, unit):
 def test_columns_that_are_not_clear_are_refused(tmp_path, header, columns, message):
     path = write(tmp_path / "run.csv", header, [row[: len(header)] for row in ROWS])
     with pytest.raises(EnduranceError, match=message):
-        read_endurance_log(path, columns)
+        read_torque_log(path, columns)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_values_that_cannot_be_are_refused_with_their_row(tmp_path, place, value
     rows = [list(row) for row in ROWS]
     rows[place[0]][place[1]] = value
     with pytest.raises(EnduranceError, match=message):
-        read_endurance_log(write(tmp_path / "run.csv", rows=rows))
+        read_torque_log(write(tmp_path / "run.csv", rows=rows))
 
 
 def test_files_that_are_no_log_are_refused(tmp_path):
@@ -104,14 +104,14 @@ def test_files_that_are_no_log_are_refused(tmp_path):
         (pulled, "positive load"),
     ):
         with pytest.raises(EnduranceError, match=message):
-            read_endurance_log(path)
+            read_torque_log(path)
 
 
 def test_reversed_time_is_refused(tmp_path):
     with pytest.raises(EnduranceError, match="order of time"):
-        read_endurance_log(write(tmp_path / "run.csv", rows=ROWS[::-1]))
+        read_torque_log(write(tmp_path / "run.csv", rows=ROWS[::-1]))
 
 
 def test_numbers_are_read_as_they_are_written(tmp_path):
-    log = read_endurance_log(write(tmp_path / "run.csv"))
+    log = read_torque_log(write(tmp_path / "run.csv"))
     assert np.all(log.time.values == [row[0] for row in ROWS])

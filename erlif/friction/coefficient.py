@@ -29,8 +29,8 @@ def measure_friction(
     Parameters
     ----------
     log : xarray.Dataset
-        From `erlif.read_endurance_log`: over ``time``, ``cells`` (cell, time) [N], and ``torque``
-        [N m] or ``arm_force`` [N]; ``temperature`` and ``vibration`` travel along.
+        From `erlif.friction.read_torque_log`: over ``time``, ``cells`` (cell, time) [N], and
+        ``torque`` [N m] or ``arm_force`` [N]; ``temperature`` and ``vibration`` travel along.
     pin_radius : float
         Radius of the pin. [m]
     arm : float, optional

@@ -50,7 +50,7 @@ class ReversalSeries:
     trend_std: float
 
 
-def analyse_reversals(
+def analyse_friction(
     log: xr.Dataset,
     *,
     shaft_radius: float,
@@ -69,8 +69,8 @@ def analyse_reversals(
     Parameters
     ----------
     log : xarray.Dataset
-        From `erlif.read_endurance_log`: over ``time``, ``cells`` (cell, time) [N], and ``torque``
-        [N m] or ``arm_force`` [N], with the sign of the direction.
+        From `erlif.friction.read_torque_log`: over ``time``, ``cells`` (cell, time) [N], and
+        ``torque`` [N m] or ``arm_force`` [N], with the sign of the direction.
     shaft_radius : float
         Radius of the shaft. [m]
     arm : float, optional
@@ -113,7 +113,7 @@ def analyse_reversals(
     ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
     ...     {"time": time},
     ... )
-    >>> found = analyse_reversals(log, shaft_radius=0.01, load_std=0.01)
+    >>> found = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
     >>> print(f"{found.friction:.3f} ± {found.friction_std:.4f}, {found.pairs.offset[0]:.3f}")
     0.150 ± 0.0015, 0.025
     """
@@ -261,13 +261,13 @@ def _trend(time: Array, values: Array) -> tuple[float, float]:
     return slope * span, float(std * span)
 
 
-def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:
+def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:
     """Describe the friction of a log in lines of text.
 
     Parameters
     ----------
     found : ReversalSeries
-        From `analyse_reversals`.
+        From `analyse_friction`.
     torque_ratio : float
         T* of the contact, by which the true coefficient is smaller. [1]
 
@@ -283,8 +283,8 @@ def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> l
     ...     {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
     ...     {"time": time},
     ... )
-    >>> found = analyse_reversals(log, shaft_radius=0.01, load_std=0.01)
-    >>> print(describe_reversals(found)[0])
+    >>> found = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
+    >>> print(describe_friction(found)[0])
     apparent friction coefficient: 0.1500 ± 0.0015 (4 pairs of stretches)
     """
     lines = [
@@ -313,13 +313,13 @@ def describe_reversals(found: ReversalSeries, *, torque_ratio: float = 1.0) -> l
     return lines
 
 
-def write_reversal_table(found: ReversalSeries, output: Path) -> Path:
+def write_friction_table(found: ReversalSeries, output: Path) -> Path:
     """Write one row for each pair of stretches as CSV.
 
     Parameters
     ----------
     found : ReversalSeries
-        From `analyse_reversals`.
+        From `analyse_friction`.
     output : Path
 
     Returns
@@ -334,8 +334,8 @@ def write_reversal_table(found: ReversalSeries, output: Path) -> Path:
 
     Examples
     --------
-    >>> write_reversal_table.__name__
-    'write_reversal_table'
+    >>> write_friction_table.__name__
+    'write_friction_table'
     """
     names = ["time", *found.pairs.data_vars]
     headings = [f"{name} [{found.pairs[name].attrs.get('units', 's')}]" for name in names]

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import EnduranceError
-from erlif.endurance import analyse_reversals, describe_reversals
+from erlif.friction import analyse_friction, describe_friction
 
 RADIUS, LOAD = 0.005, 400.0
 
@@ -29,7 +29,7 @@ def make_log(rng, *, friction=0.12, drift=0.0, offset=0.04, noise=0.01, slow=0.0
 
 
 def test_friction_and_offset_are_found():
-    found = analyse_reversals(
+    found = analyse_friction(
         make_log(np.random.default_rng(0), noise=0.0), shaft_radius=RADIUS, vector=True, speed=0.01
     )
     npt.assert_allclose(found.pairs.friction, 0.12, rtol=1e-9)
@@ -45,7 +45,7 @@ def test_standard_deviations_cover():
     pulls, drifts = [], []
     for _ in range(150):
         log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal())
-        found = analyse_reversals(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
+        found = analyse_friction(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
         pulls.append((found.friction - 0.12) / found.friction_std)
         drifts.append((found.trend - 0.01 * 29 / 30) / found.trend_std)
     for values in (pulls, drifts):
@@ -55,7 +55,7 @@ def test_standard_deviations_cover():
 
 
 def test_error_of_a_pair_is_that_of_its_noise():
-    found = analyse_reversals(
+    found = analyse_friction(
         make_log(np.random.default_rng(2), noise=0.02), shaft_radius=RADIUS, vector=True
     )
     npt.assert_allclose(found.pairs.friction_std.median(), 0.02 / np.sqrt(2 * 80), rtol=0.15)
@@ -63,7 +63,7 @@ def test_error_of_a_pair_is_that_of_its_noise():
 
 
 def test_the_budget_adds_up():
-    found = analyse_reversals(
+    found = analyse_friction(
         make_log(np.random.default_rng(2)),
         shaft_radius=RADIUS,
         vector=True,
@@ -88,22 +88,22 @@ def test_a_log_without_reversals_is_refused(changes, message):
     if changes["friction"] == 0.0:
         log["torque"] = log["torque"] * 0 + 1.0
     with pytest.raises(EnduranceError, match=message):
-        analyse_reversals(log, shaft_radius=RADIUS)
+        analyse_friction(log, shaft_radius=RADIUS)
 
 
 def test_a_torque_without_its_sign_is_pointed_out():
     """The size of the torque, as some instruments log it: no difference between directions."""
     log = make_log(np.random.default_rng(0), offset=0.0)
     for torque, told in ((log.torque, False), (abs(log.torque), True)):
-        found = analyse_reversals(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
-        assert any("torque with its sign" in line for line in describe_reversals(found)) == told
+        found = analyse_friction(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
+        assert any("torque with its sign" in line for line in describe_friction(found)) == told
 
 
 def test_a_force_needs_its_arm():
     log = make_log(np.random.default_rng(0)).rename(torque="arm_force")
     with pytest.raises(EnduranceError, match="--arm"):
-        analyse_reversals(log, shaft_radius=RADIUS)
-    found = analyse_reversals(log, shaft_radius=RADIUS, arm=0.5, vector=True)
+        analyse_friction(log, shaft_radius=RADIUS)
+    found = analyse_friction(log, shaft_radius=RADIUS, arm=0.5, vector=True)
     npt.assert_allclose(found.friction, 0.06, rtol=0.01)
 
 
@@ -111,4 +111,11 @@ def test_unloaded_motion_is_refused():
     log = make_log(np.random.default_rng(0))
     log["cells"][:, 1000:1100] = -1.0
     with pytest.raises(EnduranceError, match="load above 0"):
-        analyse_reversals(log, shaft_radius=RADIUS)
+        analyse_friction(log, shaft_radius=RADIUS)
+
+
+def test_names_of_the_endurance_stage_stay_valid():
+    from erlif import endurance, friction
+
+    assert endurance.analyse_reversals is friction.analyse_friction
+    assert endurance.read_endurance_log is friction.read_torque_log

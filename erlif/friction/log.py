@@ -1,4 +1,4 @@
-"""The log of an endurance test: any file of a data logger, with columns of any name."""
+"""A log of load and torque: any file of a data logger, with columns of any name."""
 
 from __future__ import annotations
 
@@ -86,10 +86,10 @@ class LogColumns:
         return names if isinstance(names, tuple) else (names,) * bool(names)
 
 
-def read_endurance_log(
+def read_torque_log(
     path: Path | str, columns: LogColumns | None = None, *, vector: bool = False
 ) -> xr.Dataset:
-    """Read the log of an endurance test.
+    """Read a log of load and torque.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def read_endurance_log(
     >>> path = Path(tempfile.mkdtemp(), "run.csv")
     >>> rows = [f"{n},{n % 7 + 36},{0.5 + n % 3}" for n in range(100)]
     >>> _ = path.write_text("\\n".join(["t [s],Load [kN],Moment [N m]", *rows]))
-    >>> log = read_endurance_log(path)
+    >>> log = read_torque_log(path)
     >>> log.attrs["columns"]
     "time from 't [s]', cells from 'Load [kN]', torque from 'Moment [N m]'"
     >>> float(log.cells[0, 0])
@@ -155,11 +155,11 @@ def _read_table(path: Path, columns: LogColumns) -> LogTable:
     if not path.is_file():
         what = "it is no regular file" if path.exists() else "there is no such file"
         raise EnduranceError(
-            f"Expected the log of an endurance test in {path}; {what}. Give the name of a file."
+            f"Expected a log of load and torque in {path}; {what}. Give the name of a file."
         )
     if path.stat().st_size == 0:
         raise EnduranceError(
-            f"Expected the log of an endurance test in {path}; it is empty. Export the log again."
+            f"Expected a log of load and torque in {path}; it is empty. Export the log again."
         )
     wanted = [name for quantity in QUANTITIES for name in columns.chosen(quantity)]
     try:

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from erlif.core.errors import EnduranceError
-from erlif.endurance import measure_friction
+from erlif.friction import measure_friction
 
 
 def log_of(time, **columns):
