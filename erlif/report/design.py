@@ -43,6 +43,7 @@ def summarise_design(design: BearingDesign) -> str:
         _dimension_lines(design),
         _step_lines(design),
         _missing_lines(design),
+        _assumed_lines(design),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -222,6 +223,44 @@ def _missing_lines(design: BearingDesign) -> list[str]:
     return ["Not computed:", *lines] if lines else []
 
 
+def assumed_values(design: BearingDesign) -> list[tuple[str, str]]:
+    """Return the values of the table of materials for which no source was at hand.
+
+    Parameters
+    ----------
+    design : BearingDesign
+
+    Returns
+    -------
+    list of (str, str)
+        Name of a material of the joint, and its values that are assumptions.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> assumed_values(example_design())
+    []
+    """
+    joint = design.joint
+    parts = {part.name: part for part in (joint.pin, joint.bushing, joint.seat, joint.housing)}
+    clauses = [(name, part.source.split("; ")) for name, part in parts.items()]
+    return [
+        (name, clause.removesuffix(_ASSUMED))
+        for name, found in clauses
+        for clause in found
+        if clause.endswith(_ASSUMED)
+    ]
+
+
+_ASSUMED = ": assumption"  # as the table of materials writes it
+
+
+def _assumed_lines(design: BearingDesign) -> list[str]:
+    lines = [f"  {name}: {values}" for name, values in assumed_values(design)]
+    head = "Values of the table without a source, to be checked against the delivery:"
+    return [head, *lines] if lines else []
+
+
 def list_materials(materials: Mapping[str, Material]) -> str:
     """Write a table of materials.
 
@@ -240,8 +279,9 @@ def list_materials(materials: Mapping[str, Material]) -> str:
     >>> list_materials(read_materials()).splitlines()[1].split()[0]
     '42CrMo4'
     """
+    width = max(26, *(len(name) for name in materials))
     head = (
-        f"{'material':<26} {'use':<10} {'yield MPa':>9} {'hardness HB':>12} {'E GPa':>6} "
+        f"{'material':<{width}} {'use':<10} {'yield MPa':>9} {'hardness HB':>12} {'E GPa':>6} "
         f"{'degC':>5} {'p MPa':>6} {'pv W/mm2':>8}  source"
     )
     lines = [head]
@@ -251,7 +291,7 @@ def list_materials(materials: Mapping[str, Material]) -> str:
             "-" if low is None else f"{low:g}" if low == high else f"{low:g} to {high or low:g}"
         )
         lines.append(
-            f"{one.name:<26} {one.use:<10} {_cell(one.yield_stress, 1e6):>9} {hardness:>12} "
+            f"{one.name:<{width}} {one.use:<10} {_cell(one.yield_stress, 1e6):>9} {hardness:>12} "
             f"{_cell(one.youngs_modulus, 1e9):>6} {_cell(one.temperature, 1):>5} "
             f"{_cell(one.pressure, 1e6):>6} {_cell(one.pv, 1e6):>8}  {one.source}"
         )

@@ -137,7 +137,7 @@ def bushing_heat(joint: Joint, diameter: float) -> float | None:
     --------
     >>> from erlif.sizing import example_joint
     >>> print(f"{bushing_heat(example_joint(), 0.08):.1f} W")
-    40.3 W
+    40.0 W
     """
     pin, ring = joint.pin.conductivity, joint.bushing.conductivity
     speed = joint.speed(diameter)

@@ -39,6 +39,12 @@ def test_a_design_without_motion_lists_what_is_missing():
     assert "speed not known" in found
 
 
+def test_values_without_a_source_are_named():
+    text = summarise_design(changed(("CuAl10Ni5Fe4", "CuNi15Sn8 hardened")))
+    assert "CuNi15Sn8 hardened: all other values" in text
+    assert "without a source" not in summarise_design(example_design())
+
+
 def test_the_list_of_materials_has_all_of_them_with_their_sources():
     lines = list_materials(read_materials()).splitlines()
     assert len(lines) == len(read_materials()) + 1

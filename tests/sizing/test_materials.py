@@ -29,7 +29,19 @@ def test_every_material_has_a_source_and_a_use():
     for one in read_materials().values():
         assert len(one.source) > 20
         assert one.use in USES
-        assert one.youngs_modulus is not None
+        assert one.youngs_modulus is not None or "not stated by a source at hand" in one.source
+        assert "usual" not in one.source
+
+
+def test_limits_of_pv_are_those_of_the_suppliers():
+    """Diversified Bronze: 75 000, 125 000 and 150 000 psi fpm for C93200, C95400 and C86300."""
+    materials = read_materials()
+    unit = 6894.757 * 0.3048 / 60  # psi fpm in W/m2
+    named = ("C93200 (SAE 660)", "C95400", "CuZn25Al5Mn4Fe3")
+    limits = [materials[name].pv for name in named]
+    assert limits == pytest.approx([75e3 * unit, 125e3 * unit, 150e3 * unit], rel=5e-3)
+    speeds = [materials[name].speed for name in named[:2]]
+    assert speeds == pytest.approx([750 * 0.3048 / 60, 225 * 0.3048 / 60], rel=5e-3)
 
 
 def test_hardness_follows_from_the_strength_where_it_is_not_known(tmp_path):
