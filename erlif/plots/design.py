@@ -84,7 +84,8 @@ def design_margins(design: BearingDesign, *, ax: Axes | None = None) -> list[Art
         if used > _MOST:
             ax.text(_MOST, row, "▸", va="center", ha="left", color=colour, clip_on=False)
     ax.axvline(1.0, color="black", linewidth=0.8)
-    ax.set_yticks(range(len(steps)), [step.title for step in steps])
+    titles = [f"{step.title} ({step.basis})" if step.basis else step.title for step in steps]
+    ax.set_yticks(range(len(steps)), titles)
     ax.set(xlim=(0, _MOST), ylim=(len(steps) - 0.4, -0.6))
     ax.set_xlabel("part of the limit that is used")
     shown: list[tuple[bool, dict[str, Any], str]] = [
@@ -241,7 +242,7 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
-    frame_legend(ax, loc="upper left")
+    frame_legend(ax, loc="best")
     return points
 
 
@@ -333,7 +334,8 @@ def design_wear(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist
             ax.axhline(limit, color="black", linewidth=0.8, label="largest wear")
             highest = max(highest, limit)
         elif math.isfinite(reached):
-            ax.set_title(f"largest wear, {limit:g} mm, after {reached:.2g} h", fontsize="medium")
+            hours = f"{float(f'{reached:.2g}'):.10g}"
+            ax.set_title(f"largest wear, {limit:g} mm, after {hours} h", fontsize="medium")
     ax.set(xlim=(0, end), ylim=(0, _ABOVE * highest))
     frame_legend(ax, loc="upper left", ncols=3, columnspacing=1.0)
     return list(lines)

@@ -214,7 +214,13 @@ def _step_lines(design: BearingDesign) -> list[str]:
             f"{step.title:<34} {source:<15} {present:>19} {within(step):>15} "
             f"{margin(step.margin):>10}  {step.state}"
         )
-    return lines
+    return [*lines, *_basis_lines(design)]
+
+
+def _basis_lines(design: BearingDesign) -> list[str]:
+    """What margins refer to that are not those of the value beside them."""
+    others = [f"  {step.title}: {step.basis}" for step in design.walk.steps if step.basis]
+    return ["Margins of another number than the one shown:", *others] if others else []
 
 
 def _missing_lines(design: BearingDesign) -> list[str]:

@@ -27,7 +27,7 @@ _FIGURE = Caption(
     "Pressure, pv, temperature and wear",
     "(a) Pressure over the arc after eq. 9 with the assembled play, beside the simpler equations; "
     "Hertz where its arc is below 60 degrees; the hardness over the safety factor where it is "
-    "near. (b) The joint at its largest and its mean load, with the limits that are known. "
+    "near. (b) The joint at its largest and its mean load, by which pv is judged, with the limits that are known. "
     "(c) Surface temperature against friction at the mean load; shaded: friction that the guide "
     "expects. (d) Worn depth over the time in motion.",
 )
@@ -171,7 +171,12 @@ def _step_table(design: BearingDesign) -> str:
     )
     note = (
         "Margin: allowed over present value less 1; 0 at the limit, negative where it is exceeded. "
-        "Strengths are divided by the safety factor."
+        "Strengths are divided by the safety factor. "
+        + "".join(
+            f"The margin of the {escape(step.title)} is that of the {escape(step.basis)}. "
+            for step in design.walk.steps
+            if step.basis
+        )
     )
     look = 'class="wide" tabindex="0" role="region" aria-label="Table of the steps"'
     return f"<p>{note} {link}.</p><div {look}>{table}</div>"

@@ -139,7 +139,7 @@ def _relative_play(joint: Joint) -> Step:
     known = bore_displacement(joint) is not None
     return make_step(
         "relative_play",
-        "relative play",
+        "play over diameter",
         "eq. 23",
         "recommendation",
         "play over diameter, assembled",
@@ -222,9 +222,10 @@ def _warm_play(joint: Joint) -> Step:
         least=0.0,
         # a play has no ratio to nothing: its margin is that over the least play of eq. 23
         margin=warm / (RECOMMENDED_PLAY[0] * 1e-3 * size.pin),
+        basis="least play of eq. 23",
         valid=known,
-        validity="pin at the temperature of the surface, bushing at its mean temperature; the "
-        "margin is in parts of the least play of eq. 23" + ("" if known else _UNKNOWN_FIT),
+        validity="pin at the temperature of the surface, bushing at its mean temperature"
+        + ("" if known else _UNKNOWN_FIT),
         reason="Warm parts grow by as much as the play is large; without play the joint seizes.",
         alternatives=(
             f"play before pressing of at least {(size.play - warm) * 1e6:.4g} um",

@@ -213,6 +213,7 @@ def _temperature(joint: Joint) -> Step:
         most=limit,
         # the heat may rise by the margin before the limit is reached
         margin=-1.0 if limit < outside else margin_below(rise, limit - outside),
+        basis="rise over the outside",
         validity="slow sliding, heat through the loaded half of the bushing, outside at "
         f"{outside:g} degC",
         reason="Above its limit the grease bleeds its oil and the bushing softens.",

@@ -73,7 +73,7 @@ def _ratio(joint: Joint) -> Step:
     low, high = RECOMMENDED_HOUSING
     return make_step(
         "housing_ratio",
-        "outer over inner diameter",
+        "eye: outer over inner diameter",
         "section 2.1.6",
         "recommendation",
         "outer over inner diameter",

@@ -222,7 +222,7 @@ def _slenderness(joint: Joint) -> Step:
     size = dimensions_of(joint)
     return make_step(
         "slenderness",
-        "length of the pin",
+        "pin: length over diameter",
         "section 2.1.10",
         "recommendation",
         "length over diameter",
@@ -236,7 +236,7 @@ def _slenderness(joint: Joint) -> Step:
 
 
 def _lateral(joint: Joint) -> Step:
-    key, title, equation = "lateral_force", "lateral movement of the pin", "eqs. 21 and 22"
+    key, title, equation = "lateral_force", "slope of the bent pin", "eqs. 21 and 22"
     modulus = joint.pin.youngs_modulus
     if modulus is None:
         return missing_step(key, title, equation, "result", "youngs_modulus of [pin]")

@@ -454,7 +454,7 @@ def _width_ratio(joint: Joint) -> Step:
     low, high = RECOMMENDED_WIDTH
     return make_step(
         "width_ratio",
-        "width over diameter",
+        "bushing: width over diameter",
         "eq. 11",
         "recommendation",
         "width over diameter",

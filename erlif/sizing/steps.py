@@ -53,6 +53,9 @@ class Step:
         What has to be given for this step; empty where it is computed.
     numbers : tuple[tuple[str, float, str], ...]
         Further results: name, value and unit.
+    basis : str
+        What the margin refers to where that is not the value beside it: ``"rise over the
+        outside"``; empty where it is.
     """
 
     key: str
@@ -70,6 +73,7 @@ class Step:
     alternatives: tuple[str, ...] = ()
     missing: str = ""
     numbers: tuple[tuple[str, float, str], ...] = ()
+    basis: str = ""
 
     @property
     def holds(self) -> bool:
@@ -166,6 +170,7 @@ def make_step(
     most: float = math.inf,
     least: float = -math.inf,
     margin: float | None = None,
+    basis: str = "",
     valid: bool = True,
     validity: str = "",
     reason: str = "",
@@ -182,7 +187,7 @@ def make_step(
         Ends of what is allowed.
     margin : float, optional
         Default: that of the value within its ends.
-    valid, validity, reason, alternatives, numbers
+    basis, valid, validity, reason, alternatives, numbers
         As in `Step`.
 
     Returns
@@ -214,6 +219,7 @@ def make_step(
         alternatives,
         "",
         numbers,
+        basis,
     )
 
 

@@ -21,6 +21,7 @@ def test_a_sound_design_names_its_weakest_margin():
     assert "All limits hold; the weakest is:" in text
     assert "rounded up to R20" in text
     assert "pressure limit of the bushing (section 2.1.13): give largest_pressure" in text
+    assert "  temperature of the surface: rise over the outside" in text
     assert max(len(line) for line in text.splitlines()) <= 120
 
 
