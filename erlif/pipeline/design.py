@@ -5,13 +5,14 @@ from __future__ import annotations
 import difflib
 import os
 import tomllib
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from erlif.core.errors import ConfigError
+from erlif.core.errors import ConfigError, UnitWarning
 from erlif.core.units import Quantity
 from erlif.settings import (
     DesignSettings,
@@ -115,10 +116,14 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
     """
     settings, folder = _read(source, folder)
     wanted = joint_of(settings, folder)
-    sized = size_joint(wanted, series=settings.sizing.series)
+    with warnings.catch_warnings():
+        # quantities of joint.toml have units
+        warnings.simplefilter("ignore", UnitWarning)
+        sized = size_joint(wanted, series=settings.sizing.series)
+        walk = walk_guide(sized)
     return BearingDesign(
         name=settings.name,
-        walk=walk_guide(sized),
+        walk=walk,
         chosen=tuple(name for name in DIMENSIONS if getattr(wanted, name) is None),
         series=settings.sizing.series,
         settings=to_toml(sized_settings(settings, sized)),
@@ -214,6 +219,7 @@ def joint_of(settings: DesignSettings, folder: Path) -> Joint:
         play=fit.play,
         interference=float(fit.interference),
         lateral_play=float(fit.lateral_play),
+        eye_ratio=settings.sizing.eye_ratio,
         lock=None if settings.lock is None else _lock(settings.lock, materials),
     )
 

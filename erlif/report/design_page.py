@@ -27,7 +27,8 @@ _FIGURE = Caption(
     "Pressure, pv, temperature and wear",
     "(a) Pressure over the arc after eq. 9 with the assembled play, beside the simpler equations; "
     "Hertz where its arc is below 60 degrees; the hardness over the safety factor where it is "
-    "near. (b) The joint at its largest and its mean load, by which pv is judged, with the limits that are known. "
+    "near. (b) The joint at its largest and its mean load, by which pv is judged, with the limits "
+    "that are known. "
     "(c) Surface temperature against friction at the mean load; shaded: friction that the guide "
     "expects. (d) Worn depth over the time in motion.",
 )

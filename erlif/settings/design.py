@@ -277,6 +277,13 @@ class SizingOptions(Settings):
         description="Preferred numbers of ISO 3 to which chosen lengths are rounded up; "
         '"none" leaves the least ones.',
     )
+    eye_ratio: float = Field(
+        3.0,
+        ge=2,
+        le=4,
+        description="Outer over inner diameter of a housing eye that is chosen: the bushing is "
+        "made wide enough for it. A smaller eye is lighter and needs a wider bushing.",
+    )
 
 
 class DesignSettings(Settings):

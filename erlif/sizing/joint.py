@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from erlif.core.errors import ModelError
+from erlif.models.arguments import require_between
+from erlif.models.bearing import RECOMMENDED_HOUSING
 from erlif.models.wear import mean_sliding_speed
+from erlif.sizing.inputs import require_numbers
 from erlif.sizing.materials import Material
 
 
@@ -44,6 +47,11 @@ class Lock:
         Diameter of the screw in its shear plane; None to choose it. [m]
     screw_yield : float | None
         Yield stress of the screw. [Pa]
+
+    Raises
+    ------
+    ModelError
+        If a number is NaN, infinite or out of its range.
     """
 
     kind: Literal["open", "closed"]
@@ -60,6 +68,18 @@ class Lock:
     weld_diameter: float | None = None
     screw_diameter: float | None = None
     screw_yield: float | None = None
+
+    def __post_init__(self) -> None:
+        require_numbers(self, may_be_zero=("friction_bushing", "friction_seat"))
+
+
+_MAY_BE_ZERO = frozenset(
+    {
+        *("mean_force", "half_swing", "friction", "pin_roughness", "bushing_roughness"),
+        *("largest_wear", "hole_diameter", "interference", "lateral_play"),
+    }
+)
+_ANY_SIGN = frozenset({"outside_temperature", "assembly_temperature", "grease_temperature", "play"})
 
 
 @dataclass(frozen=True)
@@ -117,8 +137,16 @@ class Joint:
         Outer diameter of the bushing less bore of the housing. [m]
     lateral_play : float
         Play between bushing and seats, both sides together. [m]
+    eye_ratio : float
+        Outer over inner diameter, 2 to 4, of a housing eye that is to be chosen: the bushing is
+        wide enough for it. [1]
     lock : Lock | None
         Lock plate; None for none.
+
+    Raises
+    ------
+    ModelError
+        If a number is NaN, infinite or out of its range.
     """
 
     force: float
@@ -147,7 +175,12 @@ class Joint:
     play: float | None = None
     interference: float = 0.0
     lateral_play: float = 0.0
+    eye_ratio: float = 3.0
     lock: Lock | None = None
+
+    def __post_init__(self) -> None:
+        require_numbers(self, may_be_zero=_MAY_BE_ZERO, any_sign=_ANY_SIGN)
+        require_between(*RECOMMENDED_HOUSING, eye_ratio=self.eye_ratio)
 
     @property
     def moving_force(self) -> float:

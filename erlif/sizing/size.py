@@ -23,6 +23,7 @@ from erlif.models.bearing import (
 from erlif.models.contact import FULL_CONTACT
 from erlif.sizing.fit import growth_loss, least_play
 from erlif.sizing.heat import bushing_heat, temperature_limit
+from erlif.sizing.inputs import warn_of_units
 from erlif.sizing.joint import Joint, dimensions_of
 from erlif.sizing.lock import size_lock
 from erlif.sizing.pin import bending_factor
@@ -64,6 +65,11 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
     ConfigError
         If the yield stress of the pin is not known and its diameter is to be chosen.
 
+    Warns
+    -----
+    UnitWarning
+        If a number of the joint is off by orders of magnitude.
+
     Examples
     --------
     >>> from dataclasses import replace
@@ -79,6 +85,7 @@ def size_joint(joint: Joint, *, series: Series = "none") -> Joint:
             "Give yield_stress or diameter in [pin]."
         )
 
+    warn_of_units(joint)
     with warnings.catch_warnings():
         # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
@@ -286,9 +293,9 @@ def _least_width(joint: Joint, diameter: float, wall: float, relative: float) ->
 
 
 def _width_for_eye(joint: Joint, bore: float) -> float:
-    """Least width of eq. 14 in the housing, or in one of usual proportion; infinite without eye."""
+    """Least width of eq. 14 in the housing, or in one of the wanted proportion."""
     strength = joint.housing.yield_stress
-    outer = joint.housing_diameter or sum(RECOMMENDED_HOUSING) / 2 * bore
+    outer = joint.housing_diameter or joint.eye_ratio * bore
     if outer <= bore:
         return math.inf
     if strength is None:

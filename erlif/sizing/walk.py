@@ -9,6 +9,7 @@ from erlif.core.errors import UnitWarning
 from erlif.sizing.fit import fit_steps
 from erlif.sizing.heat import motion_steps
 from erlif.sizing.housing import housing_steps
+from erlif.sizing.inputs import warn_of_units
 from erlif.sizing.joint import Joint
 from erlif.sizing.lock import lock_steps
 from erlif.sizing.pin import pin_steps
@@ -132,6 +133,12 @@ def walk_guide(joint: Joint) -> Walk:
     ModelError
         If a dimension is not known.
 
+    Warns
+    -----
+    UnitWarning
+        If load, swing or a strength is off by orders of magnitude; `erlif.sizing.size_joint` checks
+        the lengths too.
+
     Examples
     --------
     >>> from erlif.sizing import example_joint
@@ -139,8 +146,9 @@ def walk_guide(joint: Joint) -> Walk:
     >>> walk.sound, walk.weakest.key
     (True, 'prong')
     """
+    warn_of_units(joint, dimensions=False)
     with warnings.catch_warnings():
-        # quantities of joint.toml have units, and unusual joints are reported by their margins
+        # unusual joints are reported by their margins
         warnings.simplefilter("ignore", UnitWarning)
         steps = [
             *pin_steps(joint),

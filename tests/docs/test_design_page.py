@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import erlif
+from erlif.settings import read_design_settings
+from erlif.settings.design import SizingOptions
 
 DOCS = Path(__file__).parents[2] / "docs"
 ROW = re.compile(r"^\| (.+?) \| `(.+?)` \| ([0-9.]+) \| (.*?) ?\|$", re.MULTILINE)
@@ -51,6 +53,22 @@ def test_the_numbers_of_the_page(name):
             key, _, number = where.partition(": ")
             found = walk.step(key).number(number) if number else walk.step(key).present
             assert found == pytest.approx(value, rel=1e-3), step
+
+
+def test_the_eyes_of_the_table_are_those_of_the_boom():
+    page = (DOCS / "design.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| [\d.]+ \|$", page, re.M)
+    assert len(rows) == 4
+    settings = read_design_settings(DOCS / "examples" / "boom.toml")
+    for ratio, *printed in rows:
+        wanted = SizingOptions(series="none", eye_ratio=float(ratio))
+        joint = erlif.design(settings.model_copy(update={"sizing": wanted})).joint
+        sizes = (joint.pin_diameter, joint.bushing_width, joint.housing_diameter)
+        assert [1e3 * size for size in sizes] == pytest.approx(list(map(float, printed)), abs=6e-3)
+        # eq. 14 with the allowed stress of 167.5 MPa at that eye
+        bore, eye, width = joint.pin_diameter + 2 * joint.wall, sizes[2], sizes[1]
+        stress = 150e3 * (eye / bore + bore / eye) / (width * (eye - bore))
+        assert stress <= 167.5e6 * (1 + 1e-6)
 
 
 def test_all_steps_with_a_limit_are_on_the_page():
