@@ -2,8 +2,9 @@
 Bearing design: which limit governs
 ===================================
 
-``design_report`` compares a pin joint with every limit of Strand (2005). Here the diameter of the
-pin varies; the largest utilisation decides, and above 1 the limit is broken.
+``walk_guide`` checks a pin joint step by step after Strand (2005). Here the diameter of the pin
+varies. Each line is the part of a limit that is used, 1 over 1 plus its margin; above 1 the limit
+is exceeded.
 """
 
 from dataclasses import replace
@@ -11,45 +12,37 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from erlif.models.bearing import JointDesign, design_report
+from erlif.sizing import Joint, read_materials, walk_guide
 
-joint = JointDesign(
-    load=1e5,  # N
-    pin_diameter=0.08,  # m
-    bushing_width=0.1,
-    seat_width=0.04,
-    play=0.16e-3,
-    housing_bore=0.09,
-    housing_diameter=0.2,
-    pin_yield=600e6,  # Pa
-    bushing_yield=300e6,
-    housing_yield=350e6,
-    bushing_hardness=1.2e9,
-    seat_hardness=1.2e9,
-    youngs_modulus=206e9,
+materials = read_materials()
+joint = Joint(
+    force=1e5,  # N
     safety=2.0,
+    pin=materials["42CrMo4 QT"],
+    bushing=materials["CuSn12Ni2"],
+    seat=materials["S355"],
+    housing=materials["S355"],
+    bushing_width=0.1,  # m
+    wall=0.005,
+    seat_width=0.04,
+    housing_diameter=0.2,
     lateral_play=0.02,
 )
 
 diameters = np.linspace(0.025, 0.09, 60)
-reports = [
-    design_report(replace(joint, pin_diameter=d, play=2e-3 * d, housing_bore=d + 0.01))
-    for d in diameters
-]
+walks = [walk_guide(replace(joint, pin_diameter=d, play=2e-3 * d)) for d in diameters]
 
 fig, ax = plt.subplots(figsize=(6.5, 4.5), layout="constrained")
-for name in [check.name for check in reports[-1].checks if not check.recommended]:
-    used = [
-        next(check.utilisation for check in report.checks if check.name == name)
-        for report in reports
-    ]
-    ax.plot(1e3 * diameters, used, label=name)
+for step in walks[-1].limits[:-1]:  # the slope of the bent pin is far below
+    used = [1 / (1 + walk.step(step.key).margin) for walk in walks]
+    ax.plot(1e3 * diameters, used, label=f"{step.title} ({step.equation})")
 ax.axhline(1, color="black", linewidth=0.8, linestyle="--")
-ax.set(xlabel="pin diameter [mm]", ylabel="utilisation", yscale="log", ylim=(0.03, 4))
+ax.set(xlabel="pin diameter [mm]", ylabel="part of the limit that is used", yscale="log")
+ax.set(ylim=(0.03, 10))
 ax.legend(fontsize=8)
 plt.show()
 
 # %%
-# The report of the joint as drawn:
+# The thinnest pin that meets all limits is that of ``size_joint``; the least one of the figure is
 
-print(design_report(joint).as_text())
+print(f"{1e3 * next(d for d, walk in zip(diameters, walks, strict=True) if walk.sound):.0f} mm")

@@ -76,7 +76,7 @@ class Lock:
 _MAY_BE_ZERO = frozenset(
     {
         *("mean_force", "half_swing", "friction", "pin_roughness", "bushing_roughness"),
-        *("largest_wear", "hole_diameter", "interference", "lateral_play"),
+        *("largest_wear", "hole_diameter", "interference", "lateral_play", "wall"),
     }
 )
 _ANY_SIGN = frozenset({"outside_temperature", "assembly_temperature", "grease_temperature", "play"})
