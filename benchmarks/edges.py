@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -142,22 +143,50 @@ def compute_thesis() -> None:
                 show(f"{label}, {pounds / 1e3:.0f},000 lbf {place}", found)
 
 
+LOADS = {
+    "10,000 lbf in total": 10e3,
+    "10,000 lbf on each half": 20e3,
+    "10,000 lbf on the quarter": 40e3,
+}
+"""Loads on the whole pin [lbf] that "a normal load of 10,000 lbf" can mean in a quarter model."""
+
+LOBES = {
+    "low": [(0.03359, 27.5e-6), (0.03359, 37.5e-6)],
+    "high": [(0.0338275, 237.5e-6), (0.03394, 350e-6)],
+    "high, crest 33.70 mm": [(0.03394, 237.5e-6)],
+}
+"""Bores and heights of lobes [m] that the clearances of the thesis allow."""
+
+
 def compute_lobes() -> None:
-    """Lobes of 200 mm radius under 10,000 lbf; both bores that the thesis has, and Hertz."""
-    spans = {"on the ends of the pin": None, "on the whole pin": (0.0, THESIS.pin_length / 2)}
-    for bore, height in ((0.03359, 37.5e-6), (0.03394, 0.2375e-3)):
-        joint = replace(THESIS, bushing_radius=bore)
+    """Lobes of 200 mm radius: each reading of the load, the place of the lobes and their height."""
+    end = THESIS.pin_length / 2
+    spans = {"ends": None, "whole pin": (0.0, end), "bushing": (0.0, THESIS.length / 2)}
+    rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for span in spans.values():
+        for centre in (0.03, 0.06, 0.09):
+            even = prepare_joint(THESIS, smallest_cell=0.3e-3, refine=[centre], load_span=span)
+            for kind, shapes in LOBES.items():
+                for (bore, height), (label, pounds) in product(shapes, LOADS.items()):
+                    # the bore changes the gap alone; 0.35 mm do not change the compliance
+                    joint = replace(even, joint=replace(even.joint, bushing_radius=bore))
+                    found = solve_joint(
+                        joint, load=pounds * POUND, lobes=[centre], lobe_height=height
+                    )
+                    pair = float(found.peak_pressure) / 1e6, float(found.patch_pressure) / 1e6
+                    rows.setdefault((label, kind), []).append(pair)
+    for (label, kind), values in rows.items():
+        bore, height = LOBES[kind][0]
         radius = conformal_radius(THESIS.pin_radius, bushing_radius=bore - height)
-        hertz = hertz_ellipse(5e3 * POUND, radius=radius, radius_across=0.2, contact_modulus=STEEL)
-        print(f"bore {bore * 1e3:g}, Hertz on the crest: {hertz.pressure / 1e6:.0f} MPa, ", end="")
-        print(f"half axes {hertz.a * 1e3:.1f} round the bore, {hertz.b * 1e3:.2f} mm along it")
-        for place, span in spans.items():
-            for centre in (0.03, 0.06, 0.09):
-                even = prepare_joint(joint, smallest_cell=0.2e-3, refine=[centre], load_span=span)
-                found = solve_joint(
-                    even, load=10e3 * POUND, lobes=[centre], lobe_height=height, around=1024
-                )
-                show(f"bore {bore * 1e3:g}, lobes at {centre * 1e3:.0f} mm, {place}", found)
+        hertz = hertz_ellipse(
+            LOADS[label] / 2 * POUND, radius=radius, radius_across=0.2, contact_modulus=STEEL
+        )
+        low, high = np.min(values, axis=0), np.max(values, axis=0)
+        print(
+            f"{label:26} {kind:21} Hertz {hertz.pressure / 1e6:4.0f} MPa, half axes "
+            f"{hertz.a * 1e3:4.1f} and {hertz.b * 1e3:.2f} mm; computed {low[0]:4.0f} to "
+            f"{high[0]:4.0f}, mean over 4 mm {low[1]:4.0f} to {high[1]:4.0f} MPa"
+        )
 
 
 def compute_trends(load: float) -> None:
