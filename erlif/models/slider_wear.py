@@ -22,31 +22,27 @@ from erlif.models.arguments import (
     check_specific_wear,
     require_not_negative,
     require_positive,
-    require_single,
 )
 from erlif.models.mechanism import SliderCrank
 from erlif.models.reaction import SliderCrankBodies, joint_reaction
+from erlif.models.slider.contact import ContactLaw
+from erlif.models.slider.extrapolation import bound_extrapolation
+from erlif.models.slider.wall import PinCells, Wall, require_numbers
+from erlif.models.slider_dynamics import simulate_slider_crank
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_NEWTON_STEPS = 100
-"""Of the eccentricity that carries the load; it takes 2 to 10."""
-
-_BALANCED = 1e-11
-"""Share of the load by which the pressure may miss it."""
-
-_RIDGE = 1e-9
-"""Stiffness all round, over that of a cell: few cells in contact leave a direction open."""
+__all__ = ["WearingJoint", "bound_extrapolation", "wear_slider_crank"]
 
 _UNLOADED = 1e-9
 """Share of the greatest force below which a joint carries nothing: free flight."""
 
-_SAFETY, _CAUTION = 1.25, 3.0
-"""Factors of Roache (1994) on an estimated error, with an order as expected and without."""
+_TOLERANCE = 1e-6
+"""Relative error of a step in the simulation of a cycle; the friction path changes by less."""
 
-_EXPECTED_ORDER = (0.8, 1.25)
-"""Range of observed orders that counts as the first order of the extrapolation."""
+_COARSE = 0.1
+"""Difference of the sampled friction path of a cycle from its integral at most, over the path."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,7 @@ class WearingJoint:
     pin_specific_wear: float = 0.0
 
     def __post_init__(self) -> None:
-        _require_numbers(**vars(self))
+        require_numbers(**vars(self))
         require_positive(width=self.width, thickness=self.thickness, modulus=self.modulus)
         require_not_negative(
             specific_wear=self.specific_wear, pin_specific_wear=self.pin_specific_wear
@@ -94,14 +90,18 @@ def wear_slider_crank(
     extrapolation: int = 500,
     coupled: bool = True,
     simulated: xr.Dataset | None = None,
+    contact: ContactLaw | None = None,
+    settling: int = 0,
     steps_per_cycle: int = 72,
     cells: int = 360,
 ) -> xr.Dataset:
     """Wear the crank-pin joint of a slider-crank round its bushing and on its pin.
 
-    Mukras et al. (2008), eqs. 4, 5 and 20. At each crank angle of a cycle the pressure on the wall
+    Mukras et al. (2008), eqs. 4, 5 and 20, with the simplified joint or, by `contact`, the general
+    one. At each crank angle of a cycle the pressure on the wall
     carries the normal force. Depths on bushing and pin grow by k p ds, and the cycle stands for the
-    next `extrapolation` cycles. The eccentricity of the pin in tension lengthens the rod.
+    next `extrapolation` cycles. In the simplified joint the eccentricity of the pin in tension
+    lengthens the rod; in the general joint the pin moves in the worn bushing.
 
     Parameters
     ----------
@@ -123,8 +123,13 @@ def wear_slider_crank(
         Turn of `erlif.models.slider_dynamics.simulate_slider_crank`, from its first time to its
         last, whose forces stand for all cycles. Default: inverse dynamics of the joint with
         continuous contact.
+    contact : ContactLaw, optional
+        Law of the general joint. Each computed cycle is then simulated by
+        `erlif.models.slider_dynamics.simulate_slider_crank` with the profiles worn so far.
+    settling : int
+        Turns of the general joint before the one whose forces wear it; the source has one.
     steps_per_cycle : int
-        Crank angles of a cycle by inverse dynamics.
+        Crank angles of a computed cycle.
     cells : int
         Cells round bushing and pin.
 
@@ -178,12 +183,13 @@ def wear_slider_crank(
     >>> print(f"{worn.worn_volume[-1] * 2200 * 1e3:.2f} g")
     0.27 g
     """
-    _require_numbers(
+    require_numbers(
         crank_speed=crank_speed,
         cycles=cycles,
         extrapolation=extrapolation,
         steps_per_cycle=steps_per_cycle,
         cells=cells,
+        settling=settling,
         **vars(bodies),
     )
     whole = {
@@ -191,6 +197,7 @@ def wear_slider_crank(
         "extrapolation": extrapolation,
         "steps_per_cycle": steps_per_cycle,
         "cells": cells,
+        "settling": settling,
     }
     for name, value in whole.items():
         if not value % 1 == 0:
@@ -204,82 +211,33 @@ def wear_slider_crank(
         pin_radius=bodies.pin_radius,
     )
 
-    def cycle_of(clearance: float) -> _Cycle:
+    require_not_negative(settling=settling)
+    if contact is not None and simulated is not None:
+        raise ModelError("contact and simulated exclude each other: one of them gives the forces.")
+
+    def cycle_of(clearance: float, worn: dict[str, Array]) -> _Cycle:
         if simulated is not None:
             return _simulated_cycle(simulated)
+        if contact is not None:
+            return _general_cycle(
+                linkage,
+                crank_speed,
+                bodies,
+                contact=contact,
+                worn=worn if coupled else {name: 0 * depth for name, depth in worn.items()},
+                settling=settling,
+                steps=steps_per_cycle,
+            )
         longer = replace(linkage, clearance=clearance if coupled else linkage.clearance)
         return _reaction_cycle(longer, crank_speed, bodies, steps_per_cycle)
 
-    wall = _Wall(linkage.clearance, bodies.pin_radius, joint, cells)
-    return _wear(wall, cycle_of, cycles, extrapolation)
-
-
-def bound_extrapolation(
-    extrapolation: int, *, wear: Callable[[int], xr.Dataset], halvings: int = 2
-) -> xr.Dataset:
-    """Bound the error that an extrapolation factor makes, by halving it. Roache (1994).
-
-    The error of a first-order step falls with the step, so that the last change by halving
-    estimates what is left. The bound is 1.25 times this where the changes fall with the first
-    order, 3 times where they do not.
-
-    Parameters
-    ----------
-    extrapolation : int
-        Largest extrapolation factor, A_E of Mukras et al. (2008), eq. 5.
-    wear : callable
-        `wear_slider_crank` as a function of the extrapolation factor.
-    halvings : int
-        Number of halvings, 2 or more.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over `extrapolation`, falling: worn_volume [m3] and greatest_depth [m] at the end, and of
-        each the limit for small steps, the order of convergence and the bound of the error of
-        every factor, by the names of the two with the endings _limit, _order and _bound.
-
-    Raises
-    ------
-    ModelError
-        Fewer than two halvings, or a factor that cannot be halved as often.
-
-    Examples
-    --------
-    A quantity that is off by 1 % at a factor of 1000 and has the first order:
-
-    >>> import xarray as xr
-    >>> def wear(factor):
-    ...     value = ("cycle", [0.0, 1.0 + 1e-5 * factor])
-    ...     return xr.Dataset({"worn_volume": value, "greatest_depth": value})
-    >>> found = bound_extrapolation(1000, wear=wear)
-    >>> print(f"{found.worn_volume_limit:.6f} {found.worn_volume_bound[0]:.4f}")
-    1.000000 0.0125
-    """
-    import xarray as xr
-
-    if halvings < 2 or extrapolation < 2**halvings:
-        raise ModelError(
-            f"halvings must be 2 or more and leave a factor of 1 at least, got {halvings} of "
-            f"{extrapolation}."
-        )
-    factors = [extrapolation // 2**k for k in range(halvings + 1)]
-    ends = [wear(factor).isel(cycle=-1) for factor in factors]
-    found: dict[str, Values] = {}
-    for name, unit in (("worn_volume", "m3"), ("greatest_depth", "m")):
-        values = np.array([float(end[name]) for end in ends])
-        earlier, last = values[-3] - values[-2], values[-2] - values[-1]
-        order = float(np.log2(earlier / last)) if earlier * last > 0 else float("nan")
-        as_expected = _EXPECTED_ORDER[0] <= order <= _EXPECTED_ORDER[1]
-
-        # by the first order the last change is what is left
-        limit = values[-1] - last
-        bound = (_SAFETY if as_expected else _CAUTION) * np.maximum(abs(values - limit), abs(last))
-        found[name] = ("extrapolation", values, {"units": unit})
-        found[f"{name}_limit"] = ((), limit, {"units": unit})
-        found[f"{name}_order"] = ((), order, {"units": "1"})
-        found[f"{name}_bound"] = ("extrapolation", bound, {"units": unit})
-    return xr.Dataset(found, {"extrapolation": ("extrapolation", factors, {"units": "1"})})
+    wall = Wall(
+        linkage.clearance,
+        cells=cells,
+        area=bodies.pin_radius * joint.width * 2 * np.pi / cells,
+        stiffness=joint.modulus / joint.thickness,
+    )
+    return _wear(wall, joint, cycle_of, cycles, extrapolation)
 
 
 @dataclass(frozen=True)
@@ -318,107 +276,89 @@ def _simulated_cycle(found: xr.Dataset) -> _Cycle:
         )
     step = np.diff(found.time.values)
     share = (np.concatenate([[0.0], step]) + np.concatenate([step, [0.0]])) / 2
-    return _Cycle(
-        found.normal.values,
-        found.contact_angle.values,
-        (found.crank_angle - found.rod_angle).values,
-        share * np.abs(found.slip_speed.values),
-    )
-
-
-class _Wall:
-    """Bushing and pin by cells, and the pressure between them."""
-
-    def __init__(self, clearance: float, radius: float, joint: WearingJoint, cells: int) -> None:
-        self.clearance, self.radius, self.joint = clearance, radius, joint
-        self.cells, self.cell = cells, 2 * np.pi / cells
-        self.angle = (np.arange(cells) - cells // 2) * self.cell
-        self.normal = np.stack([np.cos(self.angle), np.sin(self.angle)])
-        self.products = np.einsum("ic,jc->cij", self.normal, self.normal).reshape(cells, 4)
-        self.area = radius * self.cell * joint.width
-        self.stiffness = joint.modulus / joint.thickness
-
-    def value_at(self, values: Array, angle: Array) -> Array:
-        """Values (steps, cells) at one angle of each step, linear between cells."""
-        whole, share = np.divmod((angle - self.angle[0]) / self.cell, 1.0)
-        step, lower = np.arange(angle.size), whole.astype(int) % self.cells
-        upper = (lower + 1) % self.cells
-        found: Array = (1 - share) * values[step, lower] + share * values[step, upper]
-        return found
-
-    def touching(self, worn: Array, place: Array, direction: Array, least: Array) -> Array:
-        """Places moved along a direction until the pin overlaps the wall."""
-        for _ in range(_NEWTON_STEPS):
-            deepest = np.max(place @ self.normal - self.clearance - worn, axis=1)
-            apart = deepest <= 0
-            if not np.any(apart):
-                break
-            place = place + direction * np.where(apart, least - deepest, 0.0)[:, None]
-        return place
-
-    def balance(
-        self, worn: Array, force: Array, softened: float, start: Array
-    ) -> tuple[Array, Array]:
-        """Places of the pin (n, 2) and pressures (n, cells) that carry the forces (n, 2).
-
-        Newton's method with halved steps where it overshoots.
-        """
-        stiffness = self.stiffness / softened
-        size = np.hypot(*force.T)
-        ridge = _RIDGE * stiffness * self.area * np.eye(2)
-        base = self.touching(worn, start, force / size[:, None], size / (stiffness * self.area))
-        step, best = np.zeros_like(start), np.full(size.shape, np.inf)
-        share = np.ones(size.shape)
-        for _ in range(_NEWTON_STEPS):
-            place = base + share[:, None] * step
-            overlap = place @ self.normal - self.clearance - worn
-            pressure = stiffness * np.maximum(overlap, 0.0)
-            missing = force - self.area * pressure @ self.normal.T
-            error = np.hypot(*missing.T)
-            if np.all(error <= _BALANCED * size):
-                return place, pressure
-
-            # where the pin misses the load by more than before, half the way is tried
-            closer = (error < best) & np.any(pressure > 0, axis=1)
-            share = np.where(closer, 1.0, share / 2)
-            active = (overlap > 0) * (stiffness * self.area)
-            matrix = (active @ self.products).reshape(-1, 2, 2) + ridge
-            new = np.linalg.solve(matrix, missing[:, :, None])[:, :, 0]
-            step = np.where(closer[:, None], new, step)
-            base, best = np.where(closer[:, None], place, base), np.where(closer, error, best)
-        raise ModelError(
-            "The pressure on the wall does not carry the joint force: check modulus, thickness and "
-            "force, or choose more cells."
+    sliding = share * np.abs(found.slip_speed.values)
+    normal = found.normal.values
+    if "rubbing" in found:
+        sliding = sliding * _correct_path(
+            float(np.ptp(found.rubbing.values)), float(sliding @ normal)
         )
+    turned = (found.crank_angle - found.rod_angle).values
+    return _Cycle(normal, found.contact_angle.values, turned, sliding)
+
+
+def _correct_path(integral: float, sampled: float) -> float:
+    """Factor on the sliding distances that keeps the friction path of the motion."""
+    if abs(sampled - integral) > _COARSE * integral:
+        raise ModelError(
+            "samples of a turn must resolve its impacts: force over sliding distance is "
+            f"{sampled:.3g} N m by the samples and {integral:.3g} N m by integration. Increase "
+            "samples, or steps_per_cycle."
+        )
+    return integral / sampled if sampled else 1.0
+
+
+def _general_cycle(
+    linkage: SliderCrank,
+    crank_speed: float,
+    bodies: SliderCrankBodies,
+    *,
+    contact: ContactLaw,
+    worn: dict[str, Array],
+    settling: int,
+    steps: int,
+) -> _Cycle:
+    """Cycle of the general joint with worn profiles, after the turns in which it settles."""
+    import xarray as xr
+
+    cells = worn["depth"].size
+    angle = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
+    turns = 1 + settling
+    found = simulate_slider_crank(
+        linkage,
+        bodies=bodies,
+        crank_speed=crank_speed,
+        duration=turns * 2 * np.pi / crank_speed,
+        contact=contact,
+        worn=xr.Dataset({name: ("angle", depth) for name, depth in worn.items()}, {"angle": angle}),
+        tolerance=_TOLERANCE,
+        samples=turns * steps + 1,
+    )
+    return _simulated_cycle(found.isel(time=slice(settling * steps, None)))
 
 
 def _wear(
-    wall: _Wall, cycle_of: Callable[[float], _Cycle], cycles: int, extrapolation: int
+    wall: Wall,
+    joint: WearingJoint,
+    cycle_of: Callable[[float, dict[str, Array]], _Cycle],
+    cycles: int,
+    extrapolation: int,
 ) -> xr.Dataset:
-    joint = wall.joint
     depth, pin_depth = np.zeros(wall.cells), np.zeros(wall.cells)
     clearance, at = wall.clearance, 0
-    place: Array | None = None
+    places: Array | None = None
     rows: list[dict[str, Values]] = []
     while True:
-        cycle = cycle_of(clearance)
+        cycle = cycle_of(clearance, {"depth": depth, "pin_depth": pin_depth})
         loaded = cycle.normal > _UNLOADED * np.max(cycle.normal, initial=0.0)
         if not np.any(loaded):
             raise ModelError("The joint carries no force in any step of the cycle.")
         pieces = [part[loaded] for part in (cycle.normal, cycle.place, cycle.turned, cycle.sliding)]
         normal, direction, turned, sliding = pieces
         force = normal[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-        if place is None:
-            sunk = wall.clearance + normal / (wall.stiffness * wall.radius * joint.width)
-            place = force * (sunk / normal)[:, None]
+        if places is None:
+            places = np.full((loaded.size, 2), np.nan)
+
+        # the search starts at the places of the last cycle, or on the bushing under the force
+        sunk = wall.clearance + normal * wall.cell / (wall.stiffness * wall.area)
+        start = np.where(np.isnan(places[loaded]), force * (sunk / normal)[:, None], places[loaded])
 
         # wear to come softens the wall; at the last cycle there is none
         step = min(extrapolation, cycles - at)
-        pin = _PinCells(wall, turned)
+        pin = PinCells(wall, turned)
         reach = step * float(np.sum(sliding))
         softened = 1 + wall.stiffness * reach * (joint.specific_wear + joint.pin_specific_wear)
         worn = depth + pin.gather(pin_depth)
-        place, pressure = wall.balance(worn, force, softened, place)
+        places[loaded], pressure = wall.balance(worn, force, softened, start)
         rubbed = sliding @ pressure
         rows.append(
             {
@@ -451,34 +391,7 @@ def _wear(
         clearance = wall.clearance + float(np.average(at_force, weights=normal))
 
 
-class _PinCells:
-    """Cells of the pin seen from the cells of the bushing, at each step of a cycle.
-
-    Between cells the depth is linear; what is worn is divided by the same shares, so that nothing
-    is lost.
-    """
-
-    def __init__(self, wall: _Wall, turned: Array) -> None:
-        # a place of the bushing lies on the pin further back by the turn of the pin
-        whole, self.share = np.divmod(-turned / wall.cell, 1.0)
-        lower = np.arange(wall.cells) + whole.astype(int)[:, None]
-        self.lower, self.upper = lower % wall.cells, (lower + 1) % wall.cells
-
-    def gather(self, depth: Array) -> Array:
-        """Depth of the pin at every cell of the bushing; (steps, cells)."""
-        share = self.share[:, None]
-        found: Array = (1 - share) * depth[self.lower] + share * depth[self.upper]
-        return found
-
-    def scatter(self, worn: Array) -> Array:
-        """Sum over the steps of what is worn at the cells of the bushing; (cells,)."""
-        share, cells = self.share[:, None], worn.shape[1]
-        kept = np.bincount(self.lower.ravel(), ((1 - share) * worn).ravel(), cells)
-        passed_on = np.bincount(self.upper.ravel(), (share * worn).ravel(), cells)
-        return np.asarray(kept + passed_on, float)
-
-
-def _describe(wall: _Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
+def _describe(wall: Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
     import xarray as xr
 
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -506,11 +419,3 @@ def _describe(wall: _Wall, rows: list[dict[str, Values]]) -> xr.Dataset:
             "angle": ("angle", wall.angle, {"units": "rad", "long_name": "place of contact"}),
         },
     )
-
-
-def _require_numbers(**arguments: Values) -> None:
-    """Refuse arrays and NaN: a NaN would never let the loop over the cycles end."""
-    require_single(**arguments)
-    for name, value in arguments.items():
-        if np.isnan(value):
-            raise ModelError(f"{name} must be a number, got NaN.")

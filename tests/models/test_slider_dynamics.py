@@ -25,100 +25,8 @@ def linkage(clearance=0.0):
     return SliderCrank(crank=0.0762, coupler=0.2032, clearance=clearance)
 
 
-def stored_energy(found):
-    """Kinetic and elastic energy from the motion alone."""
-    rod_x = found.slider_speed + 0.1016 * np.sin(found.rod_angle) * found.rod_speed
-    rod_y = -0.1016 * np.cos(found.rod_angle) * found.rod_speed
-    stretch = 0.0762 + 0.2032 - found.slider_position
-    kinetic = (
-        CRANK_INERTIA * found.crank_speed**2
-        + 0.8175 * (rod_x**2 + rod_y**2)
-        + 5500e-6 * found.rod_speed**2
-        + 5.5487 * found.slider_speed**2
-    ) / 2
-    elastic = 0.4 * 6.523e8 * found.penetration.clip(min=0) ** 2.5
-    return kinetic + 68.354 * stretch + 525.4 * stretch**2 / 2 + elastic
-
-
 def slowed(_time, angle):
     return 2.0 + np.sin(angle)
-
-
-@pytest.mark.parametrize("contact", [None, PTFE], ids=["simplified", "general"])
-@pytest.mark.parametrize("torque", [None, slowed], ids=["speed", "torque"])
-@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
-def test_drive_supplies_what_motion_spring_and_losses_take(contact, torque):
-    found = simulate_slider_crank(
-        linkage(1e-4),
-        bodies=RUBBED,
-        crank_speed=25.0,
-        duration=0.1,
-        torque=torque,
-        crank_inertia=CRANK_INERTIA,
-        contact=contact,
-    )
-    energy = stored_energy(found)
-    losses = found.friction_loss + found.impact_loss
-    scale = float(energy.max() - energy.min())
-    npt.assert_allclose(energy - energy[0] + losses, found.drive_work, atol=1e-6 * scale)
-    assert np.all(np.diff(found.friction_loss) >= 0)
-    assert np.all(np.diff(found.impact_loss) >= 0)
-    assert found.friction_loss[-1] > 0.01 * scale
-    assert found.penetration.max() < 1e-4
-    npt.assert_allclose(found.friction_loss, 0.15 * found.rubbing, rtol=2e-3)
-
-
-def test_work_of_the_drive_is_the_integral_of_its_torque():
-    found = simulate_slider_crank(linkage(), bodies=RUBBED, crank_speed=np.pi, duration=2.0)
-    turn = found.crank_torque[:-1]  # the last sample is the first one again
-    npt.assert_allclose(found.drive_work[-1], 2 * np.pi * turn.mean(), rtol=1e-9)
-    npt.assert_allclose(found.friction_loss[-1], found.drive_work[-1], rtol=1e-9)
-
-
-@pytest.mark.parametrize("clearance", [0.0, 1e-3])
-def test_simplified_joint_is_that_of_inverse_dynamics(clearance):
-    found = simulate_slider_crank(
-        linkage(clearance), bodies=RUBBED, crank_speed=np.pi, duration=2.0, samples=73
-    )
-    inverse = joint_reaction(
-        linkage(clearance), crank_angle=found.crank_angle.values, crank_speed=np.pi, bodies=RUBBED
-    )
-    for name in ("force_x", "force_y", "force", "normal", "crank_torque"):
-        npt.assert_allclose(found[name], getattr(inverse, name), atol=1e-9)
-
-
-@pytest.mark.filterwarnings("ignore::erlif.core.errors.RangeWarning")
-def test_torque_of_inverse_dynamics_holds_the_speed():
-    def torque(_time, angle):
-        return joint_reaction(
-            linkage(1e-4), crank_angle=angle, crank_speed=25.0, bodies=RUBBED
-        ).crank_torque
-
-    found = simulate_slider_crank(
-        linkage(1e-4),
-        bodies=RUBBED,
-        crank_speed=25.0,
-        duration=0.1,
-        torque=torque,
-        crank_inertia=CRANK_INERTIA,
-        samples=11,
-    )
-    npt.assert_allclose(found.crank_speed, 25.0, rtol=1e-8)
-
-
-def test_general_joint_becomes_the_perfect_one_as_it_stiffens():
-    """Without clearance the joint differs by its penetration, (F/K)^(2/3)."""
-    case = {"bodies": SliderCrankBodies(**BODIES), "crank_speed": 12.0, "duration": 0.05}
-    perfect = simulate_slider_crank(linkage(), **case, samples=21)
-    error = []
-    for stiffness in (1e9, 1e11):
-        law = ContactLaw(stiffness, restitution=0.5)
-        found = simulate_slider_crank(linkage(), **case, contact=law, samples=21)
-        error.append(float(abs(found.force - perfect.force).max() / perfect.force.max()))
-        depth = (found.force / stiffness) ** (2 / 3)
-        npt.assert_allclose(np.hypot(found.eccentricity_x, found.eccentricity_y), depth, rtol=0.05)
-    assert error[0] < 0.02
-    assert error[1] < error[0] / 10
 
 
 PULL = 20.0
@@ -145,12 +53,17 @@ def test_elastic_bounce_has_the_closed_form_of_hertz():
 
     # the work of the pull and the motion are in the spring 2 K d^2.5 / 5 where the rod turns back
     deepest = brentq(lambda d: PULL * (GAP + d) - 0.4 * 1e8 * d**2.5, 1e-6, 1e-2, xtol=1e-15)
-    npt.assert_allclose(found.penetration.max(), deepest, rtol=1e-4)  # between two samples
+    # the deepest sample is half a step from the turn at most, where d'' = -K d^1.5 / m
+    step = float(found.time[1])
+    missed = 1e8 * deepest**1.5 / MASS * (step / 2) ** 2 / 2
+    assert deepest - missed < found.penetration.max() <= deepest * (1 + 1e-9)
 
-    # Hertz: the contact lasts 2.9432 d/v; the pull adds the share of its force
+    # Hertz: the contact lasts 2.9432 d/v less the share of the pull in the force, within two steps
     speed = np.sqrt(2 * PULL * GAP / MASS)
     touching = found.time[found.penetration > 0]
-    npt.assert_allclose(touching[-1] - touching[0], 2.9432 * deepest / speed, rtol=0.02)
+    lasts = 2.9432 * deepest / speed
+    shorter = PULL / (1e8 * deepest**1.5) * lasts
+    assert abs(touching[-1] - touching[0] - lasts) < 2 * step + shorter
 
 
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
@@ -166,7 +79,10 @@ def test_rebound_has_the_closed_form_of_the_law(restitution):
     a = 0.75 * (1 - restitution**2) / touch
     start = a * touch - np.log1p(a * touch)
     rebound = brentq(lambda v: -a * v - np.log1p(-a * v) - start, 0.1 * touch, touch)
-    npt.assert_allclose(found.impact_loss[-1], MASS * (touch**2 - rebound**2) / 2, rtol=2e-3)
+    # beside the impact the pull works over the penetration, a share of it over the gap
+    share = (PULL * GAP / 0.4e12) ** 0.4 / GAP
+    loss = MASS * (touch**2 - rebound**2) / 2
+    npt.assert_allclose(found.impact_loss[-1], loss, rtol=2 * share)
 
     # the law is meant for restitutions near 1; Lankarani and Nikravesh (1994)
     npt.assert_allclose(rebound / touch, restitution, atol=0.5 * (1 - restitution))
@@ -284,10 +200,3 @@ def test_what_cannot_be_simulated_is_refused(changed, message):
     case = {"bodies": RUBBED, "crank_speed": 3.0, "duration": 1.0}
     with pytest.raises(ModelError, match=message):
         simulate_slider_crank(linkage(), **case | changed)
-
-
-def test_contact_law_refuses_what_has_no_meaning():
-    with pytest.raises(ModelError, match="stiffness must be positive"):
-        ContactLaw(stiffness=0.0)
-    with pytest.raises(ModelError, match="restitution"):
-        ContactLaw(stiffness=1e8, restitution=1.5)

@@ -1,0 +1,238 @@
+"""Contact of pin and bushing: the law of eqs. 12 and 13, in a round bore and in a worn one.
+
+Mukras et al. (2008). A bore gives the elastic force of an eccentric pin as the gradient of its
+energy, so that the motion keeps the balance of energy whatever the shape.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, sqrt
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from erlif.core.arrays import Array
+from erlif.core.errors import ModelError
+from erlif.models.arguments import require_between, require_positive
+from erlif.models.slider.wall import Wall, require_numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+_FEWEST_CELLS = 24
+"""Cells of a profile at least: fewer do not resolve a contact."""
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Contact of pin and bushing in the general joint. Mukras et al. (2008), eqs. 12 and 13.
+
+    The force is that of `erlif.models.contact.impact_force`, with a rate of penetration of the
+    speed of the touch at most.
+
+    Attributes
+    ----------
+    stiffness : float
+        K, see `erlif.models.contact.impact_stiffness`. [N/m^1.5]
+    restitution : float
+        Coefficient of restitution, 0 to 1. [1]
+    slowest_impact : float
+        Speed below which a touch is damped as one of this speed. [m/s]
+
+    Raises
+    ------
+    ModelError
+        A stiffness or speed that is not one positive number, or a restitution outside 0 to 1.
+
+    Notes
+    -----
+    The damping of the law is divided by the speed of the touch, so a pin laid down at no speed
+    would stand still: `slowest_impact` ends the law there. A pin that strikes the bore without
+    having left it penetrates faster than at its last touch, and the force of the law would be many
+    times the elastic one: the rate counts as the speed of the touch at most. In an impact of a free
+    body it never is more. The source does not state what was done.
+    """
+
+    stiffness: float
+    restitution: float = 0.8
+    slowest_impact: float = 0.01
+
+    def __post_init__(self) -> None:
+        require_numbers(**vars(self))
+        require_positive(stiffness=self.stiffness, slowest_impact=self.slowest_impact)
+        require_between(0.0, 1.0, restitution=self.restitution)
+
+
+class Press(NamedTuple):
+    """Elastic contact of the pin at a place in its bushing.
+
+    Attributes
+    ----------
+    penetration : float
+        Deepest overlap of pin and bushing, negative while they are apart. [m]
+    force : float
+        Elastic force. [N]
+    x : float
+        Its direction on the bushing along the line of the slider. [1]
+    y : float
+        Its direction across that line. [1]
+    twist : float
+        Couple by which the profile of the pin resists its turning, over the force. [m]
+    energy : float
+        Elastic energy. [J]
+    """
+
+    penetration: float
+    force: float
+    x: float
+    y: float
+    twist: float
+    energy: float
+
+
+class RoundBore:
+    """Unworn bushing: F = K d^1.5 along the eccentricity. Mukras et al. (2008), eq. 12.
+
+    The eccentricity is pin centre less bushing centre; `cp` and `sp` are cosine and sine of the rod
+    angle and `turned` is the angle of the crank against the rod. [m, rad]
+    """
+
+    sunk = 1.0
+    """Share of the penetration by which the sliding surface lies within the pin: the bore."""
+
+    def __init__(self, law: ContactLaw, clearance: float) -> None:
+        self.stiffness, self.clearance = law.stiffness, clearance
+
+    def press(self, ex: float, ey: float, _cp: float, _sp: float, _turned: float) -> Press:
+        """Elastic contact at an eccentricity."""
+        reach = hypot(ex, ey)
+        nx, ny = (ex / reach, ey / reach) if reach else (1.0, 0.0)
+        depth = reach - self.clearance
+        if depth <= 0:
+            return Press(depth, 0.0, nx, ny, 0.0, 0.0)
+        force = self.stiffness * depth * sqrt(depth)
+        return Press(depth, force, nx, ny, 0.0, 0.4 * force * depth)
+
+    def rest(
+        self, force_x: float, force_y: float, _cp: float, _sp: float, _turned: float
+    ) -> tuple[float, float]:
+        """Eccentricity at which the contact carries a force."""
+        force = hypot(force_x, force_y)
+        reach = self.clearance + (force / self.stiffness) ** (2 / 3)
+        return reach * force_x / (force or 1.0), reach * force_y / (force or 1.0)
+
+
+class WornBore:
+    """Bushing and pin with worn profiles: a wall of springs, of which each bears its own overlap.
+
+    The wall bears k int max(overlap, 0) n d(angle). In the round bore of clearance c a shallow
+    overlap is d - c angle^2 / 2, and the integral is (4 sqrt(2) / 3) k d^1.5 / sqrt(c): the law of
+    eq. 12, with the clearance where eq. 13 has it. This fixes k for the K of the law.
+
+    The profiles are those of `erlif.models.slider_wear.wear_slider_crank`; arguments are those of
+    `RoundBore`.
+    """
+
+    sunk = 0.0
+    """The wall yields to the pin, so that they slide on the surface of the pin."""
+
+    def __init__(self, law: ContactLaw, clearance: float, worn: xr.Dataset) -> None:
+        depth, pin_depth, angle = _profiles(worn)
+        if not clearance > 0:
+            raise ModelError(
+                "clearance must be positive where the joint is worn: the stiffness of eq. 13 "
+                f"belongs to an unworn clearance, got {clearance:g} m."
+            )
+        stiffness = 3 / (4 * sqrt(2)) * law.stiffness * sqrt(clearance)
+        cell = 2 * np.pi / angle.size
+        self.wall = Wall(clearance, cells=angle.size, area=cell, stiffness=stiffness)
+        self.worn = clearance + depth
+        self.bears = stiffness * cell
+        self.pin = _PinProfile(pin_depth) if np.any(pin_depth != 0) else None
+
+    def press(self, ex: float, ey: float, cp: float, sp: float, turned: float) -> Press:
+        """Elastic contact at an eccentricity."""
+        along, across = -(ex * cp + ey * sp), ex * sp - ey * cp
+        overlap = np.array((along, across)) @ self.wall.normal - self.worn
+        slope = None
+        if self.pin:
+            pin_depth, slope = self.pin.at(turned)
+            overlap -= pin_depth
+        deepest = int(overlap.argmax())
+        depth = float(overlap[deepest])
+        if depth <= 0:
+            gx, gy = self.wall.normal[:, deepest].tolist()
+            twist = float(slope[deepest]) if slope is not None else 0.0
+            return Press(depth, 0.0, sp * gy - cp * gx, -sp * gx - cp * gy, twist, 0.0)
+
+        # force and couple are the derivatives of the energy of the springs
+        np.maximum(overlap, 0.0, out=overlap)
+        gx, gy = (self.wall.normal @ overlap).tolist()
+        size = hypot(gx, gy)
+        gx, gy = gx / size, gy / size
+        return Press(
+            depth,
+            self.bears * size,
+            sp * gy - cp * gx,
+            -sp * gx - cp * gy,
+            float(overlap @ slope) / size if slope is not None else 0.0,
+            0.5 * self.bears * float(overlap @ overlap),
+        )
+
+    def rest(
+        self, force_x: float, force_y: float, cp: float, sp: float, turned: float
+    ) -> tuple[float, float]:
+        """Eccentricity at which the contact carries a force."""
+        force = np.array([[-(force_x * cp + force_y * sp), force_x * sp - force_y * cp]])
+        worn = self.worn - self.wall.clearance
+        if self.pin:
+            worn = worn + self.pin.at(turned)[0]
+        start = force / np.hypot(*force[0]) * self.wall.clearance
+        place, _ = self.wall.balance(worn[None], force, 1.0, start)
+        along, across = place[0].tolist()
+        return across * sp - along * cp, -along * sp - across * cp
+
+
+class _PinProfile:
+    """Depth of the pin and its slope at the cells of the bushing, smooth between cells."""
+
+    def __init__(self, depth: Array) -> None:
+        from scipy.interpolate import CubicSpline
+
+        self.cells, self.cell = depth.size, 2 * np.pi / depth.size
+        spline = CubicSpline(
+            np.arange(depth.size + 1) * self.cell, np.append(depth, depth[0]), bc_type="periodic"
+        )
+        # twice round, so that any turn is one slice
+        self.powers = np.concatenate([spline.c, spline.c], axis=1)
+
+    def at(self, turned: float) -> tuple[Array, Array]:
+        """Depth [m] and slope [m/rad] where the cells of the bushing are."""
+        whole, share = divmod(-turned / self.cell, 1.0)
+        first = int(whole) % self.cells
+        c3, c2, c1, c0 = self.powers[:, first : first + self.cells]
+        x = share * self.cell
+        return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
+
+
+def _profiles(worn: xr.Dataset) -> tuple[Array, Array, Array]:
+    """Depths of bushing and pin and the angles of their cells, which go round once."""
+    missing = {"depth", "pin_depth", "angle"} - set(worn.variables)
+    if missing or worn["depth"].dims != ("angle",):
+        raise ModelError(
+            "worn must be one profile of wear_slider_crank, with depth and pin_depth over angle: "
+            "choose a number of cycles with isel(cycle=-1)."
+        )
+    depth, pin_depth = worn.depth.values.astype(float), worn.pin_depth.values.astype(float)
+    angle, cells = worn.angle.values, depth.size
+    expected = (np.arange(cells) - cells // 2) * 2 * np.pi / cells
+    if cells < _FEWEST_CELLS or not np.allclose(angle, expected):
+        raise ModelError(
+            f"worn must have {_FEWEST_CELLS} cells or more that go round the bushing once, evenly "
+            f"and with one at angle 0, got {cells}."
+        )
+    if not (np.all(depth >= 0) and np.all(pin_depth >= 0)):
+        raise ModelError("worn must have depths that are numbers and not negative.")
+    return depth, pin_depth, angle
