@@ -61,7 +61,7 @@ def figures(
           --format svg --style paper -o paper
     """
     from erlif.conversion import choose_trigger
-    from erlif.files import open_film
+    from erlif.files import describe_trigger, open_film
     from erlif.plots import write_figures
 
     output = output or film.parent / "figures"
@@ -69,9 +69,12 @@ def figures(
         raise OutputError(
             f"Expected a directory for the figures; {output} is a file. Give another name with -o."
         )
+    described = ""
     if trigger is not None or angle is not None:
         with open_film(film) as opened:
             trigger = choose_trigger(opened, trigger=trigger, angle=angle)
+            assert trigger is not None
+            described = describe_trigger(opened, trigger, by_crank=angle is not None)
     with announced_compiling(), show_progress() as progress:
         paths = write_figures(
             film,
@@ -85,5 +88,7 @@ def figures(
             allow_outside=allow_outside,
             progress=progress,
         )
+    if described:
+        click.echo(described)
     for path in paths:
-        click.echo(str(path))
+        click.echo(f"written: {path}")

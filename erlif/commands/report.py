@@ -78,7 +78,7 @@ def report(
             page = write_runs_report(
                 films, output, max_size=max_size, overwrite=overwrite, progress=progress
             )
-        click.echo(str(page))
+        click.echo(f"written: {page}")
         return
     with announced_compiling(), show_progress() as progress:
         page = write_report(
@@ -90,4 +90,4 @@ def report(
             allow_outside=allow_outside,
             progress=progress,
         )
-    click.echo(str(page))
+    click.echo(f"written: {page}")

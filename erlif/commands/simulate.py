@@ -332,7 +332,7 @@ def simulate(
                 click.echo(f"{what}s written: {total}")
 
         photograph(out, seed=seed, rig=rig, overwrite=overwrite, progress=show)
-    click.echo(f"{out / 'fixture'}\n{out / 'run'}\n{out / 'truth.nc'}")
+    click.echo(f"written: {', '.join(str(out / name) for name in ('fixture', 'run', 'truth.nc'))}")
     if note := _note_of_range(out / "truth.nc"):
         click.echo(note, err=True)
 

@@ -27,7 +27,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import ErlifError
 from erlif.core.progress import Progress, silent
 from erlif.core.version import __version__
-from erlif.files import fastest_trigger, label_films, open_film, reading_film, take
+from erlif.files import fastest_trigger, label_films, open_film, reading_film, refuse_repeated, take
 
 SIGNIFICANT = 0.05
 """Corrected probability below which two runs are stated to differ."""
@@ -82,7 +82,7 @@ def compare(
     >>> found.differs.sel(statistic="film_min").values.tolist()
     [1]
     """
-    _refuse_repeated(films)
+    refuse_repeated([film for film in films if not isinstance(film, xr.Dataset)])
     with ExitStack() as stack:
         opened = [_open(film, stack) for film in films]
         records = []
@@ -129,17 +129,6 @@ def _files_of(films: Sequence[xr.Dataset]) -> list[Path | None]:
     """Files of the films; None for one that is in memory only."""
     sources = [film.encoding.get("source") for film in films]
     return [Path(source) if source else None for source in sources]
-
-
-def _refuse_repeated(films: Sequence[xr.Dataset | str | Path]) -> None:
-    """Refuse a file that is named twice."""
-    files = [Path(film).resolve() for film in films if not isinstance(film, xr.Dataset)]
-    twice = [file for file in files if files.count(file) > 1]
-    if twice:
-        raise ErlifError(
-            f"Expected films of different runs; {twice[0]} is named {len(twice)} times. Name each "
-            "film once."
-        )
 
 
 def _check_pair(pair: tuple[int, int], count: int) -> tuple[int, int]:

@@ -77,3 +77,31 @@ FLAG_COLOURS = {
 }
 """Colours that the colour map of film thickness does not contain. A pixel with several flags has
 the colour of the first."""
+
+
+_SMALLEST_SHARE = 5e-5
+"""Share of pixels that rounds to 0.00 %."""
+
+
+def describe_share(share: float, sign: str = " %") -> str:
+    """Write the share of pixels with a flag to a hundredth of a per cent.
+
+    Parameters
+    ----------
+    share : float
+        From 0 to 1.
+    sign : str
+        What follows the number.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> describe_share(0.0068), describe_share(2e-6), describe_share(0.0, "%")
+    ('0.68 %', 'below 0.01 %', '0.00%')
+    """
+    if 0 < share < _SMALLEST_SHARE:
+        return f"below 0.01{sign}"
+    return f"{100 * share:.2f}{sign}"

@@ -112,6 +112,9 @@ _HINTS = {
 }
 """What to write in place of a unit of mass where a force is expected."""
 
+_EXAMPLES = {"m": "5 mm", "m/s": "10 mm/s", "Pa": "2 GPa", "Pa s": "0.1 Pa s", "N": "200 N"}
+"""Quantities of usual size, by the unit of the result."""
+
 
 @cache
 def _registry() -> pint.UnitRegistry[Any]:
@@ -183,7 +186,8 @@ def parse_quantity(text: object, unit: str) -> float:
     Traceback (most recent call last):
     ValueError: a speed of rotation is given in rpm, rad/s, deg/s, rev/s; got '1 Hz'
     """
-    expected = f'expected a number with a unit in quotes, such as "5 {unit}"'
+    example = _EXAMPLES.get(unit, f"5 {unit}")
+    expected = f'expected a number with a unit in quotes, such as "{example}"'
     if not isinstance(text, str):
         raise ValueError(f"{expected}; got {text!r} without one")
     match = _QUANTITY.match(text)

@@ -14,7 +14,7 @@ from erlif.files.contents import (
 )
 from erlif.files.coordinates import set_coordinates
 from erlif.files.film import describe_hashes, open_film, reading_film, write_dataset, write_film
-from erlif.files.labels import label_films
+from erlif.files.labels import label_films, refuse_repeated
 from erlif.files.netcdf import fix_text, has_group, open_netcdf
 from erlif.files.netcdf_maps import NetcdfMaps
 from erlif.files.replacing import refuse_existing, replacing, replacing_set
@@ -44,6 +44,7 @@ __all__ = [
     "open_netcdf",
     "reading_film",
     "refuse_existing",
+    "refuse_repeated",
     "region_of",
     "remove_remains",
     "replacing",

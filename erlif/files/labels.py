@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from os.path import commonpath
 from pathlib import Path
 
+from erlif.core.errors import ErlifError
+
 
 def label_films(names: Sequence[str], paths: Sequence[Path | None]) -> list[str]:
     """Name films by their runs; films of one name also by a folder.
@@ -42,6 +44,34 @@ def label_films(names: Sequence[str], paths: Sequence[Path | None]) -> list[str]
 
     # the name of one run may be the label of another
     return labels if len(set(labels)) == len(labels) else _number(labels)
+
+
+def refuse_repeated(paths: Sequence[str | Path]) -> None:
+    """Refuse a file that is named twice, by one name or by two.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Files of films.
+
+    Raises
+    ------
+    ErlifError
+        With the name as it was given first.
+
+    Examples
+    --------
+    >>> refuse_repeated(["a", "b", "a/../b"])
+    Traceback (most recent call last):
+    erlif.core.errors.ErlifError: Expected different films; b is named 2 times. Name each film once.
+    """
+    files = [Path(path).resolve() for path in paths]
+    for path, file in zip(paths, files, strict=True):
+        if files.count(file) > 1:
+            raise ErlifError(
+                f"Expected different films; {path} is named {files.count(file)} times. Name each "
+                "film once."
+            )
 
 
 def _distinguish(paths: Sequence[Path | None]) -> list[str]:

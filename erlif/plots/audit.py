@@ -11,6 +11,7 @@ from erlif.audit.log import Steps
 from erlif.core.arrays import Array, Image
 from erlif.plots.style import (
     FLAGGED,
+    FLAGGED_DIFFERENCE,
     MUTED,
     ONE_COLUMN,
     OUTWARD,
@@ -81,7 +82,7 @@ def difference_figure(picture: Picture) -> Figure:
     largest = float(np.percentile(np.abs(valid), _WITHIN[1])) if valid.size else 1.0
     image = ax.imshow(
         share,
-        cmap=colour_map("vik", bad=FLAGGED),
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
         vmin=-largest,
         vmax=largest,
         interpolation="none",

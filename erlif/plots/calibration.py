@@ -126,7 +126,7 @@ def fixture_profile(
     )
     ax.set(xlabel="profile x [mm]", ylabel="thickness by CMM [µm]")
     ax.margins(x=0.01)
-    ax.legend(loc="upper left")
+    legend_above(ax)
     return [points, *artists]
 
 

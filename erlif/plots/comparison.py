@@ -18,7 +18,7 @@ from erlif.core.errors import ErlifError
 from erlif.plots.maps import bare_image, image_height, pixel_edges
 from erlif.plots.style import (
     COVERAGE,
-    FLAGGED,
+    FLAGGED_DIFFERENCE,
     MEAN,
     MINIMUM,
     MUTED,
@@ -29,10 +29,12 @@ from erlif.plots.style import (
     add_colour_bar,
     colour_map,
     given_or_new,
+    legend_below,
     letter,
     new_figure,
     save_figure,
     styled,
+    swatch,
 )
 from erlif.plots.trend import plain_ticks
 from erlif.trend import SLOWEST
@@ -210,7 +212,7 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
     left, right, bottom, top = pixel_edges(cells)
     image = ax.imshow(
         values,
-        cmap=colour_map("vik", bad=FLAGGED),
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
         vmin=-limit,
         vmax=limit,
         extent=(left, right, bottom, top),
@@ -225,8 +227,13 @@ def difference_map_of_runs(comparison: xr.Dataset, *, ax: Axes | None = None) ->
         f"{attrs['map_second_run']} less {attrs['map_first_run']}\n{attrs['map_first']}",
         fontsize="medium",
     )
-    outline = Line2D([], [], color="black", linewidth=0.8, label="outline: significant cells")
-    ax.legend(handles=[outline], loc="upper center", bbox_to_anchor=(0.5, -0.2))
+    keys: list[Artist] = [
+        Line2D([], [], color="black", linewidth=0.8, label="edge of a significant difference"),
+        swatch("white", "no difference"),
+    ]
+    if known.size < values.size:
+        keys.append(swatch(FLAGGED_DIFFERENCE, "too few valid pixels"))
+    legend_below(ax, keys)
     return image
 
 

@@ -14,10 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from erlif.core.arrays import Array, FlagImage, Mask
-from erlif.core.flags import Flag
+from erlif.core.flags import Flag, describe_share
 from erlif.files import axis_labels as axis_labels
 from erlif.files import check_trigger, describe_trigger, region_of, settings_of
 from erlif.plots.naming import name_film, reason_empty
@@ -34,13 +33,16 @@ from erlif.plots.style import (
     colour_map,
     given_or_new,
     keep_in_place,
+    legend_above,
     legend_below,
+    legend_of_figure,
     letter,
     new_figure,
     pt,
     room_for,
     state_empty,
     styled,
+    swatch,
     wrap_title,
 )
 from erlif.trend import average_across_sliding, rigid_gap
@@ -212,12 +214,7 @@ def _draw_flags(ax: Axes, flags: FlagImage, film: xr.Dataset) -> list[Artist]:
         interpolation="none",
     )
     return [
-        Patch(
-            facecolor=colour,
-            edgecolor="#404040",
-            linewidth=pt(0.4),
-            label=f"{flag_title(flag)}, {100 * share:.2f} %",
-        )
+        swatch(colour, f"{flag_title(flag)}, {describe_share(share)}")
         for n, (flag, colour) in enumerate(FLAG_COLOURS.items(), 1)
         if (share := float((shown == n).mean())) > 0
     ]
@@ -288,9 +285,9 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
             label="rigid gap",
         )
         text = (
-            f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f} µm/mm²\n"
-            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²\n"
-            f"minimum of the rigid gap {gap.minimum:.2f} µm"
+            f"curvature {gap.curvature:.4f} ± {gap.curvature_std:.4f},\n"
+            f"of the rigid gap {gap.rigid_curvature:.4f} µm/mm²;\n"
+            f"its minimum {gap.minimum:.2f} µm"
         )
         ax.annotate(
             text, (0.5, 0.03), xycoords="axes fraction", ha="center", va="bottom", fontsize=pt(6.5)
@@ -304,7 +301,7 @@ def sliding_profile(film: xr.Dataset, *, trigger: int, ax: Axes | None = None) -
     else:
         state_empty(ax, "no valid pixel in the region of interest")
     ax.set_ylabel("film thickness [µm]")
-    ax.legend(loc="upper center")
+    legend_above(ax, ncols=2)
     return artists
 
 
@@ -424,13 +421,15 @@ def thickness_figure(
         panels["p"].tick_params(labelbottom=False)
 
     # one legend below all panels, so that map and profiles end at one height
-    below_map = panels["m"].get_legend()
+    handles: list[Artist] = []
+    below_map, above_profile = panels["m"].get_legend(), panels["p"].get_legend()
     if below_map is not None:
-        handles = below_map.legend_handles
+        handles += [each for each in below_map.legend_handles if each is not None]
         below_map.remove()
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=4, handlelength=1.8, handleheight=1.0
-        )
+    if above_profile is not None:
+        handles += panels["p"].get_legend_handles_labels()[0]
+        above_profile.remove()
+    legend_of_figure(figure, handles)
 
     panels["m"].set_title("")
     name_film(figure, film, describe_trigger(film, trigger))

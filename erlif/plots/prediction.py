@@ -22,7 +22,7 @@ from erlif.plots.maps import (
 )
 from erlif.plots.naming import name_film, reason_empty
 from erlif.plots.style import (
-    FLAGGED,
+    FLAGGED_DIFFERENCE,
     MINIMUM,
     OUTWARD,
     TWO_COLUMNS,
@@ -31,6 +31,7 @@ from erlif.plots.style import (
     colour_map,
     frame_legend,
     given_or_new,
+    legend_of_figure,
     letter,
     new_figure,
     pt,
@@ -38,6 +39,7 @@ from erlif.plots.style import (
     signed,
     state_empty,
     styled,
+    swatch,
 )
 from erlif.plots.triggers import (
     broken,
@@ -52,7 +54,7 @@ from erlif.trend import find_region
 
 _TALL = 0.36  # height by width of the two panels over cycle and run
 _THIRD = 0.26  # of two columns, for each of three maps
-_AROUND = 0.75  # inch above and below the maps
+_AROUND = 0.95  # inch above and below the maps, for title, labels and legend
 _WITHIN = 99.5  # percentile of the differences at the ends of their colour scale
 _LEAST_REACH = 0.01  # um; equal maps still need a scale
 _LINES = (2.0, 5.0)  # of text below and above the films
@@ -333,8 +335,12 @@ def prediction_map_figure(
             strict=True,
         )
     ]
-    add_colour_bar(images[1], panels[1], "film, (a, b) [µm]\ngrey: flagged")
+    add_colour_bar(images[1], panels[1], "film, (a, b) [µm]")
     add_colour_bar(images[2], panels[2], "difference [µm]")
+    keys = [swatch("white", "(c) no difference")]
+    if not np.isfinite(measured).all():
+        keys.append(swatch(FLAGGED_DIFFERENCE, "not valid"))
+    legend_of_figure(figure, keys)
     if reason := reason_empty(film.flags.isel(trigger=trigger).values):
         state_empty(panels[0], reason.replace(": ", "\n").replace(", ", "\n"))
     titles = ("measured", "predicted", "measured − predicted")
@@ -352,7 +358,7 @@ def _draw_map(
     """Draw one map, grey where it has no value."""
     image = ax.imshow(
         values,
-        cmap=colour_map(colours, bad=FLAGGED),
+        cmap=colour_map(colours, bad=FLAGGED_DIFFERENCE),
         vmin=limits[0],
         vmax=limits[1],
         extent=pixel_edges(film),

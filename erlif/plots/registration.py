@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from erlif.plots.maps import bare_image
 from erlif.plots.naming import name_film
 from erlif.plots.style import (
-    FLAGGED,
+    FLAGGED_DIFFERENCE,
     MUTED,
     OUTWARD,
     RETURN,
@@ -76,7 +76,7 @@ def displacement_map(
     reach = max(float(np.nanmax(np.abs(field - mean))), _LEAST_REACH)
     image = ax.imshow(
         field - mean,
-        cmap=colour_map("vik", bad=FLAGGED),
+        cmap=colour_map("vik", bad=FLAGGED_DIFFERENCE),
         vmin=-reach,
         vmax=reach,
         interpolation="none",

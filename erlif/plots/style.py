@@ -29,6 +29,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
+from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox, ScaledTranslation
 
 from erlif.core.arrays import Array
@@ -46,6 +47,9 @@ in grey."""
 
 FLAGGED = "#D9D9D9"
 """Colour of pixels without a value."""
+
+FLAGGED_DIFFERENCE = "#8C8C8C"
+"""The same in a map of differences, where white and pale colours are small differences."""
 
 STROKES: dict[int, dict[str, Any]] = {
     1: {"label": "outward", "color": OUTWARD, "marker": "o", "markerfacecolor": OUTWARD},
@@ -334,8 +338,6 @@ def frame_legend(ax: Axes, *, ncols: int = 1, **options: Any) -> None:
 def legend_above(ax: Axes, **options: Any) -> None:
     """Add a legend above the axes, where it covers no point and not the letter of the panel."""
     options = {"ncols": 3, "columnspacing": 1.0, "handletextpad": 0.5} | options
-    if is_page():  # panels stand side by side and are narrow
-        options["ncols"] = 1
     options |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
     room = _ACROSS * ax.get_window_extent().width - pt(_PANEL) * figure_of(ax).dpi / 72
     _fit_columns(ax, room, **options)
@@ -361,6 +363,27 @@ def legend_below(ax: Axes, handles: Sequence[Artist]) -> None:
         columnspacing=1.2,
         labelspacing=0.35,
     )
+
+
+def legend_of_figure(figure: AnyFigure, handles: Sequence[Artist]) -> None:
+    """Add one legend below all panels, in as many columns as the figure is wide."""
+    for columns in range(len(handles), 0, -1):
+        legend = figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=columns,
+            handlelength=1.8,
+            handleheight=1.0,
+            columnspacing=1.2,
+        )
+        if columns == 1 or legend.get_window_extent().width <= _TITLE * figure.bbox.width:
+            return
+        legend.remove()
+
+
+def swatch(colour: str, label: str) -> Patch:
+    """Key of an area of one colour."""
+    return Patch(facecolor=colour, edgecolor="#404040", linewidth=pt(0.4), label=label)
 
 
 def _fit_columns(ax: Axes, room: float, *, ncols: int, **options: Any) -> Legend:
@@ -503,7 +526,8 @@ def letter(ax: Axes, text: str) -> None:
     beside = (_ACROSS * ax.get_window_extent().width - ax.title.get_window_extent().width) / 2
     if title and (is_page() or beside < pt(_PANEL) * figure_of(ax).dpi / 72):
         ax.set_title("")
-        ax.set_title(f"({text}) {title}", loc="left")
+        escaped = title.replace("$", r"\$")  # the letter alone is set as mathematics, in bold
+        ax.set_title(rf"$\mathbf{{({text})}}$ {escaped}", loc="left")
     else:
         ax.set_title(f"({text})", loc="left", fontweight="bold")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -47,6 +49,9 @@ _DASHES = (0, (3, 1.5))
 _DASH_DOT = (0, (4, 1.5, 1, 1.5))
 _AROUND_POINTS = 6.0  # size of open markers round measured points, which have half of it
 _LEGEND = 7.0  # lines of text above the curves
+_REACH = 3.0  # theory within this factor of the measured film widens the axis
+_LEAST_RATIO = 1.2  # highest over lowest value of an axis
+_MARGIN = 0.06  # of the axis on either side of the curves
 
 
 def _speed_name(film: xr.Dataset) -> str:
@@ -210,8 +215,8 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     --------
     >>> from erlif.plots import example_film
     >>> *_, theory, formula = film_and_theory(example_film())
-    >>> theory.get_label()
-    'regime map, isoviscous-rigid'
+    >>> theory.get_label().splitlines()
+    ['regime map, isoviscous-rigid', 'beyond the axis: 74.5 to 129 µm']
     """
     ax = given_or_new(ax, film)
     ax.set(xscale="log", yscale="log")
@@ -252,21 +257,53 @@ def film_and_theory(film: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]
     order = np.argsort(x)
     steady = "film_regime_map" if "film_regime_map" in film else "film_theory"
     regime = str(film[steady].attrs.get("regime", "steady"))
+    low, high = _range_of_film(film, (steady, "film_hamrock_dowson"))
+    lines = _LEGEND
     for name, colour, dashes, label in (
         (steady, RETURN, "-", f"regime map, {regime}"),
         ("film_hamrock_dowson", OUTWARD, _DASH_DOT, "2.65 formula, piezoviscous-elastic"),
     ):
+        curve = film[name].values[order]
+        beyond = _describe_beyond(curve, low, high)
+        lines += 1 if beyond else 0
         artists += ax.plot(
-            x[order], film[name].values[order], color=colour, linestyle=dashes, label=label
+            x[order], curve, color=colour, linestyle=dashes, label="\n".join([label, *beyond])
         )
 
     ax.set_xlabel(_LABELS[_speed_name(film)])
     ax.set_ylabel("film thickness [µm]")
+    ax.set_ylim(low, high * (high / low) ** room_for(ax, lines))
     plain_ticks(ax)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high * (high / low) ** room_for(ax, _LEGEND))
     ax.legend(loc="upper left", title=_BARS, alignment="left")
     return artists
+
+
+def _range_of_film(film: xr.Dataset, theories: Sequence[str]) -> tuple[float, float]:
+    """Ends of an axis for the film with its bars, and for theory that is near it. [um]"""
+    value, std = film.film_min.values, film.film_min_std.values
+    known = [value, value - std, value + std]
+    if "film_predicted_min" in film:
+        known.append(film.film_predicted_min.values)
+    near = np.concatenate(known)
+    near = near[np.isfinite(near) & (near > 0)]
+    theory = np.concatenate([film[name].values for name in theories])
+    theory = theory[np.isfinite(theory) & (theory > 0)]
+    if near.size:
+        theory = theory[(theory > near.min() / _REACH) & (theory < near.max() * _REACH)]
+
+    both = np.log(np.concatenate([near, theory])) if near.size + theory.size else np.zeros(1)
+    widen = max(math.log(_LEAST_RATIO) - float(np.ptp(both)), 2 * _MARGIN * float(np.ptp(both))) / 2
+    return float(np.exp(both.min() - widen)), float(np.exp(both.max() + widen))
+
+
+def _describe_beyond(curve: Array, low: float, high: float) -> list[str]:
+    """State the range of a curve that an axis does not hold; empty where it does. [um]"""
+    known = curve[np.isfinite(curve)]
+    inside = (known >= low) & (known <= high)
+    if inside.all():
+        return []
+    part = "partly " if inside.any() else ""
+    return [f"{part}beyond the axis: {known.min():.3g} to {known.max():.3g} µm"]
 
 
 def plain_ticks(ax: Axes) -> None:
@@ -286,7 +323,11 @@ def plain_ticks(ax: Axes) -> None:
 
 @styled
 def speed_figure(film: xr.Dataset, *, figure: AnyFigure | None = None) -> AnyFigure:
-    """Draw the measured film with its fit, and beside it with theory on wider scales.
+    """Draw the measured film with its fit, and beside it with theory.
+
+    Theory that differs from the film by more than a factor of three is beyond the axis; the legend
+    states its range.
+
 
     Parameters
     ----------

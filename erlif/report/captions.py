@@ -93,8 +93,8 @@ CAPTIONS = {
     ),
     "prediction_map": Caption(
         "Measured and predicted map",
-        "(a) Measured and (b) predicted film on one colour scale, (c) their difference. Grey: "
-        "flagged.",
+        "(a) Measured and (b) predicted film on one colour scale, (c) their difference, white at "
+        "zero. Grey: not valid.",
         "png",
     ),
     "pin_orbit": Caption(

@@ -15,6 +15,10 @@ _SHOWN = {
 }
 """Estimates of the summary: title, factor and unit."""
 
+_DESCRIBED = 5.0
+"""Residuals over the stated errors up to which a scaled standard deviation is one of the fit; above
+it the model is wrong, and the scatter about it is not an error of its parameters."""
+
 
 def summarise_comparison(found: Comparison) -> str:
     """Describe a comparison: the verdict, the models in their order, and the best fit.
@@ -43,17 +47,22 @@ def summarise_comparison(found: Comparison) -> str:
         f"  {one.name:{width}s}{one.bic:<4.0f} {one.residual * 1e9:.3g}" for one in found.candidates
     ]
     if found.fit is not None:
-        lines.append(f"  fitted: pin {found.fit.sideways} sideways")
+        described = found.fit.inflation <= _DESCRIBED
+        doubt = "" if described else "; no errors, as the model does not describe the positions"
+        lines.append(f"  fitted: pin {found.fit.sideways} sideways{doubt}")
         for name, (title, factor, unit) in _SHOWN.items():
             if name in found.fit.estimates:
-                lines.append(f"    {title}: {_value(found.fit.estimates[name], factor)} {unit}")
+                value = _value(found.fit.estimates[name], factor, described)
+                lines.append(f"    {title}: {value} {unit}")
         lines += [f"  {note}" for note in found.fit.notes]
     return "\n".join(lines)
 
 
-def _value(estimate: Estimate, factor: float) -> str:
-    """A value with its standard deviation, or the limit that the data give."""
+def _value(estimate: Estimate, factor: float, described: bool) -> str:
+    """A value with its standard deviation where the model holds, or the limit of the data."""
     one = estimate.times(factor, estimate.unit)
+    if not described:
+        return f"about {one.value:.2g}"
     if np.isfinite(one.low) and np.isinf(one.high):
         return f"above {one.low:.3g} (95 %)"
     digits = max(0, 1 - int(np.floor(np.log10(one.std)))) if one.std > 0 else 3

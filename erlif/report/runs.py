@@ -22,6 +22,7 @@ from erlif.files import (
     open_film,
     reading_film,
     refuse_existing,
+    refuse_repeated,
     replacing,
     settings_of,
 )
@@ -102,6 +103,7 @@ def write_runs_report(
     out_path = Path(out_path)
     refuse_existing(out_path, overwrite=overwrite)
     paths = [Path(path) for path in film_paths]
+    refuse_repeated(paths)
     rows, numbers, limits = [], [], []
     for done, path in enumerate(paths):
         with reading_film(path), open_film(path) as film:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.calibration import Calibration
-from erlif.core.flags import Flag
+from erlif.core.flags import Flag, describe_share
 from erlif.core.notes import rank_notes
 from erlif.core.units import count_of
 from erlif.files import flag_shares, takes
@@ -146,7 +146,7 @@ def _flag_lines(film: xr.Dataset) -> list[str]:
     """Share of valid pixels, and of each flag that occurs."""
     valid, *flagged = flag_shares(film).mean(axis=0)
     shares = [
-        f"{str(flag.name).lower()} {share:.2%}"
+        f"{str(flag.name).lower()} {describe_share(float(share), '%')}"
         for flag, share in zip(Flag, flagged, strict=True)
         if share
     ]

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.core.flags import Flag
+from erlif.core.flags import Flag, describe_share
 from erlif.files import motion_of, settings_of
 from erlif.plots.files import FigureSource
 from erlif.plots.maps import flag_swatch, flag_title
@@ -251,7 +251,7 @@ def registration_table(registration: xr.Dataset, frames: xr.Dataset) -> str:
 def flag_table(shares: Array) -> str:
     """Make the table of the flags that occur; `shares` in the order of `Flag`."""
     rows = [
-        (_swatch(flag) + flag_title(flag), _REASONS[flag], f"{100 * float(share):.2f} %")
+        (_swatch(flag) + flag_title(flag), _REASONS[flag], describe_share(float(share)))
         for flag, share in zip(Flag, shares, strict=True)
         if share > 0
     ]

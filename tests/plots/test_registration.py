@@ -54,7 +54,7 @@ def test_displacement_beyond_camera_2_is_grey(registration):
     registration.displacement_x.values[:, :2] = np.nan
     image = plots.displacement_map(registration, component="x")
     colours = image.to_rgba(image.get_array())
-    npt.assert_allclose(colours[0, 0, :3], 0xD9 / 255)
+    npt.assert_allclose(colours[0, 0, :3], 0x8C / 255)  # darker than any small displacement
     assert "nan" not in image.axes.get_title()
 
 

@@ -24,6 +24,7 @@ from erlif.plots.style import (
     figure_bytes,
     frame_legend,
     given_or_new,
+    letter,
     new_figure,
     room_for,
     signed,
@@ -149,6 +150,20 @@ def test_legend_covers_the_lines_behind_it():
     frame_legend(ax, loc="center")
     assert ax.get_legend().get_zorder() > line.get_zorder()
     assert ax.get_legend().get_frame().get_alpha() == 1.0
+
+
+def test_letter_of_a_panel_is_bold_beside_a_long_title_as_well():
+    """Signs of mathematics in the title stay text."""
+    for title, place in (
+        ("", "(c)"),
+        ("a title of fifty letters, in $ and in $ " * 2, r"$\mathbf{(c)}$"),
+    ):
+        ax = new_figure().add_subplot(title=title)
+        letter(ax, "c")
+        drawn = ax.get_title(loc="left")
+        assert drawn.startswith(place)
+        assert title.replace("$", r"\$") in drawn
+        ax.get_figure().draw_without_rendering()
 
 
 def test_given_axes_are_used():

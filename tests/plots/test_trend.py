@@ -126,23 +126,32 @@ def test_theory_is_drawn_with_the_film(film):
 
 
 def test_legend_names_regime_and_formula(film):
+    low, high = scene.minimum_film().min(), scene.minimum_film().max()
     ax = plots.film_and_theory(film)[0].axes
     assert labels_of(ax) == [
         "transient film over the cycle",
-        "regime map, isoviscous-rigid",
-        "2.65 formula, piezoviscous-elastic",
+        f"regime map, isoviscous-rigid\nbeyond the axis: {20 * low:.3g} to {20 * high:.3g} µm",
+        f"2.65 formula, piezoviscous-elastic\npartly beyond the axis: {0.3 * low:.3g} to "
+        f"{0.3 * high:.3g} µm",
         "measured minimum, outward",
         "measured minimum, return",
     ]
 
 
-def test_all_curves_lie_within_the_axes(film):
-    """Theory is twenty times the measured film, the formula a third of it."""
-    artists = plots.film_and_theory(film)
-    low, high = artists[0].axes.get_ylim()
-    for artist in artists:
-        assert low < artist.get_ydata().min()
-        assert artist.get_ydata().max() < high
+@pytest.mark.parametrize("factor", [0.5, 2.5, 20.0])
+def test_axis_holds_the_film_with_its_bars_and_theory_that_is_near(changed, factor):
+    """Theory twenty times as thick would press measurement and prediction into a line."""
+    *measured, transient, theory, _ = plots.film_and_theory(
+        changed.assign(film_regime_map=factor * changed.film_min)
+    )
+    low, high = transient.axes.get_ylim()
+    least = np.min([line.get_ydata().min() for line in (*measured, transient)])
+    most = np.max([line.get_ydata().max() for line in (*measured, transient)])
+    assert low < least - 0.03
+    assert high > most + 0.03
+    assert low > least / 4
+    assert (low < theory.get_ydata().min() and theory.get_ydata().max() < high) == (factor < 3)
+    assert ("beyond" in theory.get_label()) == (factor > 3)
 
 
 def test_figure_has_both_panels_even_without_a_film(film):

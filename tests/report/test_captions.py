@@ -31,7 +31,8 @@ def test_caption_names_the_panels_that_are_drawn(name, tmp_path):
     source = FigureSource(path, film, 1, None, None)
     source.__dict__["images"] = plots.example_images(film, trigger=1)
     figure = DRAWN[name](source)
-    drawn = {ax.get_title(loc="left").partition(")")[0].strip("(") for ax in figure.axes} - {""}
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    drawn = {found[1] for found in map(re.compile(r"\(([a-d])\)").search, titles) if found}
     named = {
         letter for group in re.findall(r"\(([a-d, ]+)\)", CAPTIONS[name].text) for letter in group
     }

@@ -6,13 +6,15 @@ from erlif.prediction import Candidate, Comparison, Estimate, MotionFit
 from erlif.report.fit import summarise_comparison
 
 
-def comparison(viscosity):
+def comparison(viscosity, inflation=1.0):
     none = np.zeros(0)
     estimates = {
         "viscosity": viscosity,
         "start_film": Estimate(6.268e-6, 14e-9, 6.24e-6, 6.30e-6, "m"),
     }
-    fit = MotionFit("free", estimates, (), none, none, none, 1.0, 1, 1.0, 0.0, none, none, none)
+    fit = MotionFit(
+        "free", estimates, (), none, none, none, 1.0, 1, inflation, 0.0, none, none, none
+    )
     candidates = (
         Candidate("a pin that is free sideways", 0.0, 4, 1.0, 37.6e-9),
         Candidate("a guided pin", 1020.7, 4, 300.0, 9.67e-6),
@@ -38,3 +40,12 @@ def test_values_have_their_errors_in_the_units_of_the_laboratory():
 def test_a_bound_is_given_as_one():
     text = summarise_comparison(comparison(Estimate(36.9, 84.8, 7.69, np.inf, "Pa s")))
     assert "viscosity: above 7.69 (95 %) Pa s" in text
+
+
+def test_no_error_is_given_where_the_model_does_not_describe_the_positions():
+    """The scatter about a wrong model is not an error of its viscosity."""
+    viscosity = Estimate(0.0191, 0.0022, 0.015, 0.024, "Pa s")
+    text = summarise_comparison(comparison(viscosity, inflation=151.0))
+    assert "viscosity: about 0.019 Pa s" in text
+    assert "the model does not describe the positions" in text
+    assert "±" not in text

@@ -121,3 +121,10 @@ def test_bad_input_is_refused_and_nothing_is_written(film_path, tmp_path):
     with pytest.raises(ErlifError, match=r"0\.5 MB"):
         write_runs_report([film_path, film_path], tmp_path / "a.html", max_size=0.1)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_film_that_is_named_twice_is_refused(film_path, tmp_path):
+    again = film_path.parent / ".." / film_path.parent.name / film_path.name
+    with pytest.raises(ErlifError, match=f"{film_path.name} is named 2 times"):
+        write_runs_report([film_path, again], tmp_path / "runs.html")
+    assert not (tmp_path / "runs.html").exists()
