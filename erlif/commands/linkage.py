@@ -48,6 +48,7 @@ LENGTH, ANGLE, SPEED = (
 @click.option("--rocker-speed", type=SPEED, help="Wanted greatest rocker speed.")
 @click.option("--transmission", type=ANGLE, default="0 deg", help="Least transmission angle.")
 @click.option("--size", type=(LENGTH, LENGTH), help="Space along and across the ground link.")
+@click.option("--width", type=LENGTH, default="0 mm", help="Width of the links, for the space.")
 @click.option("--longest", type=LENGTH, help="Longest link; default: ten times the longest given.")
 @click.option(
     "-o", "--output", type=PATH, help="Figure (PNG, PDF, SVG) or movie (GIF) of the best."
@@ -65,6 +66,7 @@ def linkage(
     rocker_speed: float | None,
     transmission: float,
     size: tuple[float, float] | None,
+    width: float,
     longest: float | None,
     output: Path | None,
     overwrite: bool,
@@ -101,6 +103,7 @@ def linkage(
         rocker_speed=rocker_speed,
         least_transmission_angle=transmission,
         largest_size=size or (math.inf, math.inf),
+        link_width=width,
         longest_link=longest,
     )
     click.echo(summarise_linkages(found))

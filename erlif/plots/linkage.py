@@ -16,6 +16,7 @@ from erlif.core.arrays import Array
 from erlif.core.errors import OutputError
 from erlif.files import refuse_existing, replacing
 from erlif.models.linkage import LinkageDesign, measure_linkage
+from erlif.models.linkage.measures import links_of, swept_box
 from erlif.models.mechanism import CrankRocker
 from erlif.plots.movie import encode_gif
 from erlif.plots.style import (
@@ -128,7 +129,8 @@ def linkage_positions(
     Returns
     -------
     LinkageView
-        Dashed: the dead points; dotted: paths of both pins and of the middle of the coupler.
+        Dashed: the dead points; dotted: paths of both pins and of the middle of the coupler; the
+        frame: the space.
 
     Examples
     --------
@@ -157,6 +159,22 @@ def linkage_positions(
             zorder=2,
             label=f"{name} rocker angle {_rocker_degrees(links):.2f}°",
         )
+    left, right, bottom, top = (
+        1e3 * side for side in swept_box(links_of(linkage), design.link_width)
+    )
+    what = (
+        f"space of links {1e3 * design.link_width:.4g} mm wide"
+        if design.link_width
+        else "space of the joint centres"
+    )
+    ax.plot(
+        [left, right, right, left, left],
+        [bottom, bottom, top, top, bottom],
+        color=MUTED,
+        linewidth=pt(0.6),
+        zorder=0,
+        label=what,
+    )
     pivots = places[0, [0, 3]]
     ax.plot(*pivots.T, "^", color=MUTED, markersize=pt(8), zorder=3)
     (drawn,) = ax.plot([], [], "o-", color=MINIMUM, linewidth=pt(1.8), zorder=4)
@@ -203,6 +221,10 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     degrees = np.degrees(np.asarray(design.linkage.transmission_angle(_TURN)))
     line = ax.plot(np.degrees(_TURN), degrees, color=MINIMUM)
     extremes = ax.plot([0, 180], np.degrees(design.transmission), "o", color=RETURN)
+    for crank, value in zip((0, 180), np.degrees(design.transmission), strict=True):
+        ax.annotate(
+            f"{value:.1f}°", (crank, value), xytext=(pt(4), pt(4)), textcoords="offset points"
+        )
     low, high = min(degrees.min(), 60.0) - 5, max(degrees.max(), 120.0) + 5
     for edges in ((0.0, _GOOD), (180.0 - _GOOD, 180.0)):
         ax.axhspan(*edges, color="#F2F2F2", zorder=-1)

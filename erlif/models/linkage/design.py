@@ -5,7 +5,12 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from erlif.models.arguments import require_positive, require_single
+from erlif.models.arguments import (
+    check_length,
+    require_not_negative,
+    require_positive,
+    require_single,
+)
 from erlif.models.linkage.measures import (
     Kind,
     grashof_class,
@@ -49,13 +54,16 @@ class LinkageDesign:
     transmission : (float, float)
         Smallest and largest angle between coupler and rocker. [rad]
     space : (float, float)
-        Sides of the box of all joint centres over a turn, along and across the ground link. [m]
+        Sides of the box that all links sweep over a turn, along and across the ground link; of
+        their joint centres where `link_width` is 0. [m]
     kind : str
         Class by Grashof's condition.
     crank_speed : float
         Speed of the crank; NaN where no speed is given. [rad/s]
     departures : tuple of str
         Targets and limits that it misses, one sentence each.
+    link_width : float
+        Width of the links, with round ends about their joints. [m]
     """
 
     linkage: CrankRocker
@@ -68,6 +76,7 @@ class LinkageDesign:
     kind: Kind
     crank_speed: float = np.nan
     departures: tuple[str, ...] = ()
+    link_width: float = 0.0
 
     @property
     def rocker_speed(self) -> float:
@@ -87,7 +96,11 @@ class LinkageDesign:
 
 
 def measure_linkage(
-    linkage: CrankRocker, *, crank_speed: float | None = None, rocker_speed: float | None = None
+    linkage: CrankRocker,
+    *,
+    crank_speed: float | None = None,
+    rocker_speed: float | None = None,
+    link_width: float = 0.0,
 ) -> LinkageDesign:
     """Measure a crank-rocker.
 
@@ -99,6 +112,8 @@ def measure_linkage(
         Speed of the crank, positive. [rad/s]
     rocker_speed : float, optional
         Wanted greatest rocker speed, which gives the crank speed. [rad/s]
+    link_width : float
+        Width of the links, with round ends about their joints, for the space. [m]
 
     Returns
     -------
@@ -108,7 +123,7 @@ def measure_linkage(
     Raises
     ------
     ModelError
-        A speed that is not one positive number.
+        A speed that is not one positive number, or a negative width.
 
     Examples
     --------
@@ -121,11 +136,14 @@ def measure_linkage(
     >>> print(f"{np.degrees(found.swing):.3f} degrees, {found.time_ratio:.4f}")
     24.426 degrees, 1.0014
     """
+    require_single(link_width=link_width)
+    require_not_negative(link_width=link_width)
+    check_length(link_width=link_width)
     links = links_of(linkage)
     excess = float(stroke_excess(links))
     slower: Stroke = "rising" if excess > 0 else "falling"
     smallest, largest = transmission_limits(links)
-    along, across = space(links)
+    along, across = space(links, link_width)
     found = LinkageDesign(
         linkage=linkage,
         swing=float(swing(links)),
@@ -135,6 +153,7 @@ def measure_linkage(
         transmission=(float(smallest), float(largest)),
         space=(float(along), float(across)),
         kind=grashof_class(**links._asdict()),
+        link_width=float(link_width),
     )
 
     given = {"crank_speed": crank_speed, "rocker_speed": rocker_speed}

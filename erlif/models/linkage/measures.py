@@ -152,11 +152,13 @@ def least_transmission(links: Links) -> Values:
     return np.minimum(smallest, np.pi - largest)
 
 
-def space(links: Links) -> tuple[Values, Values]:
-    """Sides of the box of all joint centres over a turn, along and across the ground link. [m]
+def swept_box(links: Links, width: Values = 0.0) -> tuple[Values, Values, Values, Values]:
+    """Box that all links sweep over a turn: left, right, bottom and top from the crank pivot. [m]
 
-    The circle of the crank pin, the arc of the rocker pin and the rocker pivot fill it; coupler and
-    rocker are straight between them.
+    The circle of the crank pin, the arc of the rocker pin and the rocker pivot fill that of the
+    joint centres; coupler and rocker are straight between them. Links of a width with round ends
+    about their joints are their centre lines with a disc drawn along them, so that their outline
+    reaches half of the width beyond on each side.
     """
     a, _, c, d = links
     smallest, largest = rocker_limits(links)
@@ -165,7 +167,14 @@ def space(links: Links) -> tuple[Values, Values]:
 
     # the rocker pin is highest upright, where its arc contains that place
     upright = np.clip(np.pi / 2, smallest, largest)
-    return right - left, np.maximum(a, c * np.sin(upright)) + a
+    top = np.maximum(a, c * np.sin(upright))
+    return left - width / 2, right + width / 2, -a - width / 2, top + width / 2
+
+
+def space(links: Links, width: Values = 0.0) -> tuple[Values, Values]:
+    """Sides of the swept box, along and across the ground link. [m]"""
+    left, right, bottom, top = swept_box(links, width)
+    return right - left, top - bottom
 
 
 def rocker_rates(links: Links, crank_angle: Values) -> tuple[Values, Values]:

@@ -20,6 +20,7 @@ from erlif.models.arguments import (
     Values,
     check_length,
     require_between,
+    require_not_negative,
     require_positive,
     require_single,
 )
@@ -97,11 +98,12 @@ class _Limits:
 
     transmission: float
     size: tuple[float, float]
+    width: float
 
     def score(self, links: Links) -> Values:
         """Least transmission angle, or minus the excess over the limits where one is broken."""
         angle = least_transmission(links)
-        sides = zip(space(links), self.size, strict=True)
+        sides = zip(space(links, self.width), self.size, strict=True)
         excess = sum(np.maximum(side / limit - 1, 0.0) for side, limit in sides)
         excess = excess + np.maximum(self.transmission - angle, 0.0)
         return np.where(excess > ATTAINED, -excess, angle)
@@ -116,6 +118,7 @@ def synthesise_crank_rocker(
     rocker_speed: float | None = None,
     least_transmission_angle: float = 0.0,
     largest_size: tuple[float, float] = (np.inf, np.inf),
+    link_width: float = 0.0,
     crank: float | None = None,
     coupler: float | None = None,
     rocker: float | None = None,
@@ -143,7 +146,10 @@ def synthesise_crank_rocker(
     least_transmission_angle : float
         Smallest acute angle between coupler and rocker that is accepted. [rad]
     largest_size : (float, float)
-        Largest space of the joint centres along and across the ground link. [m]
+        Largest space that the links sweep, along and across the ground link. [m]
+    link_width : float
+        Width of the links, with round ends about their joints; 0 for the space of the joint
+        centres. [m]
     crank, coupler, rocker, ground : float, optional
         Given lengths, two at least. [m]
     longest_link : float, optional
@@ -184,12 +190,14 @@ def synthesise_crank_rocker(
     targets = {name: value for name, value in wanted.items() if value is not None}
     others = speeds | {"longest_link": longest_link}
     numbers = given | targets | {name: value for name, value in others.items() if value is not None}
-    require_single(**numbers, least_transmission_angle=least_transmission_angle)
+    or_zero = {"least_transmission_angle": least_transmission_angle, "link_width": link_width}
+    require_single(**numbers, **or_zero)
     require_positive(**numbers)
-    for name, value in (numbers | {"least_transmission_angle": least_transmission_angle}).items():
+    require_not_negative(link_width=link_width)
+    for name, value in (numbers | or_zero).items():
         if np.isnan(value):
             raise ModelError(f"{name} must be a number, got NaN.")
-    check_length(**given)
+    check_length(**given, link_width=link_width)
     _refuse_impossible(targets, least_transmission_angle, largest_size)
     if crank_speed is not None and rocker_speed is not None:
         if speed_ratio is not None:
@@ -206,7 +214,7 @@ def synthesise_crank_rocker(
 
     # every branch is a set of smooth equations: one stroke for the speed, one sense of time
     domain = find_domain(given, longest_link)
-    limits = _Limits(least_transmission_angle, largest_size)
+    limits = _Limits(least_transmission_angle, largest_size, link_width)
     places: list[Array] = []
     for branch in _branches(targets):
         places += _solve(domain, branch, limits)
@@ -216,7 +224,9 @@ def synthesise_crank_rocker(
         linkage = _linkage_at(domain, place)
         if linkage is None:
             continue
-        found = measure_linkage(linkage, crank_speed=crank_speed, rocker_speed=rocker_speed)
+        found = measure_linkage(
+            linkage, crank_speed=crank_speed, rocker_speed=rocker_speed, link_width=link_width
+        )
         found = replace(found, departures=_departures(found, targets, limits))
         if not any(_is_same(found, other) for other in designs):
             designs.append(found)

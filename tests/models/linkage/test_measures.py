@@ -1,5 +1,7 @@
 """Measures of crank-rockers: closed forms, the rig, and a position solver of the tests."""
 
+import itertools
+
 import numpy as np
 import numpy.testing as npt
 import pytest
@@ -14,6 +16,7 @@ from erlif.models.linkage.measures import (
     space,
     speed_ratio,
     stroke_excess,
+    swept_box,
     swing,
     transmission_limits,
 )
@@ -77,6 +80,26 @@ def test_measures_are_those_of_the_positions(solver, draw_linkage):
         turn = np.linspace(0, 2 * np.pi, 2001)
         pins = np.concatenate([one.rocker_pin(turn), one.crank * np.exp(1j * turn), [one.ground]])
         npt.assert_allclose(space(links), [np.ptp(pins.real), np.ptp(pins.imag)], rtol=1e-4)
+
+
+def test_the_space_of_wide_links_holds_their_outline(solver, draw_linkage):
+    """Discs of half of the width, drawn along all links at 721 positions."""
+    rng = np.random.default_rng(5)
+    disc = np.exp(1j * np.linspace(0, 2 * np.pi, 33))
+    part = np.linspace(0, 1, 9)
+    for _ in range(5):
+        links = Links(*draw_linkage(rng))
+        width = rng.uniform(0.05, 0.6) * links.ground
+        one, turn = solver(links), np.linspace(0, 2 * np.pi, 721)
+        pin = one.crank * np.exp(1j * turn)
+        joints = (0 * pin, pin, one.rocker_pin(turn), 0 * pin + one.ground)
+        centres = [a + part[:, None] * (b - a) for a, b in itertools.pairwise(joints)]
+        outline = np.add.outer(width / 2 * disc, np.concatenate(centres).ravel())
+        sides = [np.ptp(outline.real), np.ptp(outline.imag)]
+        npt.assert_allclose(space(links, width), sides, rtol=2e-4)
+        left, _, bottom, _ = swept_box(links, width)
+        corner = [outline.real.min(), outline.imag.min()]
+        npt.assert_allclose([left, bottom], corner, atol=2e-4 * links.ground)
 
 
 def test_arrays_give_what_single_linkages_give(draw_linkage):

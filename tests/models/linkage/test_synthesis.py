@@ -7,7 +7,7 @@ import numpy.testing as npt
 import pytest
 
 from erlif.core.errors import ModelError
-from erlif.models.linkage import synthesise_crank_rocker
+from erlif.models.linkage import measure_linkage, synthesise_crank_rocker
 
 NAMES = ("crank", "coupler", "rocker", "ground")
 RIG = {"crank": 0.055, "coupler": 0.44, "rocker": 0.26, "ground": 0.51}
@@ -178,6 +178,12 @@ def test_limits_sort_and_shape_the_designs():
     (held,) = synthesise_crank_rocker(largest_size=size, **family).designs
     assert free.space[0] > 0.55 >= held.space[0] - 1e-9
     npt.assert_allclose(held.space[0], 0.55, rtol=1e-6)
+    (wide,) = synthesise_crank_rocker(largest_size=size, link_width=0.03, **family).designs
+    npt.assert_allclose(wide.space[0], 0.55, rtol=1e-6)
+    centres = measure_linkage(wide.linkage).space
+    npt.assert_allclose(wide.space, np.add(centres, 0.03))
+    with pytest.raises(ModelError, match="link_width must not be negative"):
+        synthesise_crank_rocker(link_width=-0.03, **family)
     tight = synthesise_crank_rocker(largest_size=(0.3, 0.3), **family)
     assert "none within the limits" in tight.statement
     assert "mm along the ground link, above 300" in tight.designs[0].departures[0]
