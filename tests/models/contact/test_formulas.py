@@ -1,0 +1,219 @@
+"""What all contacts share: kinds of arrays, missing and bad values, slips of units."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from scenes.formulas import (
+    assert_broadcasts,
+    assert_infinity_is_named,
+    assert_missing_values_pass,
+    evaluate,
+)
+
+from erlif.core.errors import ModelError, UnitWarning
+from erlif.models.contact import (
+    conformal_radius,
+    contact_modulus,
+    hertz_ellipse,
+    hertz_line,
+    impact_force,
+    impact_stiffness,
+    persson_contact,
+    persson_group,
+    persson_half_angle,
+    persson_load,
+    persson_peak_group,
+    persson_pressure,
+    projected_pressure,
+    relative_radii,
+    scale_load,
+    scale_stress,
+    sinusoidal_pressure,
+    thesis_ellipse,
+    winkler_contact,
+    winkler_load,
+    winkler_modulus,
+)
+
+STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
+
+
+def test_coordinates_of_several_arguments_cross():
+    load = xr.DataArray([1e4, 1e5, 2e5], dims="stage")
+    shaft = xr.DataArray([0.0098, 0.01], dims="fit")
+    case = {"bushing_radius": 0.0102, "thickness": 0.01, "modulus": 1e12}
+    crossed = winkler_contact(load, shaft_radius=shaft, **case)
+    assert crossed.torque_ratio.dims == ("stage", "fit")
+    alone = winkler_contact(2e5, shaft_radius=0.0098, **case)
+    for name in ("half_angle", "eccentricity", "pressure", "torque_ratio"):
+        npt.assert_allclose(getattr(crossed, name)[2, 0], getattr(alone, name))
+    back = winkler_load(crossed.half_angle, shaft_radius=shaft, **case)
+    npt.assert_allclose(
+        back.transpose("stage", "fit"), np.broadcast_to(load.values[:, None], (3, 2)), rtol=1e-6
+    )
+    radius = xr.DataArray([1.0, 4.0], dims="lobe")
+    ellipse = hertz_ellipse(load, radius=radius, radius_across=0.5, contact_modulus=STEEL)
+    one = hertz_ellipse(1e5, radius=4.0, radius_across=0.5, contact_modulus=STEEL)
+    npt.assert_allclose(ellipse.a.transpose("stage", "lobe")[1, 1], one.a)
+    npt.assert_allclose(ellipse.pressure.transpose("stage", "lobe")[1, 1], one.pressure)
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: persson_half_angle(-0.7), "group"),
+        (lambda: persson_group(np.pi), "half_angle"),
+        (
+            lambda: persson_load(2.0, play=1e-4, youngs_modulus=2e11),
+            "half_angle must be below 84.8",
+        ),
+        (
+            lambda: persson_contact(-1.0, play=1e-4, pin_diameter=0.1, youngs_modulus=2e11),
+            "load_per_length",
+        ),
+        (lambda: hertz_line(1.0, radius=-1.0, contact_modulus=1e11), "radius"),
+        (
+            lambda: hertz_ellipse(1.0, radius=1.0, radius_across=2.0, contact_modulus=1e11),
+            "larger reduced radius",
+        ),
+        (
+            lambda: thesis_ellipse(1.0, radius=1.0, radius_across=0.2, contact_modulus=-1e11),
+            "contact_modulus",
+        ),
+        (
+            lambda: winkler_contact(
+                1.0, shaft_radius=0.011, bushing_radius=0.01, thickness=1e-3, modulus=1e9
+            ),
+            "bushing_radius must exceed shaft_radius",
+        ),
+        (
+            lambda: winkler_load(
+                1.6, shaft_radius=0.009, bushing_radius=0.01, thickness=1e-3, modulus=1e9
+            ),
+            "half_angle must lie in 0 to 1.5708",
+        ),
+        (
+            lambda: relative_radii(0.0, radius_1_across=1.0, radius_2=1.0, radius_2_across=1.0),
+            "must not be zero",
+        ),
+        (
+            lambda: impact_force(1.0, rate=1.0, impact_speed=1.0, stiffness=1.0, restitution=1.2),
+            "restitution",
+        ),
+    ],
+)
+def test_bad_values_are_named(call, named):
+    with pytest.raises(ModelError, match=named):
+        call()
+
+
+FORMULAS = {
+    conformal_radius: {"pin_radius": 0.0333, "bushing_radius": 0.0336},
+    contact_modulus: {"youngs_1": 2e11, "poisson_1": 0.3, "youngs_2": 2.7e9, "poisson_2": 0.37},
+    scale_load: {
+        "load": 1e5,
+        "youngs_modulus": 2e11,
+        "model_youngs_modulus": 2.7e9,
+        "length_ratio": 0.5,
+    },
+    scale_stress: {"stress": 1e6, "youngs_modulus": 2e11, "model_youngs_modulus": 2.7e9},
+    projected_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
+    sinusoidal_pressure: {"load_per_length": 1e5, "pin_diameter": 0.08},
+    hertz_line: {"load_per_length": 1e5, "radius": 4.872, "contact_modulus": 1.1e11},
+    relative_radii: {
+        "radius_1": -0.04,
+        "radius_1_across": 0.2,
+        "radius_2": 0.03,
+        "radius_2_across": 0.3,
+        "angle": 0.2,
+    },
+    hertz_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
+    thesis_ellipse: {"load": 1e5, "radius": 4.9, "radius_across": 0.2, "contact_modulus": 1.1e11},
+    persson_group: {"half_angle": 0.7},
+    persson_peak_group: {"half_angle": 0.7},
+    persson_half_angle: {"group": 0.7},
+    persson_pressure: {
+        "angle": 0.3,
+        "half_angle": 0.7,
+        "load_per_length": 1e5,
+        "pin_diameter": 0.08,
+    },
+    persson_contact: {
+        "load_per_length": 1e5,
+        "play": 4e-4,
+        "pin_diameter": 0.08,
+        "youngs_modulus": 2e11,
+    },
+    persson_load: {"half_angle": 0.7, "play": 4e-4, "youngs_modulus": 2e11},
+    winkler_modulus: {"youngs_modulus": 1.1e9, "poisson": 0.4},
+    winkler_load: {
+        "half_angle": 0.7,
+        "shaft_radius": 0.0098,
+        "bushing_radius": 0.0102,
+        "thickness": 0.003,
+        "modulus": 1e9,
+    },
+    winkler_contact: {
+        "load_per_length": 1e5,
+        "shaft_radius": 0.0098,
+        "bushing_radius": 0.0102,
+        "thickness": 0.003,
+        "modulus": 1e9,
+    },
+    impact_stiffness: {"pin_radius": 0.0095, "bushing_radius": 0.0096, "contact_modulus": 1.6e8},
+    impact_force: {
+        "penetration": 1e-5,
+        "rate": 0.05,
+        "impact_speed": 0.1,
+        "stiffness": 1e8,
+        "restitution": 0.9,
+    },
+}
+
+EVERY_FORMULA = pytest.mark.parametrize(
+    ("formula", "case"), FORMULAS.items(), ids=[formula.__name__ for formula in FORMULAS]
+)
+
+
+@EVERY_FORMULA
+def test_scalars_give_floats_and_arrays_broadcast(formula, case):
+    assert_broadcasts(formula, case)
+
+
+@EVERY_FORMULA
+def test_infinite_argument_is_refused_by_name(formula, case):
+    straight = {"radius_1", "radius_1_across", "radius_2", "radius_2_across"}
+    assert_infinity_is_named(formula, case, allowed=straight if formula is relative_radii else ())
+
+
+@EVERY_FORMULA
+def test_missing_value_gives_a_missing_result(formula, case):
+    assert_missing_values_pass(formula, case)
+
+
+@pytest.mark.parametrize(
+    ("formula", "slip", "name"),
+    [
+        (contact_modulus, {"youngs_2": 2.7}, "youngs_2 = 2.7 Pa .* GPa"),
+        (conformal_radius, {"bushing_radius": 33.6}, "bushing_radius = 33.6 m .* mm"),
+        (scale_load, {"model_youngs_modulus": 2.7}, "model_youngs_modulus = 2.7 Pa"),
+        (scale_stress, {"youngs_modulus": 200.0}, "youngs_modulus = 200 Pa"),
+        (projected_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m .* mm"),
+        (sinusoidal_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (hertz_line, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (hertz_ellipse, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (thesis_ellipse, {"contact_modulus": 110.0}, "contact_modulus = 110 Pa"),
+        (persson_pressure, {"pin_diameter": 80.0}, "pin_diameter = 80 m"),
+        (persson_contact, {"youngs_modulus": 200.0}, "youngs_modulus = 200 Pa"),
+        (persson_load, {"youngs_modulus": 2e5}, "youngs_modulus = 200000 Pa"),
+        (winkler_modulus, {"youngs_modulus": 1.1}, "youngs_modulus = 1.1 Pa"),
+        (winkler_load, {"modulus": 1.0}, "modulus = 1 Pa"),
+        (winkler_contact, {"load_per_length": 1e-5, "modulus": 1.0}, "modulus = 1 Pa"),
+        (impact_stiffness, {"contact_modulus": 0.16}, "contact_modulus = 0.16 Pa"),
+        (impact_force, {"impact_speed": 1e5}, "impact_speed = 100000 m/s .* mm/s"),
+    ],
+)
+def test_slip_of_units_warns(formula, slip, name):
+    with pytest.warns(UnitWarning, match=name):
+        evaluate(formula, FORMULAS[formula] | slip)

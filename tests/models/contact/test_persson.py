@@ -1,0 +1,177 @@
+"""Persson's contact: the table of the source, equilibrium, limits, inverses."""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import (
+    conformal_radius,
+    hertz_line,
+    persson_contact,
+    persson_group,
+    persson_half_angle,
+    persson_load,
+    persson_peak_group,
+    persson_pressure,
+    projected_pressure,
+    sinusoidal_pressure,
+)
+
+LBF = 4.4482216152605
+
+TABLE = [
+    line.split(",")
+    for line in (Path(__file__).parents[2] / "reference" / "persson_table_strand_2005.csv")
+    .read_text()
+    .splitlines()[5:]
+]
+FINITE = TABLE[:-1]
+
+
+def half_unit(printed):
+    """Half a unit of the last printed digit."""
+    return 0.5 * 10.0 ** -len(printed.partition(".")[2])
+
+
+@pytest.mark.parametrize("row", FINITE, ids=[row[0] for row in FINITE])
+def test_table_of_eq_9(row):  # Strand (2005), appendix: 105 rows, to the last printed digit
+    tangent, alpha, group, peak = row
+    half_angle = 2 * np.arctan(float(tangent))
+    assert abs(np.degrees(half_angle) - float(alpha)) <= half_unit(alpha)
+    assert abs(persson_group(half_angle) - float(group)) <= half_unit(group)
+    assert abs(persson_peak_group(half_angle) - float(peak)) <= half_unit(peak)
+
+
+def test_the_table_has_105_finite_rows_and_a_last_one():
+    assert len(FINITE) == 105
+    assert TABLE[-1] == ["inf", "180.0", "-2/pi", "-2/pi"]
+    npt.assert_allclose(persson_group(np.pi - 1e-6), -2 / np.pi, rtol=1e-9)
+    npt.assert_allclose(
+        persson_peak_group(np.pi - 1e-6), 2 / np.pi, rtol=1e-9
+    )  # the print has the wrong sign
+
+
+@given(st.floats(1e-3, np.pi - 1e-3))
+def test_persson_pressure_carries_the_load(half_angle):
+    case = {"half_angle": half_angle, "load_per_length": 3.0, "pin_diameter": 0.5}
+    carried = quad(  # sin(t) in place of the angle takes the square root out of the ends
+        lambda t: (
+            persson_pressure(half_angle * np.sin(t), **case)
+            * np.cos(half_angle * np.sin(t))
+            * np.cos(t)
+        ),
+        -np.pi / 2,
+        np.pi / 2,
+        epsabs=0,
+        epsrel=1e-11,
+        limit=400,
+    )[0]
+    npt.assert_allclose(carried * half_angle * 0.25, 3.0, rtol=1e-8)
+    npt.assert_allclose(
+        persson_pressure(0.0, **case), persson_peak_group(half_angle) * 2 * 3.0 / 0.5, rtol=1e-9
+    )
+    npt.assert_allclose(
+        persson_pressure(0.4 * half_angle, **case), persson_pressure(-0.4 * half_angle, **case)
+    )
+
+
+def test_persson_pressure_ends_at_the_contact():
+    pressure = persson_pressure(
+        np.array([0.99, 1.0, 1.5]), half_angle=1.0, load_per_length=1.0, pin_diameter=1.0
+    )
+    assert pressure[0] > 0
+    npt.assert_array_equal(pressure[1:], 0)
+
+
+def test_narrow_contact_is_hertzian():
+    # plane stress: E* = E/2 for two equal bodies; R = d^2 / (2 Delta) for a small play
+    diameter, play, youngs, load = 0.1, 1e-3, 200e9, 1e3
+    radius = conformal_radius(diameter / 2, bushing_radius=(diameter + play) / 2)
+    half_width, pressure = hertz_line(load, radius=radius, contact_modulus=youngs / 2)
+    half_angle, peak = persson_contact(
+        load, play=play, pin_diameter=diameter, youngs_modulus=youngs
+    )
+    npt.assert_allclose(peak, pressure, rtol=0.01)  # d/D differs by 1 %
+    npt.assert_allclose(half_angle * diameter / 2, half_width, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("alpha", "percent", "digit"),
+    [(5, -0.30, 0.005), (10, -1.2, 0.05), (20, -4.8, 0.05), (40, -19, 0.5)],
+)
+def test_hertz_is_low_in_a_conformal_joint(alpha, percent, digit):
+    # Hertz in the groups of eq. 9: d p / 2q = sqrt(2 E Delta / (2q) / pi)
+    half_angle = np.radians(alpha)
+    hertz = np.sqrt(persson_group(half_angle) / (2 * np.pi))
+    deviation = 100 * (hertz / persson_peak_group(half_angle) - 1)
+    npt.assert_allclose(deviation, percent, atol=digit)
+
+
+def test_landmarks_of_persson():
+    half_angle = np.linspace(0.1, 3.1, 300_001)
+    peak = persson_peak_group(half_angle)
+    npt.assert_allclose(peak.min(), 0.580093, atol=5e-7)
+    npt.assert_allclose(np.degrees(half_angle[peak.argmin()]), 105.6, atol=0.05)
+    npt.assert_allclose(np.tan(persson_half_angle(0.0) / 2), 0.9136, atol=5e-5)
+    # d pmax / 2q of the cosine is 2/pi, of twice the projected pressure 1; both are safe above
+    # these angles (printed 72, 38)
+    for simple, alpha in (
+        (sinusoidal_pressure(1.0, pin_diameter=1.0), 72.861),
+        (2 * projected_pressure(1.0, pin_diameter=1.0), 38.794),
+    ):
+        first_safe = half_angle[np.argmax(2 * peak <= simple)]
+        npt.assert_allclose(np.degrees(first_safe), alpha, atol=1e-3)
+    npt.assert_allclose(2 * persson_peak_group(np.radians(72)) / (4 / np.pi) - 1, 0.006, atol=5e-4)
+    npt.assert_allclose(2 * persson_peak_group(np.radians(38)) / 2 - 1, 0.018, atol=5e-4)
+
+
+def test_thesis_joint_under_100_klbf():
+    half_angle, pressure = persson_contact(
+        1e5 * LBF / 0.237, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9
+    )
+    npt.assert_allclose(np.degrees(half_angle), 17.974, atol=5e-4)
+    npt.assert_allclose(pressure / 1e6, 115.612, atol=5e-4)
+
+
+@given(st.floats(1e-6, np.pi - 1e-5))
+def test_persson_inverts(half_angle):
+    npt.assert_allclose(persson_half_angle(persson_group(half_angle)), half_angle, rtol=1e-6)
+    play = np.sign(persson_group(half_angle)) * 1e-4
+    if abs(persson_group(half_angle)) > 1e-9:
+        load = persson_load(half_angle, play=play, youngs_modulus=2e11)
+        found, _ = persson_contact(load, play=play, pin_diameter=0.1, youngs_modulus=2e11)
+        npt.assert_allclose(found, half_angle, rtol=1e-6)
+
+
+@given(st.floats(1e-4, 3.0), st.floats(1e-4, 3.0))
+def test_persson_angle_falls_with_play_over_load(one, other):
+    low, high = sorted((one, other))
+    if high - low > 1e-6:
+        assert persson_group(low) > persson_group(high)
+
+
+def test_persson_keeps_coordinates():
+    load = xr.DataArray([1e5, 1e6], dims="stage", coords={"stage": [1, 2]})
+    half_angle, pressure = persson_contact(
+        load, play=0.46e-3, pin_diameter=0.06672, youngs_modulus=200e9
+    )
+    assert isinstance(half_angle, xr.DataArray)
+    assert list(pressure.stage) == [1, 2]
+    assert float(half_angle[0]) < float(half_angle[1])
+
+
+def test_interference_that_closes_the_contact_is_named_as_play():
+    with pytest.raises(ModelError, match=r"^play must keep .* above -2/pi"):
+        persson_contact(1e5, play=-1e-4, pin_diameter=0.08, youngs_modulus=2e11)
+
+
+def test_load_of_a_contact_without_play_is_undetermined():
+    with pytest.raises(ModelError, match=r"^play must not be zero"):
+        persson_load(1.0, play=0.0, youngs_modulus=2e11)

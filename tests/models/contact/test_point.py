@@ -1,0 +1,119 @@
+"""Elliptical contact of Hertz: the lobed bushing of Farzaneh (2002), limits, integrals."""
+
+import numpy as np
+import numpy.testing as npt
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.special import ellipe, ellipk
+
+from erlif.core.errors import ModelError
+from erlif.models.contact import (
+    conformal_radius,
+    contact_modulus,
+    hertz_ellipse,
+    relative_radii,
+    thesis_ellipse,
+)
+
+STEEL = contact_modulus(200e9, poisson_1=0.3, youngs_2=200e9, poisson_2=0.3)
+RADIUS = conformal_radius(0.03336, bushing_radius=0.03359)
+LOBE = relative_radii(-0.03359, radius_1_across=0.2, radius_2=0.03336, radius_2_across=np.inf)
+
+# groups of lengths and moduli near 1, or radii beyond those of machines, are no slips of units
+DIMENSIONLESS = pytest.mark.filterwarnings("ignore::erlif.core.errors.UnitWarning")
+
+
+@pytest.mark.parametrize(
+    ("load", "pressure", "a", "b", "approach"),
+    [(222.41e3, 1023.84, 29.523, 3.5132, 0.116734), (22.241e3, 475.225, 13.703, 1.6307, 0.0251497)],
+)
+def test_lobed_bushing_of_the_thesis(load, pressure, a, b, approach):
+    """Farzaneh (2002), eqs. B.7 to B.11."""
+    found = thesis_ellipse(load, radius=LOBE[0], radius_across=LOBE[1], contact_modulus=STEEL)
+    npt.assert_allclose(found.pressure / 1e6, pressure, rtol=1e-5)
+    npt.assert_allclose([found.a * 1e3, found.b * 1e3], [a, b], rtol=5e-5)
+    npt.assert_allclose(found.approach * 1e3, approach, rtol=1e-5)
+
+
+def test_lobed_bushing_with_exact_integrals():
+    found = hertz_ellipse(222.41e3, radius=LOBE[0], radius_across=LOBE[1], contact_modulus=STEEL)
+    npt.assert_allclose(found.pressure / 1e6, 1019.31, rtol=1e-5)
+    npt.assert_allclose([found.a * 1e3, found.b * 1e3], [28.541, 3.6502], rtol=2e-5)
+    npt.assert_allclose(found.approach * 1e3, 0.116911, rtol=1e-5)
+    npt.assert_allclose(found.a / found.b, 7.8191, rtol=1e-5)
+    npt.assert_allclose((LOBE[0] / LOBE[1]) ** (2 / 3), 8.4033, rtol=1e-5)
+    npt.assert_allclose(np.sqrt(LOBE[0] * LOBE[1]), 0.987118, rtol=1e-6)
+
+
+def test_b10_as_printed_misses_the_printed_pressure():
+    """With only the lost exponent 1/3 restored it gives 876.5 MPa."""
+    P, Req, F1 = 222.41e3, np.sqrt(LOBE[0] * LOBE[1]), 0.89
+    printed = (6 * P * STEEL**2 / (np.pi**3 * Req**2)) ** (1 / 3) * F1 ** (-2 / 3)
+    npt.assert_allclose(printed / 1e6, 876.5, atol=0.05)
+
+
+@DIMENSIONLESS
+@given(st.floats(1.0, 1e4), st.floats(1e-3, 10.0))
+def test_elliptical_contact_solves_hertz(ratio, radius):
+    """Classical form with complete elliptic integrals; load under the semi-ellipsoid."""
+    load, modulus = 100.0, 1e11
+    found = hertz_ellipse(
+        load, radius=radius, radius_across=radius / ratio, contact_modulus=modulus
+    )
+    npt.assert_allclose(2 / 3 * np.pi * found.a * found.b * found.pressure, load, rtol=1e-9)
+    if ratio > 1.001:  # K - E cancels in a circle
+        m = 1 - (found.b / found.a) ** 2
+        K, E = ellipk(m), ellipe(m)
+        npt.assert_allclose(((found.a / found.b) ** 2 * E - K) / (K - E), ratio, rtol=1e-6)
+        # Johnson (1985), 4.26: 1/(2 R'') = p0 b [(a/b)^2 E - K] / (E* e^2 a^2)
+        across = (
+            found.pressure
+            * found.b
+            / (modulus * m * found.a**2)
+            * ((found.a / found.b) ** 2 * E - K)
+        )
+        npt.assert_allclose(across, ratio / (2 * radius), rtol=1e-6)
+        npt.assert_allclose(found.approach, found.pressure * found.b * K / modulus, rtol=1e-6)
+
+
+def test_circular_contact_is_the_textbook_one():
+    found = hertz_ellipse(100.0, radius=0.02, radius_across=0.02, contact_modulus=1e11)
+    radius = (3 * 100.0 * 0.02 / (4 * 1e11)) ** (1 / 3)
+    npt.assert_allclose([found.a, found.b], radius, rtol=1e-9)
+    npt.assert_allclose(found.approach, radius**2 / 0.02, rtol=1e-9)
+
+
+def test_relative_radii_turn_with_the_bodies():  # Farzaneh (2002), eqs. B.3 and B.4
+    straight = {
+        "radius_1": 0.1,
+        "radius_1_across": np.inf,
+        "radius_2": 0.1,
+        "radius_2_across": np.inf,
+    }
+    # crossed cylinders touch like a sphere
+    npt.assert_allclose(relative_radii(**straight, angle=np.pi / 2), (0.1, 0.1))
+    with pytest.raises(ModelError, match="gap all round"):
+        relative_radii(**straight)
+    npt.assert_allclose(LOBE, (RADIUS, 0.2))
+    turned = [
+        relative_radii(0.1, radius_1_across=0.3, radius_2=0.2, radius_2_across=0.5, angle=t)
+        for t in (0.3, -0.3)
+    ]
+    assert turned[0] == turned[1]
+    # the sum of the curvatures does not depend on the angle
+    npt.assert_allclose(sum(1 / r for r in turned[0]), 1 / 0.1 + 1 / 0.3 + 1 / 0.2 + 1 / 0.5)
+
+
+def test_relative_radii_of_many_bodies_are_those_of_each():
+    radius, angle = np.array([0.1, 0.2]), np.array([[0.0], [0.5], [1.5]])
+    case = {"radius_1_across": 0.3, "radius_2": 0.2, "radius_2_across": np.inf}
+    found = relative_radii(radius, angle=angle, **case)
+    assert found.radius.shape == found.radius_across.shape == (3, 2)
+    for i, j in np.ndindex(3, 2):
+        one = relative_radii(float(radius[j]), angle=float(angle[i, 0]), **case)
+        assert (found.radius[i, j], found.radius_across[i, j]) == one
+    with pytest.raises(ModelError, match="gap all round"):
+        relative_radii([0.1, -0.1], radius_1_across=0.1, radius_2=0.2, radius_2_across=0.2)
+    with pytest.raises(ModelError, match=r"^radius_2 must not be zero"):
+        relative_radii(0.1, radius_1_across=0.1, radius_2=[0.2, 0.0], radius_2_across=0.2)
