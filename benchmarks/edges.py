@@ -22,6 +22,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line
 from erlif.models.edges import (
@@ -208,26 +209,51 @@ def compute_trends(load: float) -> None:
     print(f"uncut: 0.5 mm mean {float(found.patch_uncut) / 1e6:.0f} MPa")
 
 
+ROUGH = {"smallest_cell": 0.5e-3, "harmonics": [0, 1, 2, 3, 4, 6, 8, 16, 32, 64, 128, 256]}
+"""Twelve harmonics in place of 22: a third of the time, pressures 0.5 % apart."""
+
+
 def search(load: float) -> None:
-    """All combinations, and the lowest pressure among them."""
+    """The best undercut: all combinations with few harmonics, then all beside the best in full."""
     started = time.process_time()
-    found = search_undercut(
-        THESIS,
-        load=load,
-        depths=[0.010, 0.015, 0.020, 0.025, 0.030],
-        widths=[0.004, 0.008, 0.010],
-        lips=[0.005, 0.007, 0.008, 0.0093, 0.010, 0.011],
-        patch=0.5e-3,
-    )
-    print(f"{np.isfinite(found.patch_pressure).sum().item()} undercuts, ", end="")
-    print(f"{time.process_time() - started:.0f} s of processor time")
-    best = [float(found[f"best_{name}"]) * 1e3 for name in ("depth", "width", "lip")]
-    print(f"best: D1 {best[0]:g}, D2 {best[1]:g}, D3 {best[2]:g} mm, 0.5 mm mean ", end="")
-    print(
-        f"{float(found.patch_pressure.min()) / 1e6:.0f} of {float(found.patch_uncut) / 1e6:.0f} MPa"
-    )
-    thesis = found.patch_pressure.sel(depth=0.020, width=0.008, lip=0.0093)
-    print(f"D1 20, D2 8, D3 9.3 mm: {float(thesis) / 1e6:.0f} MPa")
+    axes = {
+        "depths": [5, 10, 15, 20, 25, 30, 35, 40],
+        "widths": [4, 6, 8, 10],
+        "lips": [3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+    }
+
+    def compute(values: dict[str, list[float]], **options: object) -> xr.Dataset:
+        lengths = {name: [each * 1e-3 for each in given] for name, given in values.items()}
+        found = search_undercut(THESIS, load=load, patch=0.5e-3, **lengths, **options)
+        count = np.isfinite(found.patch_pressure).sum().item()
+        best = [float(found[f"best_{name}"]) * 1e3 for name in ("depth", "width", "lip")]
+        lowest, uncut = float(found.patch_pressure.min()) / 1e6, float(found.patch_uncut) / 1e6
+        print(
+            f"{count} undercuts, {time.process_time() - started:.0f} s of processor time: best D1 "
+            f"{best[0]:g}, D2 {best[1]:g}, D3 {best[2]:g} mm, mean over 0.5 mm "
+            f"{lowest:.1f} of {uncut:.0f} MPa",
+            flush=True,
+        )
+        return found
+
+    found = compute(axes, **ROUGH)
+    for width in found.width.values:  # the best of each width, and how flat the optimum is
+        one = found.patch_pressure.sel(width=width)
+        place = one.where(one == one.min(), drop=True)
+        near = int((one < 1.02 * one.min()).sum())
+        print(
+            f"    D2 {width * 1e3:g}: D1 {float(place.depth[0]) * 1e3:g}, D3 "
+            f"{float(place.lip[0]) * 1e3:g} mm, {float(one.min()) / 1e6:.1f} MPa; {near} within 2 %"
+        )
+    depth, lip = (float(found[f"best_{name}"]) * 1e3 for name in ("depth", "lip"))
+    fine = {
+        "depths": [depth - 2.5, depth, depth + 2.5],
+        "widths": [8, float(found.best_width) * 1e3],
+        "lips": [lip - 0.5, lip, lip + 0.5],
+    }
+    fine = {name: sorted(set(values)) for name, values in fine.items()}
+    compute(fine)
+    compute({"depths": [20], "widths": [8], "lips": [9.3]})
 
 
 def compute_stress(load: float) -> None:
