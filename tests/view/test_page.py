@@ -13,6 +13,8 @@ import tifffile
 from scenes.long_film import phase_map, phases, write_long_film
 
 from erlif.core.flags import FLAG_COLOURS, Flag
+from erlif.files import write_dataset
+from erlif.plots import example_film, write_example
 from erlif.view.layers import palette
 
 BROWSER = next(
@@ -356,6 +358,25 @@ def test_two_films_stand_side_by_side_where_their_pixels_match(
     page.select_option("#film-a", "2")
     shows(page, 5)  # the last of the example
     assert page.inner_text("#run") == "example"
+
+
+def test_unlike_films_are_paired_by_angle_and_stroke_on_one_scale(visit, serve, tmp_path):
+    """The second film begins with the other stroke, lacks a trigger and is 5 um thicker."""
+    one = example_film()
+    two = one.isel(trigger=[3, 4, 5, 0, 1]).assign_coords(trigger=np.arange(5))
+    two["thickness"] = two.thickness + np.float32(5)
+    paths = [write_example(tmp_path / "one.nc"), tmp_path / "two.nc"]
+    write_dataset(two.assign_attrs(one.attrs), paths[1])
+    page = visit(serve(*paths).address)
+    high = float(page.input_value("#high"))
+    page.check("#two")
+    assert page.inner_text("#paired") == "at the crank angle of the first"
+    until(page, lambda: float(page.input_value("#high")) > high + 4, True)
+    # crank angles 250, 290, 330, 70, 110, 150; the one of 330 has its neighbour at 290 degree
+    for trigger, partner in ((0, 3), (1, 4), (2, 4), (3, 0), (5, 2)):
+        page.fill("#trigger-number", f"{trigger}")
+        page.press("#trigger-number", "Enter")
+        shows(page, partner, "b")
 
 
 def test_colours_layers_and_flags(page):

@@ -81,12 +81,15 @@ export class ProfileChart extends Chart {
           const share = idx === null || idx === undefined ? null
             : places[idx] / places[places.length - 1];
           if (share !== this.share) this.use.pointed(this.share = share);
+          u.root.classList.toggle("idle", share === null);
         }],
       },
     }, [[0, 1], ...Array.from({ length: 3 * count }, () => [null, null])]);
     for (const row of this.plot.root.querySelectorAll(".u-legend tr")) {
       if (/above|below/.test(row.textContent)) row.hidden = true;
     }
+    this.plot.root.classList.add("idle"); // no values without a pointer
+    this.plot.root.classList.toggle("one", count === 1);
     this.count = count;
   }
 

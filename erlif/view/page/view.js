@@ -14,6 +14,7 @@ const state = {
   layer: "thickness",
   unit: "difference",
   limits: {}, // colour limits of a layer, once known
+  fitted: {}, // panels whose map the limits of a layer hold; null where the user gave them
   window: null, // visible part of the map, in pixels of the map: left, top, right, bottom
   tool: "move",
   line: null, // x0, y0, x1, y1 in mm
@@ -98,11 +99,31 @@ function makePanels() {
 
 function mapShown(name, found) {
   const layer = layerOf(name);
-  if (!state.limits[layer]) state.limits[layer] = found.limits.map((v) => +v.toPrecision(4));
+  fitLimits(name, layer, found.limits.map((v) => +v.toPrecision(4)));
   if (name === "a") {
     showLimits();
     showKey(found.shares);
     byId("trigger").setAttribute("aria-valuetext", found.text);
+  }
+}
+
+// Both maps have one scale: that of the first map of each, and the same at all other triggers.
+function fitLimits(name, layer, found) {
+  const known = state.limits[layer];
+  const fitted = state.fitted[layer] ?? [];
+  if (known && (state.fitted[layer] === null || fitted.includes(name))) return;
+  state.fitted[layer] = [...fitted, name];
+  state.limits[layer] = !known ? found
+    : [Math.min(known[0], found[0]), Math.max(known[1], found[1])];
+  if (!known) return;
+  showLimits();
+  redraw(); // the map that was drawn first
+}
+
+function forgetLimits(...layers) {
+  for (const layer of layers) {
+    delete state.limits[layer];
+    delete state.fitted[layer];
   }
 }
 
@@ -120,13 +141,16 @@ const refreshMaps = guarded(async () => {
 
 const redraw = () => Object.values(panels).forEach((panel) => panel.draw());
 
+const describeShare = (share) => (share > 0 && share < 5e-5 ? "below 0.01 %"
+  : `${(100 * share).toFixed(2)} %`);
+
 function showKey(shares) {
   byId("key").replaceChildren(...about.flags.map((flag, n) => {
     const item = document.createElement("li");
     const swatch = document.createElement("span");
     swatch.className = "swatch";
     swatch.style.background = flag.colour;
-    const share = shares ? ` ${(100 * shares[n]).toFixed(2)} %` : "";
+    const share = shares ? ` ${describeShare(shares[n])}` : "";
     item.append(swatch, `${flag.name}${share}`);
     return item;
   }));
@@ -137,13 +161,40 @@ function showKey(shares) {
 function setTrigger(trigger, which = "a") {
   const count = film(which).triggers;
   state[which].trigger = clamp(Math.round(trigger) || 0, 0, count - 1);
-  if (which === "a" && state.linked) {
-    state.b.trigger = Math.min(state.a.trigger, film("b").triggers - 1);
-  }
+  if (which === "a" && state.linked) state.b.trigger = partner(state.a.trigger);
   byId("trigger").value = byId("trigger-number").value = state.a.trigger;
   byId("trigger-b").value = state.b.trigger;
   cycleChart?.mark();
   return refreshAll();
+}
+
+// Trigger of the second film that belongs to one of the first: the nearest crank angle, or the
+// nearest encoder angle of the same stroke; the same number where the films have no such angle.
+function partner(trigger) {
+  const last = film("b").triggers - 1;
+  const [one, two] = [cycles.get(state.a.film), cycles.get(state.b.film)];
+  const name = pairedBy();
+  const place = one?.columns[name]?.[trigger];
+  if (state.a.film === state.b.film || name === "" || place === null || place === undefined) {
+    return Math.min(trigger, last);
+  }
+  let [best, least] = [Math.min(trigger, last), Infinity];
+  two.columns[name].forEach((other, n) => {
+    if (other === null || two.stroke[n] !== one.stroke[trigger]) return;
+    const apart = Math.abs(other - place);
+    // angles of one mark scatter a little from turn to turn
+    const off = Math.round(20 * (name === "crank_angle" ? Math.min(apart, 360 - apart) : apart));
+    const nearer = off === least && Math.abs(n - trigger) < Math.abs(best - trigger);
+    if (off < least || nearer) [best, least] = [n, off];
+  });
+  return best;
+}
+
+// The angle by which both films are paired.
+function pairedBy() {
+  const both = [cycles.get(state.a.film), cycles.get(state.b.film)];
+  return ["crank_angle", "encoder_angle"].find((name) =>
+    both.every((cycle) => cycle?.columns[name])) ?? "";
 }
 
 // A number that no trigger has is reported; the nearest trigger is shown.
@@ -457,8 +508,9 @@ function fillFilm() {
 async function chooseFilm(which, number) {
   state[which].film = number;
   state[which].trigger = Math.min(state[which].trigger, film(which).triggers - 1);
+  forgetLimits(...Object.keys(state.limits).filter((layer) => which === "a"
+    || state.fitted[layer] !== null));
   if (which === "a") {
-    state.limits = {};
     fillFilm();
     if (state.layer !== "flags" && !film().images
       && !about.layers.find((one) => one.name === state.layer).stored) state.layer = "thickness";
@@ -485,6 +537,10 @@ async function loadCycles() {
   byId("axis").replaceChildren(...Object.entries(axes).map(([name, title]) =>
     new Option(title, name)));
   if (before in axes) byId("axis").value = before;
+  byId("paired").textContent = {
+    crank_angle: "at the crank angle of the first",
+    encoder_angle: "at the angle and stroke of the first",
+  }[state.a.film === state.b.film ? "" : pairedBy()] ?? "same trigger as the first";
   cycleChart.build();
 }
 
@@ -523,12 +579,12 @@ function connect() {
       if (!(found[0] < found[1])) throw new Error("The colours need two numbers, low before high.");
       report("");
       state.limits[state.layer] = found;
+      state.fitted[state.layer] = null;
       redraw();
     });
   }
   on("fit", "click", () => {
-    delete state.limits[state.layer];
-    delete state.limits[state.unit];
+    forgetLimits(state.layer, state.unit);
     return refreshMaps();
   });
   for (const radio of document.getElementsByName("tool")) {
@@ -657,7 +713,10 @@ const start = guarded(async () => {
   byId("trigger-b").value = state.b.trigger;
   await refreshMaps(); // the map first, all else after it
   profileChart.build(1);
-  await Promise.all([loadCycles(), refreshValues()]);
+  await loadCycles();
+  if (state.linked) state.b.trigger = partner(state.a.trigger);
+  byId("trigger-b").value = state.b.trigger;
+  await refreshValues();
   document.body.dataset.ready = "yes";
 });
 start();
