@@ -51,6 +51,7 @@ def impact_stiffness(
     --------
     The joint of the source, steel in PTFE; 1.494e7 is its value.
 
+    >>> from erlif.models.contact import contact_modulus
     >>> modulus = contact_modulus(206.8e9, poisson_1=0.29, youngs_2=0.139e9, poisson_2=0.38)
     >>> case = {"bushing_radius": 9.535e-3, "contact_modulus": modulus}
     >>> print(f"{impact_stiffness(9.525e-3, **case, as_printed=True):.3e}")

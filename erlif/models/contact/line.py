@@ -64,6 +64,7 @@ def hertz_line(load_per_length: Values, *, radius: Values, contact_modulus: Valu
     --------
     The acrylic joint of Farzaneh (2002) under 50 lbf over 237 mm:
 
+    >>> from erlif.models.contact import contact_modulus
     >>> modulus = contact_modulus(2.7e9, poisson_1=0.37, youngs_2=2.7e9, poisson_2=0.37)
     >>> contact = hertz_line(222.4 / 0.237, radius=4.872, contact_modulus=modulus)
     >>> print(f"{contact.half_width * 1e3:.2f} mm, {contact.pressure / 1e6:.2f} MPa")

@@ -310,6 +310,7 @@ def closed_contact_pressure(
     --------
     Where the contact closes, the pressure is 4q / (pi d), as for eq. 7:
 
+    >>> from erlif.models.contact import sinusoidal_pressure
     >>> case = {"pin_diameter": 0.08, "youngs_modulus": 200e9}
     >>> closing = 4 * 1e6 / (np.pi * 200e9)
     >>> pressure = closed_contact_pressure(1e6, interference=closing, **case)
