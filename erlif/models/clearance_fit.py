@@ -62,7 +62,7 @@ class ClearanceFit:
     modulus_high : float
         Upper end of its interval of 68 %; infinite where it is not determined. [Pa]
     chi_square : float
-        Of the residuals at the best fit; errors of the clearances are in their weights.
+        Of the residuals at the best fit; errors of the clearances are in their weights. [1]
     degrees_of_freedom : int
         Bushings less the two unknowns.
     budget : dict[str, float]

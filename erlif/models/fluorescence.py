@@ -10,7 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from erlif.core.arrays import Array
-from erlif.models.arguments import Values, broadcasting, require_not_negative, require_positive
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
 
 SERIES_BELOW = 1e-5
 """Optical depth below which (1 - exp(-x))/x is a series; the next term, x^3/24, is 4e-17 there."""
@@ -36,11 +42,17 @@ def mean_transmission(depth: Values) -> Values:
     float or array
         1 at x = 0, falling as 1/x for a thick layer. [1]
 
+    Raises
+    ------
+    ModelError
+        An infinite depth.
+
     Examples
     --------
     >>> mean_transmission([0.0, np.log(2), 1e3]).round(4)
     array([1.    , 0.7213, 0.001 ])
     """
+    require_finite(depth=depth)
     return _transmission(_float64(depth))
 
 
@@ -58,11 +70,17 @@ def mean_transmission_log_slope(depth: Values) -> Values:
     float or array
         -1/2 at x = 0, rising to -1/x for a thick layer. [1]
 
+    Raises
+    ------
+    ModelError
+        An infinite depth.
+
     Examples
     --------
     >>> mean_transmission_log_slope(0.0), mean_transmission_log_slope(100.0)
     (-0.5, -0.01)
     """
+    require_finite(depth=depth)
     x = _float64(depth)
     if hasattr(x, "dims"):
         return x.copy(data=_mean_transmission_log_slope(x.data))
@@ -84,7 +102,7 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
     attenuation : float or array
         A + B of the band, not negative. [inverse of the unit of thickness]
     brightness : float or array
-        C, light per thickness of a very thin film.
+        C, light per thickness of a very thin film. [any light/m]
 
     Returns
     -------
@@ -94,7 +112,7 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
     Raises
     ------
     ModelError
-        A negative or infinite attenuation.
+        A negative attenuation, or an infinite argument.
 
     Examples
     --------
@@ -103,6 +121,7 @@ def band_signal(thickness: Values, *, attenuation: Values, brightness: Values = 
     >>> band_signal(1000.0, attenuation=0.25)
     4.0
     """
+    require_finite(thickness=thickness, brightness=brightness)
     require_not_negative(attenuation=attenuation)
     t = _float64(thickness)
     return brightness * t * mean_transmission(attenuation * t)
@@ -157,6 +176,7 @@ def log_band_ratio(
     >>> round(float(np.exp(thick)), 6)
     1.04
     """
+    require_finite(thickness=thickness)
     require_positive(ratio_at_zero=ratio_at_zero)
     require_not_negative(
         attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
@@ -192,7 +212,7 @@ def log_band_ratio_slope(
     Raises
     ------
     ModelError
-        A negative or infinite attenuation.
+        A negative attenuation, or an infinite argument.
 
     Examples
     --------
@@ -202,6 +222,7 @@ def log_band_ratio_slope(
     >>> round(slope, 8)
     0.02408828
     """
+    require_finite(thickness=thickness)
     require_not_negative(
         attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2
     )
@@ -255,6 +276,7 @@ def log_band_ratio_gradient(
     ... )
     array([ 2.,  0., -0.])
     """
+    require_finite(thickness=thickness)
     require_positive(ratio_at_zero=ratio_at_zero)
     require_not_negative(
         attenuation_camera1=attenuation_camera1, attenuation_camera2=attenuation_camera2

@@ -366,7 +366,7 @@ def torque_ratio(angle: Values, *, pressure: Values) -> Values:
     angle : array, (..., n)
         Angles from the line of load, rising, spanning the contact. [rad]
     pressure : array, (..., n)
-        Pressure there, in any unit.
+        Pressure there. [Pa, or any unit]
 
     Returns
     -------
@@ -440,7 +440,7 @@ def average_reversals(
     radius : float
         Radius of the shaft. [m]
     direction : array, (n,)
-        Sign of the rotation; samples at 0 are left out.
+        Sign of the rotation; samples at 0 are left out. [1]
 
     Returns
     -------

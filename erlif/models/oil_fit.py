@@ -43,7 +43,7 @@ class FittedViscosity(NamedTuple):
     value : Values
         Dynamic viscosity of Vogel's law [Pa s], or kinematic one of Walther's [m2/s].
     std : Values
-        Standard deviation of the law there, in the same unit.
+        Standard deviation of the law there. [Pa s or m2/s]
     """
 
     value: Values
@@ -62,9 +62,9 @@ class ViscosityFit:
         a [Pa s], b [K] and c [K] of `erlif.models.oil.vogel_viscosity`; or A [1] and B [1] of
         log10 log10(nu + 0.7) = A - B log10 T, with nu in mm2/s and T in K.
     std : dict[str, float]
-        Standard deviations of the constants, in the same units.
+        Standard deviations of the constants, in the same units. [Pa s and K, or 1]
     covariance : array of shape (k, k)
-        Of ln a, b and c, or of A and B.
+        Of ln a, b and c, or of A and B. [1 and K, or 1]
     scatter : float
         Departure of the points from the law, as a ratio: root of the sum of squares over the
         degrees of freedom; NaN where there are none. [1]

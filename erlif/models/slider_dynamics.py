@@ -123,7 +123,7 @@ def simulate_slider_crank(
         cycles of `erlif.models.slider_wear.wear_slider_crank`. Bushing and pin then touch over an
         arc, by springs whose law in the unworn bore is that of `contact` for shallow penetrations.
     tolerance : float
-        Relative error allowed in a step of the integration.
+        Relative error allowed in a step of the integration. [1]
 
     Returns
     -------

@@ -330,7 +330,7 @@ class CoupledWear:
     Attributes
     ----------
     cycles : Values
-        Cycles since the joint was new.
+        Cycles since the joint was new. [1]
     volume : Values
         Worn volume. [m3]
     depth : Values

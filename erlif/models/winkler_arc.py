@@ -45,7 +45,7 @@ def eccentricity_of_arc(half_angle: Values, *, fit: Values) -> Values:
     half_angle : array
         Half angle of the contact. [rad]
     fit : array of the same shape
-        Shaft radius over bushing radius, below 1.
+        Shaft radius over bushing radius, above 0 and below 1. [1]
 
     Returns
     -------
@@ -71,7 +71,7 @@ def indentation_of_arc(half_angle: Values, *, fit: Values) -> Values:
     half_angle : array
         Half angle of the contact. [rad]
     fit : array of the same shape
-        Shaft radius over bushing radius, below 1.
+        Shaft radius over bushing radius, above 0 and below 1. [1]
 
     Returns
     -------
@@ -98,7 +98,7 @@ def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
     half_angle : array
         Half angle of the contact. [rad]
     fit : array of the same shape
-        Shaft radius over bushing radius, below 1.
+        Shaft radius over bushing radius, above 0 and below 1. [1]
 
     Returns
     -------
@@ -127,7 +127,7 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
     half_angle : array
         Half angle of the contact. [rad]
     fit : array of the same shape
-        Shaft radius over bushing radius, below 1.
+        Shaft radius over bushing radius, above 0 and below 1. [1]
 
     Returns
     -------
@@ -172,9 +172,9 @@ def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
     Parameters
     ----------
     supported : array
-        Load in units of E' Rb^2 / t, not above that of a half angle of 90 degrees.
+        Load in units of E' Rb^2 / t, not above that of a half angle of 90 degrees. [1]
     fit : array of the same shape
-        Shaft radius over bushing radius, below 1.
+        Shaft radius over bushing radius, above 0 and below 1. [1]
 
     Returns
     -------

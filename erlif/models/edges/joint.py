@@ -521,8 +521,14 @@ def search_undercut(
         Load on the whole pin. [N]
     depths, widths, lips : sequence of float
         D1, D2 and D3, see `Undercut`. [m]
-    smallest_cell, patch, load_span, harmonics
-        See `prepare_joint` and `solve_joint`.
+    smallest_cell : float
+        Length of the axial cells at the end of the bushing. [m]
+    patch : float
+        Axial length of the means of `patch_pressure`. [m]
+    load_span : (float, float), optional
+        Extent over which the load acts on either half of the pin, from the middle. [m]
+    harmonics : sequence of int
+        Harmonics round the axis that are computed.
 
     Returns
     -------

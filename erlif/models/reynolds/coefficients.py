@@ -41,8 +41,17 @@ def journal_coefficients(
 
     Parameters
     ----------
-    journal, speed, load, grooves, cells
-        As for `steady_journal`. The line of supply at the largest gap stays where it is.
+    journal : Journal
+        The joint.
+    speed : float
+        Speed of the bushing about the resting pin, not zero. [rad/s]
+    load : float
+        Load on the pin, positive. [N]
+    grooves : sequence of Groove, optional
+        Supplies of oil, as for `steady_journal`. The line of supply at the largest gap stays where
+        it is.
+    cells : (int, int)
+        Cells round the joint and along half of its length.
 
     Returns
     -------

@@ -222,7 +222,7 @@ def crank_motion(
     load : float
         Dead load on the pin. [N]
     cycles : float
-        Turns of the crank.
+        Turns of the crank. [1]
     steps_per_cycle : int
         Time steps of a turn.
     start_crank : float
@@ -302,6 +302,11 @@ class Mount:
 
     def direction_for(self, motion: Motion) -> float:
         """Direction of free motion, from the motion where the mount has none of its own. [rad]
+
+        Parameters
+        ----------
+        motion : Motion
+            Its load must keep its direction where this decides.
 
         Raises
         ------

@@ -76,7 +76,9 @@ def pin_shape(x: Values, z: Values, *, radius: Values, cross_radius: Values) -> 
     >>> print(f"{pin_shape(1e-3, 2e-3, radius=0.05, cross_radius=0.1) * 1e6:.1f} um")
     30.0 um
     """
-    return roller_shape(x, radius=radius) + roller_shape(z, radius=cross_radius)
+    require_finite(x=x, z=z)
+    require_positive(radius=radius, cross_radius=cross_radius)
+    return x**2 / (2 * radius) + z**2 / (2 * cross_radius)
 
 
 @broadcasting

@@ -1,0 +1,84 @@
+"""help() of every public name of the models has all arguments, fields and units."""
+
+import importlib
+import inspect
+import re
+from dataclasses import fields, is_dataclass
+
+import pytest
+
+from erlif import models
+
+NOT_THEORY = {"arguments", "coverage", "sources"}
+NUMBER = re.compile(r"\b(float|array|Values)\b")
+# flags, other objects, and text in arrays
+NO_NUMBER = re.compile(r"\b(bool|Groove|FILM_REGIMES)\b")
+UNIT = re.compile(r"\[[^\[\]]+\]")
+
+
+def public_names():
+    """Functions, classes and their public methods, with a name for the report."""
+    for name in sorted(set(models.__all__) - NOT_THEORY):
+        module = getattr(models, name)
+        if not inspect.ismodule(module):
+            continue
+        own = (
+            key
+            for key, value in vars(module).items()
+            if getattr(value, "__module__", "") == module.__name__ and not key.startswith("_")
+        )
+        for key in getattr(importlib.import_module(module.__name__), "__all__", own):
+            value = getattr(module, key)
+            if inspect.isfunction(value) or inspect.isclass(value):
+                yield f"{name}.{key}", value
+            if inspect.isclass(value):
+                yield from (
+                    (f"{name}.{key}.{method}", member)
+                    for method, member in vars(value).items()
+                    if inspect.isfunction(member) and not method.startswith("_")
+                )
+
+
+PUBLIC = dict(public_names())
+
+
+def entries(doc, title):
+    """Type and text of each entry of a section of a docstring."""
+    lines = (inspect.cleandoc(doc or "") + "\n").split("\n")
+    heads = [k for k, line in enumerate(lines[:-1]) if re.fullmatch("-+", lines[k + 1])]
+    starts = [k for k in heads if lines[k] == title]
+    found, names = {}, []
+    for k in starts:
+        end = next((head for head in heads if head > k), len(lines))
+        for line in lines[k + 2 : end]:
+            match = re.match(r"([\w, ]+?) : (.*)$", line)
+            if match:
+                names = [name.strip() for name in match[1].split(",")]
+                found |= {name: [match[2], ""] for name in names}
+            elif line.strip():
+                for name in names:
+                    found[name][1] += " " + line.strip()
+    return found
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_number_has_its_unit(name):
+    value = PUBLIC[name]
+    sections = ("Attributes",) if inspect.isclass(value) else ("Parameters", "Returns")
+    for section in sections:
+        for entry, (kind, text) in entries(value.__doc__, section).items():
+            if NUMBER.search(kind) and not NO_NUMBER.search(kind + text):
+                assert UNIT.search(text), f"{section}: {entry}"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_argument_and_field_is_there(name):
+    value = PUBLIC[name]
+    if not inspect.isclass(value):
+        wanted = set(inspect.signature(value).parameters) - {"self"}
+        assert wanted <= set(entries(value.__doc__, "Parameters"))
+        return
+    wanted = {field.name for field in fields(value)} if is_dataclass(value) else set()
+    wanted |= set(getattr(value, "_fields", ()))
+    public = {field for field in wanted if not field.startswith("_")}
+    assert public <= set(entries(value.__doc__, "Attributes"))
