@@ -39,6 +39,11 @@ _FEWEST_RUNS = 2
 )
 @click.option("--idle-load", callback=quantity("N"), help='Load up to which a run is idle, "2 kN".')
 @click.option(
+    "--least-rise",
+    type=click.FloatRange(min=0),
+    help="Smallest rise of friction that is called galling.  [default: 0.02]",
+)
+@click.option(
     "--design",
     "designs",
     metavar="NAME=PATTERN",
@@ -63,6 +68,7 @@ def endurance(
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
     idle_load: float | None,
+    least_rise: float | None,
     designs: dict[str, tuple[str, ...]],
     model: str,
     output: Path | None,
@@ -88,7 +94,7 @@ def endurance(
             write_test_table,
         )
         from erlif.files import refuse_existing
-        from erlif.plots import write_endurance_figures
+        from erlif.plots import name_overviews, write_designs_figure, write_endurance_figures
         from erlif.settings import EnduranceSettings, read_endurance_settings
 
     # everything that can be refused is refused before anything is written
@@ -103,6 +109,7 @@ def endurance(
         {name: (one,) for name, one in given.units.model_dump(exclude_none=True).items()} | units,
     )
     names = [log.stem for log in logs]
+    overviews = name_overviews(names)
     doubled = {name for name in names if names.count(name) > 1}
     if doubled:
         raise click.UsageError(
@@ -113,8 +120,8 @@ def endurance(
     output = output or logs[0].parent / "endurance"
     table = output / "endurance.csv"
     refuse_existing(table, overwrite=overwrite)
-    for name in names:
-        refuse_existing(output / f"{name}.png", overwrite=overwrite)
+    for picture in overviews.values():
+        refuse_existing(output / picture, overwrite=overwrite)
 
     found = []
     for log in logs:
@@ -129,7 +136,7 @@ def endurance(
                 calibration=machine.load_error,
                 idle_load=idle_load if idle_load is not None else machine.idle_load,
                 significance=given.galling.significance,
-                least_rise=given.galling.least_rise,
+                least_rise=given.galling.least_rise if least_rise is None else least_rise,
                 name=log.stem,
             )
         )
@@ -139,17 +146,20 @@ def endurance(
     if members:
         (first, one), (second, other) = members.items()
         failures = {result.name: result.failure for result in found}
+        old, new = ([failures[name] for name in design] for design in (one, other))
         compared = compare_designs(
-            [failures[name] for name in one],
-            [failures[name] for name in other],
+            old,
+            new,
             names=(first, second),
             model=model,
         )
         click.echo("\n".join(describe_designs(compared)) + "\n")
     click.echo(f"written: {write_test_table(found, table)}")
     for result in found:
-        for path in write_endurance_figures(result, output):
+        for path in write_endurance_figures(result, output, overview=overviews[result.name]):
             click.echo(f"written: {path}")
+    if members:
+        click.echo(f"written: {write_designs_figure(compared, old, new, output)}")
 
 
 def _divide(logs: tuple[Path, ...], designs: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:

@@ -1,10 +1,12 @@
 """Endurance tests of bearings: log to friction, stages, onset of galling and load at failure."""
 
 from erlif.endurance.analysis import EnduranceResult, analyse_endurance
+from erlif.endurance.blocks import StageFriction
 from erlif.endurance.comparison import DesignComparison, compare_designs
 from erlif.endurance.failure import FailureLoad, failure_load
-from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
-from erlif.endurance.stages import Stage, find_stages
+from erlif.endurance.onset import OnsetSearch, find_onset
+from erlif.endurance.posterior import Onset
+from erlif.endurance.stages import Stage, find_stages, join_stages
 from erlif.endurance.summary import describe_designs, describe_test, write_test_table
 from erlif.endurance.witness import Witness, hear_witnesses
 from erlif.friction import (
@@ -50,6 +52,7 @@ __all__ = [
     "find_onset",
     "find_stages",
     "hear_witnesses",
+    "join_stages",
     "measure_friction",
     "read_endurance_log",
     "write_reversal_table",

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EnduranceError
+from erlif.endurance.blocks import StageFriction
 from erlif.endurance.failure import FailureLoad, failure_load
-from erlif.endurance.onset import Onset, OnsetSearch, StageFriction, find_onset
-from erlif.endurance.stages import Stage, find_stages
-from erlif.endurance.witness import Witness, hear_witnesses
+from erlif.endurance.onset import OnsetSearch, find_onset
+from erlif.endurance.posterior import Onset
+from erlif.endurance.stages import Stage, find_stages, join_stages
+from erlif.endurance.witness import Witness, find_silent, hear_witnesses
 from erlif.friction import measure_friction
 
 
@@ -34,6 +36,8 @@ class EnduranceResult:
         Load at failure, or the load survived.
     witnesses : tuple[Witness, ...]
         What temperature and vibration show at the onset.
+    silent : dict[str, str]
+        Sensors that are no witnesses, by name, with the reason.
     """
 
     name: str
@@ -42,6 +46,7 @@ class EnduranceResult:
     search: OnsetSearch
     failure: FailureLoad
     witnesses: tuple[Witness, ...] = ()
+    silent: dict[str, str] = field(default_factory=dict)
 
     @property
     def onset(self) -> Onset | None:
@@ -50,8 +55,13 @@ class EnduranceResult:
 
     @property
     def loaded(self) -> tuple[Stage, ...]:
-        """The stages under load."""
+        """The stages under load, in the parts into which pauses of the log divide them."""
         return tuple(stage for stage in self.stages if not stage.is_idle)
+
+    @property
+    def whole(self) -> tuple[Stage, ...]:
+        """The stages under load, their parts joined; the places in `search` are those in here."""
+        return join_stages(self.loaded)
 
 
 def analyse_endurance(
@@ -121,7 +131,17 @@ def analyse_endurance(
         )
 
     # the cells may read nothing for a moment even in a stage
-    known = [np.flatnonzero(np.isfinite(friction[stage.samples])) + stage.first for stage in loaded]
+    whole = join_stages(loaded)
+    known = [
+        np.concatenate(
+            [
+                np.flatnonzero(np.isfinite(friction[part.samples])) + part.first
+                for part in loaded
+                if part.number == stage.number
+            ]
+        )
+        for stage in whole
+    ]
     search = find_onset(
         [StageFriction(time[places], friction[places]) for places in known],
         significance=significance,
@@ -129,12 +149,13 @@ def analyse_endurance(
     )
     witnesses: tuple[Witness, ...] = ()
     if search.onset is not None:
-        witnesses = hear_witnesses(test, loaded[search.onset.stage], search.onset)
+        witnesses = hear_witnesses(test, whole[search.onset.stage], search.onset)
     return EnduranceResult(
         name=name or Path(log.attrs.get("file", "")).stem,
         test=test,
         stages=stages,
         search=search,
-        failure=failure_load(test, loaded, search.onset, calibration=calibration),
+        failure=failure_load(test, whole, search.onset, calibration=calibration),
         witnesses=witnesses,
+        silent=find_silent(test, whole, search.onset),
     )

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.arrays import Array
-from erlif.endurance.onset import Onset
+from erlif.endurance.posterior import Onset
 from erlif.endurance.stages import Stage
 
 
@@ -48,7 +48,8 @@ def failure_load(
     test : xarray.Dataset
         From `measure_friction`: load over time.
     stages : sequence of Stage
-        The stages under load, without idle runs, in the order of the search for the onset.
+        The stages under load, without idle runs, in the order of the search for the onset; parts
+        are joined, see `erlif.endurance.join_stages`.
     onset : Onset or None
         From `find_onset`.
     calibration : float

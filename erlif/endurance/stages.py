@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from erlif.core.arrays import Array
+from erlif.core.arrays import AnyArray, Array
+from erlif.endurance.pauses import find_pauses
 
 SAME_LOAD = 0.03
 """Share of a load by which it may change within a stage. [1]"""
@@ -41,6 +42,8 @@ class Stage:
         Time of the last sample. [s]
     load : float
         Median load. [N]
+    part : int
+        Part of the stage or idle run, from 1: a pause of the log divides it.
     """
 
     number: int
@@ -49,6 +52,7 @@ class Stage:
     start: float
     end: float
     load: float
+    part: int = 1
 
     @property
     def is_idle(self) -> bool:
@@ -94,7 +98,7 @@ def find_stages(
     Returns
     -------
     tuple of Stage
-        In the order of time.
+        In the order of time. A pause of the log divides a stage into parts of one number.
 
     Examples
     --------
@@ -106,35 +110,82 @@ def find_stages(
     [(0, 9000.0), (1, 36000.0), (0, 9000.0), (2, 54000.0)]
     """
     floor = _FLOOR * float(np.max(load, initial=0.0))
-    steady = _running_median(load)
+    pauses = find_pauses(time)
     spans = [
         (first, last)
-        for first, last in _steady_spans(time, steady, same_load, floor)
+        for first, last in _steady_spans(time, load, pauses, same_load, floor)
         if time[last] - time[first] >= least_duration
     ]
-    loads = [float(np.median(load[first : last + 1])) for first, last in spans]
-    durations = [float(time[last] - time[first]) for first, last in spans]
+    runs = _join_parts(spans, load, pauses, same_load, floor)
+    loads = [float(np.median(np.concatenate([load[a : b + 1] for a, b in run]))) for run in runs]
+    durations = [float(sum(time[b] - time[a] for a, b in run)) for run in runs]
     idle = _find_idle(loads, durations, same_load, floor, idle_load)
 
-    stages, number = [], 0
-    for (first, last), level, is_idle in zip(spans, loads, idle, strict=True):
+    stages: list[Stage] = []
+    number = 0
+    for run, is_idle in zip(runs, idle, strict=True):
         if torque is not None and not is_idle:
-            first, last = _cut_rest(torque, first, last)
-            if time[last] - time[first] < least_duration:
-                continue
-            level = float(np.median(load[first : last + 1]))
-        number += not is_idle
-        stages.append(
-            Stage(
-                0 if is_idle else number,
-                int(first),
-                int(last),
-                float(time[first]),
-                float(time[last]),
-                level,
+            run = [_cut_rest(torque, first, last) for first, last in run]
+        run = [(a, b) for a, b in run if time[b] - time[a] >= least_duration or is_idle]
+        number += bool(run) and not is_idle
+        for part, (first, last) in enumerate(run, 1):
+            stages.append(
+                Stage(
+                    0 if is_idle else number,
+                    int(first),
+                    int(last),
+                    float(time[first]),
+                    float(time[last]),
+                    float(np.median(load[first : last + 1])),
+                    part,
+                )
             )
-        )
     return tuple(stages)
+
+
+def join_stages(stages: Sequence[Stage]) -> tuple[Stage, ...]:
+    """Join the parts of stages that pauses of the log divide.
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+        From `find_stages`.
+
+    Returns
+    -------
+    tuple of Stage
+        From the first sample of the first part to the last one of the last part.
+
+    Examples
+    --------
+    >>> parts = [Stage(1, 0, 99, 0.0, 99.0, 36e3), Stage(1, 100, 199, 500.0, 599.0, 36e3, 2)]
+    >>> join_stages(parts)
+    (Stage(number=1, first=0, last=199, start=0.0, end=599.0, load=36000.0, part=1),)
+    """
+    joined: list[Stage] = []
+    for stage in stages:
+        if stage.part == 1:
+            joined.append(stage)
+        else:
+            joined[-1] = replace(joined[-1], last=stage.last, end=stage.end)
+    return tuple(joined)
+
+
+def _join_parts(
+    spans: Sequence[tuple[int, int]], load: Array, pauses: AnyArray, same_load: float, floor: float
+) -> list[list[tuple[int, int]]]:
+    """Spans by their stage: those of one load with a pause of the log between them are parts."""
+    runs: list[list[tuple[int, int]]] = []
+    level = 0.0
+    for first, last in spans:
+        here = float(np.median(load[first : last + 1]))
+        continues = runs and first in pauses and runs[-1][-1][1] == first - 1
+        if continues and abs(here - level) <= max(same_load * abs(level), floor):
+            runs[-1].append((first, last))
+        else:
+            runs.append([(first, last)])
+        level = here
+    return runs
 
 
 def _running_median(values: Array) -> Array:
@@ -145,22 +196,24 @@ def _running_median(values: Array) -> Array:
 
 
 def _steady_spans(
-    time: Array, load: Array, same_load: float, floor: float
+    time: Array, load: Array, pauses: AnyArray, same_load: float, floor: float
 ) -> list[tuple[int, int]]:
     """First and last sample of each stretch whose load follows its own recent mean."""
     spans: list[tuple[int, int]] = []
-    first, mean = 0, float("nan")
-    for n, (now, value) in enumerate(zip(time.tolist(), load.tolist(), strict=True)):
-        if abs(value - mean) <= max(same_load * abs(mean), floor):
-            # the mean of all at first, of the last seconds later
-            passed = now - float(time[n - 1])
-            mean += (value - mean) * max(passed / _MEMORY, 1 / (n - first + 1))
-        else:
-            if n:
-                spans.append((first, n - 1))
-            first, mean = n, value
-    if load.size:
-        spans.append((first, load.size - 1))
+    for start, end in zip([0, *pauses], [*pauses, time.size], strict=True):
+        steady = _running_median(load[start:end]).tolist()
+        first, mean = start, float("nan")
+        for n, (now, value) in enumerate(zip(time[start:end].tolist(), steady, strict=True), start):
+            if abs(value - mean) <= max(same_load * abs(mean), floor):
+                # the mean of all at first, of the last seconds later
+                passed = now - float(time[n - 1])
+                mean += (value - mean) * max(passed / _MEMORY, 1 / (n - first + 1))
+            else:
+                if n > start:
+                    spans.append((first, n - 1))
+                first, mean = n, value
+        if end > start:
+            spans.append((first, int(end) - 1))
     return spans
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
+
+import numpy as np
 
 from erlif.core.units import count_of
 from erlif.endurance.analysis import EnduranceResult
 from erlif.endurance.comparison import DesignComparison
-from erlif.endurance.onset import FEWEST, Onset
+from erlif.endurance.onset import FEWEST
+from erlif.endurance.posterior import Onset
 from erlif.endurance.witness import Witness
 from erlif.files import replacing
 
@@ -56,39 +60,53 @@ def describe_test(found: EnduranceResult) -> list[str]:
     """
     test, failure = found.test, found.failure
     last = float(test["time"][-1])
-    idle = len(found.stages) - len(found.loaded)
+    idle = sum(stage.is_idle and stage.part == 1 for stage in found.stages)
     lines = [
-        f"{found.name}: {count_of(len(found.loaded), 'stage')} and {count_of(idle, 'idle run')} in "
+        f"{found.name}: {count_of(len(found.whole), 'stage')} and {count_of(idle, 'idle run')} in "
         f"{last - float(test['time'][0]):.0f} s"
     ]
+    divided = {stage.number for stage in found.loaded if stage.part > 1}
     for stage in found.loaded:
         friction = float(test["friction"][stage.samples].median())
+        part = f", part {stage.part}" if stage.number in divided else ""
         line = (
-            f"  stage {stage.number}: {stage.load / 1e3:.1f} kN, {stage.start:.0f} to "
+            f"  stage {stage.number}{part}: {stage.load / 1e3:.1f} kN, {stage.start:.0f} to "
             f"{stage.end:.0f} s, friction {friction:.3f}"
         )
         if "temperature" in test:
             line += f", {float(test['temperature'][stage.last]):.1f} degC at its end"
         lines.append(line)
 
+    for before, after in pairwise(found.loaded):
+        if after.part > 1:
+            lines.append(
+                f"note: the log pauses from {before.end:.0f} to {after.start:.0f} s, within stage "
+                f"{after.number}"
+            )
+    if "period" in test.attrs:
+        lines.append(
+            f"note: the torque reverses with a period of {test.attrs['period']:.3g} s; friction is "
+            "half the difference of its directions over two periods. erlif friction gives it for "
+            "each reversal"
+        )
+    lines += [f"note: the {name} {reason}; it is left out" for name, reason in found.silent.items()]
     for place in found.search.left_out:
-        stage = found.loaded[place]
+        stage = found.whole[place]
+        needed = FEWEST * sum(part.number == stage.number for part in found.loaded)
         lines.append(
             f"note: stage {stage.number} has {stage.last - stage.first + 1} samples and was not "
-            f"searched for galling; {FEWEST} are needed"
+            f"searched for galling; {needed} are needed"
         )
     chance = found.search.p_value
     p = "p below 1e-12" if chance < _NO_CHANCE else f"p = {chance:.2g}"
     onset = found.onset
     if onset is None:
-        lines.append(f"no galling found ({p})")
+        lines += _describe_no_galling(found, p)
         lines.append(f"load survived: {failure.load / 1e3:.1f} kN")
         return lines
-    into = onset.time - found.loaded[onset.stage].start
-    lines.append(
-        f"galling in stage {failure.stage} at {onset.time:.1f} s (95 %: {onset.earliest:.1f} to "
-        f"{onset.latest:.1f} s), {into:.0f} s into it; {p}"
-    )
+    into = onset.time - found.whole[onset.stage].start
+    since = "" if onset.pause else f", {into:.0f} s into it"
+    lines.append(f"galling in stage {failure.stage} {_describe_time(onset)}{since}; {p}")
     lines.append(_describe_rise(onset))
     lines += [_describe_witness(witness) for witness in found.witnesses]
     lines.append(
@@ -96,6 +114,37 @@ def describe_test(found: EnduranceResult) -> list[str]:
         f"{failure.survived / 1e3:.1f} kN were survived"
     )
     return lines
+
+
+def _describe_no_galling(found: EnduranceResult, p: str) -> list[str]:
+    """That there is no galling, and which rise there is that is too small."""
+    small, least = found.search.small, found.search.least_rise
+    if small is None:
+        return [f"no galling found ({p})"]
+    stage = found.whole[small.stage]
+    return [
+        f"no galling found: in stage {stage.number} friction rises {_describe_time(small)} by "
+        f"{small.rise:.3f} ± {small.rise_std:.3f}, which is significant ({p}), but below the least "
+        f"rise of {least:g} that counts",
+        f"  a smaller rise counts with --least-rise {_next_below(small.rise):g}, or least_rise "
+        "under [galling] of the settings",
+    ]
+
+
+def _next_below(rise: float) -> float:
+    """A round number below a rise, with one digit."""
+    unit = 10.0 ** np.floor(np.log10(rise))
+    return float(np.floor(rise / unit) * unit)
+
+
+def _describe_time(onset: Onset) -> str:
+    """When it begins: a pause of the log hides it."""
+    if onset.pause is not None:
+        return (
+            f"between {onset.earliest:.1f} and {onset.latest:.1f} s (95 %), an interval with a "
+            "pause of the log"
+        )
+    return f"at {onset.time:.1f} s (95 %: {onset.earliest:.1f} to {onset.latest:.1f} s)"
 
 
 def _describe_rise(onset: Onset) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,13 @@ from scipy.special import stdtr
 
 from erlif.core.arrays import Array
 from erlif.endurance.noise import fit_noise, whiten
-from erlif.endurance.onset import Onset
+from erlif.endurance.posterior import Onset
 from erlif.endurance.stages import Stage
 
 CONFIRMS = 0.01
 """p-value below which a witness confirms the onset. [1]"""
 
+_SENSORS = ("temperature", "vibration")
 _MOST_BLOCKS = 200
 _FEWEST_AFTER = 3
 _FEWEST = 16
@@ -90,12 +92,12 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
     found: list[Witness] = []
     if time.size < _FEWEST:
         return ()
-    for name in ("temperature", "vibration"):
+    for name in _SENSORS:
         if name not in test:
             continue
         values = test[name].values[stage.samples][clear]
-        if np.ptp(values) <= _FLAT * np.max(np.abs(values)):
-            continue  # a sensor that stands still is no witness
+        if _stands_still(values):
+            continue
         if name == "vibration":
             if not np.all(values > 0):
                 continue  # a level is positive; a signed signal has no level
@@ -109,6 +111,50 @@ def hear_witnesses(test: xr.Dataset, stage: Stage, onset: Onset) -> tuple[Witnes
         change, low, high = ends * 60 if name == "temperature" else np.exp(ends)
         found.append(Witness(name, float(change), float(low), float(high), p_value))
     return tuple(found)
+
+
+def find_silent(test: xr.Dataset, stages: Sequence[Stage], onset: Onset | None) -> dict[str, str]:
+    """Find the sensors that cannot be witnesses, with the reason.
+
+    Parameters
+    ----------
+    test : xarray.Dataset
+        From `erlif.friction.measure_friction`.
+    stages : sequence of Stage
+        The stages under load.
+    onset : Onset or None
+        From `erlif.endurance.find_onset`.
+
+    Returns
+    -------
+    dict of str to str
+        Reason by the name of the sensor, as the end of a sentence.
+
+    Examples
+    --------
+    >>> test = xr.Dataset({"temperature": ("time", np.full(100, 30.0))}, {"time": np.arange(100.0)})
+    >>> find_silent(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
+    {'temperature': 'reads 30 throughout'}
+    """
+    found = {}
+    for name in _SENSORS:
+        if name not in test:
+            continue
+        values = test[name].values
+        if all(_stands_still(values[stage.samples]) for stage in stages):
+            found[name] = f"reads {values[stages[0].first]:g} throughout"
+        elif onset is not None and _stands_still(values[stages[onset.stage].samples]):
+            stage = stages[onset.stage]
+            found[name] = f"reads {values[stage.first]:g} throughout stage {stage.number}"
+        elif name == "vibration" and onset is not None:
+            inside = values[stages[onset.stage].samples]
+            if np.any(inside <= 0):
+                found[name] = "is not positive throughout, so that it has no level"
+    return found
+
+
+def _stands_still(values: Array) -> bool:
+    return bool(np.ptp(values) <= _FLAT * np.max(np.abs(values)))
 
 
 def _fit_change(

@@ -45,13 +45,15 @@ def measure_friction(
     xarray.Dataset
         Over ``time``: load [N], torque [N m], friction [1] (NaN without load), and the witnesses
         temperature and vibration. A torque that reverses becomes one value for each two
-        oscillations, half the difference of its directions: an offset of the cell cancels.
+        oscillations, half the difference of its directions: an offset of the cell cancels. The
+        attribute ``period`` is that of such a torque. [s]
 
     Raises
     ------
     EnduranceError
-        If the arm is missing or not positive, the tare exceeds the load, or a torque of both signs
-        is sampled too slowly or does not reverse with the oscillation.
+        If the arm is missing, a length or ratio is not a positive number, the tare exceeds the
+        load, or a torque of both signs is sampled too slowly or does not reverse with the
+        oscillation.
 
     Examples
     --------
@@ -65,6 +67,7 @@ def measure_friction(
     >>> measure_friction(log, pin_radius=0.025, arm=0.5).friction.values
     array([0.1  , 0.101])
     """
+    _require(pin_radius=pin_radius, torque_ratio=torque_ratio, arm=1.0 if arm is None else arm)
     load = log["cells"].sum("cell").values - tare
     if not np.max(load) > 0:
         raise EnduranceError(
@@ -78,11 +81,6 @@ def measure_friction(
             "Expected the arm of the load cell whose force is logged; it is not given. Write "
             '--arm "30 cm", or arm = "30 cm" under [machine] of the settings.'
         )
-    elif not arm > 0:
-        raise EnduranceError(
-            f"Expected a positive arm of the load cell; got {arm:g} m. Give its distance from the "
-            'axis, --arm "30 cm".'
-        )
     else:
         torque = log["arm_force"].values * arm
 
@@ -90,8 +88,10 @@ def measure_friction(
     witnesses = {name: log[name].values for name in ("temperature", "vibration") if name in log}
     columns = {"load": load, "torque": torque, **witnesses}
     if _reverses(torque):
-        time, columns = _over_oscillations(time, columns)
+        time, columns, period = _over_oscillations(time, columns)
+        attributes = {**log.attrs, "period": period}
     else:
+        attributes = log.attrs
         columns["torque"] = np.abs(columns["torque"])
 
     loaded = columns["load"] > _UNLOADED * np.max(columns["load"])
@@ -106,10 +106,19 @@ def measure_friction(
     found = xr.Dataset(
         {name: ("time", values, {"units": units[name]}) for name, values in columns.items()},
         {"time": ("time", time, {"units": "s"})},
-        log.attrs,
+        attributes,
     )
     found["friction"] = ("time", friction, {"units": "1"})
     return found
+
+
+def _require(**arguments: float) -> None:
+    for name, value in arguments.items():
+        if not 0 < value < np.inf:
+            raise EnduranceError(
+                f"Expected a positive {name}; got {value:g}. Give its value, with the unit in the "
+                "command and the settings."
+            )
 
 
 def _reverses(torque: Array) -> bool:
@@ -118,8 +127,10 @@ def _reverses(torque: Array) -> bool:
     return bool(min(-low, high) > _REVERSES * max(-low, high))
 
 
-def _over_oscillations(time: Array, columns: dict[str, Array]) -> tuple[Array, dict[str, Array]]:
-    """Columns as one value for each two oscillations."""
+def _over_oscillations(
+    time: Array, columns: dict[str, Array]
+) -> tuple[Array, dict[str, Array], float]:
+    """Columns as one value for each two oscillations, and the period of these."""
     torque = columns["torque"]
     low, high = np.percentile(torque, _ENDS)
     positive = torque > 0.5 * (low + high)
@@ -127,7 +138,8 @@ def _over_oscillations(time: Array, columns: dict[str, Array]) -> tuple[Array, d
     if turns.size <= _CYCLES:
         raise EnduranceError(
             "Expected a torque of both signs to reverse with each oscillation; it becomes positive "
-            f"{turns.size} times in the whole log. Log the size of the torque."
+            f"{turns.size} times in the whole log. Log the size of the torque, or take erlif "
+            "friction for a motion that reverses now and then."
         )
     period = float(np.median(np.diff(time[turns])))
     interval = float(np.median(np.diff(time)))
@@ -135,7 +147,8 @@ def _over_oscillations(time: Array, columns: dict[str, Array]) -> tuple[Array, d
         raise EnduranceError(
             "Expected a torque that reverses to be sampled at least "
             f"{_SAMPLES} times in an oscillation; it is sampled {period / interval:.1f} times. "
-            "Record faster, or log the size of the torque."
+            "Record faster, or log the size of the torque; take erlif friction for a motion that "
+            "reverses now and then."
         )
 
     width = _CYCLES * period
@@ -159,4 +172,4 @@ def _over_oscillations(time: Array, columns: dict[str, Array]) -> tuple[Array, d
             0.5 * (np.median(inside[above]) - np.median(inside[~above])) if above.any() else 0.0
         )
     centres = np.array([time[a : a + n].mean() for a, n in zip(starts, counts, strict=True)])
-    return centres, {"load": means.pop("load"), "torque": np.array(half), **means}
+    return centres, {"load": means.pop("load"), "torque": np.array(half), **means}, period

@@ -125,7 +125,7 @@ def analyse_friction(
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     time = log["time"].values
     torque = _torque(log, arm)
-    pairs = _pairs(time, torque, load, shaft_radius)
+    pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(file=log.attrs.get("file", ""))
     if speed is not None:
         distance = (pairs["time"].values - time[0]) * speed
         pairs["sliding_distance"] = ("time", distance, {"units": "m"})

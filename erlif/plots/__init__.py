@@ -28,6 +28,7 @@ from erlif.plots.design import (
     design_temperature,
     design_wear,
 )
+from erlif.plots.designs import designs_figure, loads_of_designs, write_designs_figure
 from erlif.plots.edges import (
     axial_pressure,
     contact_pressure_map,
@@ -41,6 +42,7 @@ from erlif.plots.endurance import (
     friction_over_test,
     load_profile,
     name_figures,
+    name_overviews,
     temperature_over_test,
     torque_over_test,
     vibration_over_test,
@@ -129,6 +131,7 @@ __all__ = [
     "design_pv",
     "design_temperature",
     "design_wear",
+    "designs_figure",
     "difference_map_of_runs",
     "displacement_map",
     "draw_mechanism",
@@ -165,9 +168,11 @@ __all__ = [
     "linkage_view",
     "load_balance",
     "load_profile",
+    "loads_of_designs",
     "map_sheet_figure",
     "missing_figures",
     "name_figures",
+    "name_overviews",
     "pin_figure",
     "pin_orbit",
     "plan_figure",
@@ -201,6 +206,7 @@ __all__ = [
     "vibration_over_test",
     "write_calibration_figure",
     "write_comparison_figures",
+    "write_designs_figure",
     "write_endurance_figures",
     "write_example",
     "write_figures",

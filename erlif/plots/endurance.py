@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +32,9 @@ _ROW = 1.15  # inch, height of a panel
 _MARGIN = 0.02  # of the time axis
 _BEFORE = 90.0  # s that are drawn before the onset
 _LOADS = "#F0F0F0"  # behind the stages
+
+DESIGNS = "designs.png"
+"""File of the comparison of two designs."""
 
 
 @styled
@@ -91,7 +94,6 @@ def friction_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> li
     >>> line.axes.get_ylabel()
     'friction coefficient'
     """
-    ax = given_or_new(ax)
     return _draw(result, _in_stages(result, "friction"), ax, "friction coefficient")
 
 
@@ -115,7 +117,6 @@ def torque_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> list
     >>> line.axes.get_ylabel()
     'torque [N m]'
     """
-    ax = given_or_new(ax)
     return _draw(result, result.test["torque"].values, ax, "torque [N m]")
 
 
@@ -139,7 +140,6 @@ def temperature_over_test(result: EnduranceResult, *, ax: Axes | None = None) ->
     >>> line.axes.get_ylabel()
     'temperature [°C]'
     """
-    ax = given_or_new(ax)
     return _draw(result, result.test["temperature"].values, ax, "temperature [°C]")
 
 
@@ -163,7 +163,6 @@ def vibration_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> l
     >>> line.axes.get_ylabel()
     'vibration'
     """
-    ax = given_or_new(ax)
     return _draw(result, result.test["vibration"].values, ax, "vibration")
 
 
@@ -244,8 +243,9 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
             "endurance_figure in its place."
         )
     figure = new_figure(height=_ROW * 2.4, text=0.4) if figure is None else figure
-    figure.suptitle(f"{result.name}: galling at {onset.time:.1f} s")
-    stage = result.loaded[onset.stage]
+    when = "in a pause of the log" if onset.pause else f"at {onset.time:.1f} s"
+    figure.suptitle(f"{result.name}: galling {when}")
+    stage = result.whole[onset.stage]
     time = result.test["time"].values[stage.samples]
     near = time > onset.earliest - _BEFORE
     panels = rows_or_columns(figure, 2, sharex=True)
@@ -258,6 +258,7 @@ def failure_figure(result: EnduranceResult, *, figure: AnyFigure | None = None) 
         ax.axvspan(onset.earliest, onset.latest, color=RETURN, alpha=0.25, linewidth=0)
         ax.axvline(onset.time, color=RETURN, linewidth=pt(0.8))
         ax.set_ylabel(label)
+        ax.ticklabel_format(useOffset=False)
 
     # level before and after, as they are printed
     after = onset.friction_before + onset.rise
@@ -281,12 +282,14 @@ _FIGURES: dict[str, Callable[..., list[Artist]]] = {
 """Figures of one panel."""
 
 
-def name_figures(result: EnduranceResult) -> list[str]:
+def name_figures(result: EnduranceResult, *, overview: str = "") -> list[str]:
     """List the files that `write_endurance_figures` writes.
 
     Parameters
     ----------
     result : EnduranceResult
+    overview : str
+        File of all that the test has logged, from `name_overviews`; default: the test's name.
 
     Returns
     -------
@@ -298,18 +301,57 @@ def name_figures(result: EnduranceResult) -> list[str]:
     >>> name_figures(example_test(galls=False))
     ['example.png', 'example_load.png', 'example_friction.png', 'example_temperature.png']
     """
-    names = [f"{result.name}.png"]
-    names += [f"{result.name}_{name}.png" for name in _FIGURES if name in result.test]
-    return names + [f"{result.name}_failure.png"] * (result.onset is not None)
+    return [overview or f"{result.name}.png"] + [
+        f"{result.name}_{kind}.png" for kind in _kinds(result)
+    ]
 
 
-def write_endurance_figures(result: EnduranceResult, folder: Path) -> list[Path]:
+def _kinds(result: EnduranceResult) -> list[str]:
+    """Figures of a test beside that of all it has logged."""
+    return [name for name in _FIGURES if name in result.test] + ["failure"] * bool(result.onset)
+
+
+def name_overviews(names: Sequence[str]) -> dict[str, str]:
+    """Name the figures of all that each of several tests has logged.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the tests.
+
+    Returns
+    -------
+    dict of str to str
+        Files by the names of the tests; none is a figure of another test or that of the designs.
+
+    Examples
+    --------
+    >>> name_overviews(["run", "run_load"])
+    {'run': 'run.png', 'run_load': 'run_load_all.png'}
+    """
+    taken = {f"{name}_{kind}.png" for name in names for kind in (*_FIGURES, "failure")}
+    taken.add(DESIGNS)
+    found = {}
+    for name in names:
+        file = f"{name}.png"
+        while file in taken:
+            file = f"{file.removesuffix('.png')}_all.png"
+        taken.add(file)
+        found[name] = file
+    return found
+
+
+def write_endurance_figures(
+    result: EnduranceResult, folder: Path, *, overview: str = ""
+) -> list[Path]:
     """Write the figures of a test.
 
     Parameters
     ----------
     result : EnduranceResult
     folder : Path
+    overview : str
+        As for `name_figures`.
 
     Returns
     -------
@@ -333,11 +375,12 @@ def write_endurance_figures(result: EnduranceResult, folder: Path) -> list[Path]
     """
     written = []
     with in_style(None):
-        for name in name_figures(result):
-            kind = name.removeprefix(result.name).removesuffix(".png").removeprefix("_")
+        for name, kind in zip(
+            name_figures(result, overview=overview), ["", *_kinds(result)], strict=True
+        ):
             if kind == "failure":
                 figure: AnyFigure = failure_figure(result)
-            elif kind in _FIGURES:
+            elif kind:
                 figure = _one_panel(result, kind)
             else:
                 figure = endurance_figure(result)
@@ -361,8 +404,9 @@ def _in_stages(result: EnduranceResult, name: str) -> Array:
     return kept
 
 
-def _draw(result: EnduranceResult, values: Array, ax: Axes, label: str) -> list[Artist]:
+def _draw(result: EnduranceResult, values: Array, ax: Axes | None, label: str) -> list[Artist]:
     """A line over the time of the test, the stages shaded, the onset marked."""
+    ax = given_or_new(ax)
     time = result.test["time"].values / _MINUTE
     artists: list[Artist] = []
     artists += ax.plot(time, values, color=OUTWARD, linewidth=pt(0.7))
@@ -375,6 +419,7 @@ def _draw(result: EnduranceResult, values: Array, ax: Axes, label: str) -> list[
         )
         artists.append(ax.axvline(onset.time / _MINUTE, color=RETURN, linewidth=pt(0.8)))
     # a jump just before the end must not lie on the frame
+    ax.ticklabel_format(useOffset=False)
     right = time[-1] + _MARGIN * (time[-1] - time[0])
     ax.set(xlim=(time[0], right), xlabel="time [min]", ylabel=label)
     return artists

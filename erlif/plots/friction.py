@@ -109,6 +109,7 @@ def write_reversal_figure(series: ReversalSeries, output: Path) -> Path:
     'write_reversal_figure'
     """
     with in_style(None):
-        figure = new_figure(ONE_COLUMN, _HEIGHT)
+        figure = new_figure(ONE_COLUMN, _HEIGHT, text=0.4)
+        figure.suptitle(Path(series.pairs.attrs.get("file") or output).stem)
         friction_over_reversals(series, ax=figure.subplots())
         return save_figure(figure, output)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import erlif.plots
 from erlif.commands.main import main
 from erlif.rig import EnduranceRig, simulate_endurance, write_endurance_log
 
@@ -54,10 +55,24 @@ def test_what_is_missing_or_wrong_is_stated(log, tmp_path, words, message):
     assert not (tmp_path / "out").exists()
 
 
-def test_settings_and_designs(log, tmp_path):
-    logs = [tmp_path / f"{name}_{n}.csv" for name in ("uncut", "undercut") for n in (1, 2)]
-    for path in logs:
-        path.write_bytes(log.read_bytes())
+def test_settings_and_designs(tmp_path, monkeypatch):
+    """Figures of single tests are drawn above; here only their names count."""
+    drawn = []
+    monkeypatch.setattr(
+        erlif.plots,
+        "write_endurance_figures",
+        lambda result, folder, overview: drawn.append((result.name, overview)) or [],
+    )
+    rig = EnduranceRig(
+        loads=(36e3, 54e3),
+        interval=5.0,
+        stage_duration=200.0,
+        galling_stage=2,
+        galling_time=120.0,
+    )
+    test, _ = simulate_endurance(rig, rng=np.random.default_rng(1))
+    names = ("uncut_1", "uncut_1_load", "undercut_1", "undercut_2")
+    logs = [write_endurance_log(test, tmp_path / f"{name}.csv") for name in names]
     settings = tmp_path / "endurance.toml"
     settings.write_text(
         '[machine]\npin_radius = "33.36 mm"\narm = "30 cm"\n[galling]\nsignificance = 0.001\n'
@@ -69,3 +84,19 @@ def test_settings_and_designs(log, tmp_path):
     assert "load at failure of undercut over uncut: 1.00" in result.stdout
     assert "so few runs give 1 at least" in result.stdout
     assert len((tmp_path / "out" / "endurance.csv").read_text().splitlines()) == 5
+    assert (tmp_path / "out" / "designs.png").exists()
+    assert dict(drawn) == {
+        "uncut_1": "uncut_1.png",
+        "uncut_1_load": "uncut_1_load_all.png",  # uncut_1_load.png is the load of uncut_1
+        "undercut_1": "undercut_1.png",
+        "undercut_2": "undercut_2.png",
+    }
+
+
+def test_a_larger_least_rise_leaves_the_rise_that_was_found_in_the_text(log, tmp_path, monkeypatch):
+    """The test of 0.12 is no galling where only 0.5 counts; the next step names the option."""
+    monkeypatch.setattr(erlif.plots, "write_endurance_figures", lambda *words, **options: [])
+    result = run(log, *GIVEN, "--least-rise", 0.5, "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "below the least rise of 0.5 that counts" in result.stdout
+    assert "--least-rise 0.1," in result.stdout

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from erlif.endurance.onset import StageFriction, find_onset
+from erlif.endurance.blocks import StageFriction
+from erlif.endurance.onset import find_onset
 
 
 def friction_of(*, rise, kept=0.9, at=170.0, rng, stages=2, noise=0.004):
@@ -58,13 +59,6 @@ def test_a_rise_that_is_significant_but_small_is_not_called_galling():
     assert find_onset(stages, least_rise=0.005).onset is not None
 
 
-def test_posterior_adds_up_and_holds_its_interval():
-    onset = find_onset(friction_of(rise=0.06, rng=np.random.default_rng(8))).onset
-    assert onset.weights.sum() == pytest.approx(1.0)
-    inside = (onset.places >= onset.earliest) & (onset.places <= onset.latest)
-    assert onset.weights[inside].sum() == pytest.approx(0.95, abs=0.03)
-
-
 def test_a_test_without_a_searchable_stage_has_no_onset():
     short = StageFriction(np.arange(5.0), np.full(5, 0.1))
     assert find_onset([short]).onset is None
@@ -95,3 +89,28 @@ def test_a_pause_of_the_logger_within_a_stage_is_no_matter():
     onset = find_onset([StageFriction(time, stage.friction)]).onset
     assert onset.earliest < 1e7 + 170 < onset.latest
     assert onset.latest - onset.earliest < 20
+
+
+def paused(friction_after, *, seed, restart=0.0):
+    """150 samples with a pause of ten minutes after the first 60; running-in begins again."""
+    (stage,) = friction_of(rise=0.0, rng=np.random.default_rng(seed), stages=1)
+    later = np.arange(stage.time.size) >= 60
+    time = np.where(later, stage.time + 600, stage.time)
+    again = 0.02 * np.exp(-(stage.time - stage.time[60]) / 60)
+    return StageFriction(time, stage.friction + later * (friction_after + again + restart))
+
+
+def test_a_rise_within_a_pause_of_the_log_is_found_between_its_ends():
+    search = find_onset([paused(0.06, seed=3)])
+    onset = search.onset
+    assert search.p_value < 1e-3
+    assert onset.earliest <= 118  # last sample before the pause
+    assert 720 <= onset.latest < 760  # first sample after it
+    assert onset.pause == (118, 720)
+    assert onset.rise == pytest.approx(0.06, abs=3 * onset.rise_std)
+
+
+def test_a_restart_at_another_level_is_no_galling():
+    """Levels differ by 0.01 from stage to stage; so may those before and after a pause."""
+    searches = [find_onset([paused(0.0, seed=seed, restart=0.01)]) for seed in range(4)]
+    assert all(search.onset is None for search in searches)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from erlif.endurance import find_stages
+from erlif.endurance import find_stages, join_stages
 
 TIME = np.arange(0.0, 2000.0, 2.0)
 
@@ -78,3 +78,25 @@ def test_time_at_rest_is_cut_off():
 
 def test_no_sample_gives_no_stage():
     assert find_stages(np.array([]), np.array([])) == ()
+
+
+def test_a_pause_of_the_log_divides_a_stage_into_parts_of_one_number():
+    load = load_of((40, 1e3), (300, 36e3), (40, 1e3), (300, 54e3))
+    time = TIME[: load.size] + np.where(TIME[: load.size] >= 100, 900.0, 0.0)
+    stages = find_stages(time, load)
+    assert [(one.number, one.part) for one in stages] == [(0, 1), (1, 1), (1, 2), (0, 1), (2, 1)]
+    assert (stages[1].end, stages[2].start) == (98, 1000)
+    assert [one.number for one in join_stages(stages[1:3])] == [1]
+
+
+def test_another_load_after_a_pause_is_another_stage():
+    load = load_of((40, 1e3), (300, 36e3), (300, 54e3))
+    time = TIME[: load.size] + np.where(TIME[: load.size] >= 340, 900.0, 0.0)
+    assert [(one.number, one.part) for one in find_stages(time, load)] == [(0, 1), (1, 1), (2, 1)]
+
+
+def test_a_short_part_before_a_pause_is_no_idle_run():
+    """A first run that is brief would be idle where another stage follows."""
+    load = load_of((60, 36e3), (600, 36e3))
+    time = TIME[: load.size] + np.where(TIME[: load.size] >= 60, 300.0, 0.0)
+    assert [(one.number, one.part) for one in find_stages(time, load)] == [(1, 1), (1, 2)]

@@ -33,3 +33,35 @@ def test_a_stage_that_is_too_short_for_a_search_is_named():
     result = example_test(galls=False)
     short = replace(result, search=replace(result.search, left_out=(5,)))
     assert "note: stage 6 has 150 samples and was not searched" in "\n".join(describe_test(short))
+
+
+def test_a_significant_rise_that_is_too_small_is_stated_with_its_option():
+    result = example_test()
+    small = replace(result.onset, rise=0.0123, rise_std=0.001)
+    search = replace(result.search, onset=None, small=small, p_value=1e-9)
+    text = "\n".join(describe_test(replace(result, search=search)))
+    assert "no galling found: in stage 6 friction rises" in text
+    assert (
+        "by 0.012 ± 0.001, which is significant (p = 1e-09), but below the least rise of 0.02"
+        in text
+    )
+    assert "--least-rise 0.01" in text
+
+
+def test_pauses_of_the_log_and_stuck_sensors_are_stated():
+    result = example_test()
+    *others, last = result.stages
+    parts = (replace(last, end=last.start + 100), replace(last, start=last.start + 300, part=2))
+    onset = replace(result.onset, pause=(last.start + 100, last.start + 300))
+    divided = replace(
+        result,
+        stages=(*others, *parts),
+        search=replace(result.search, onset=onset),
+        silent={"vibration": "reads 0.4 throughout"},
+    )
+    text = "\n".join(describe_test(divided))
+    assert "6 stages" in text
+    assert "stage 6, part 2" in text
+    assert f"pauses from {parts[0].end:.0f} to {parts[1].start:.0f} s, within stage 6" in text
+    assert "an interval with a pause of the log; p" in text
+    assert "note: the vibration reads 0.4 throughout; it is left out" in text

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from erlif.endurance import Onset, Stage, hear_witnesses
+from erlif.endurance.witness import find_silent
 
 TIME = np.arange(0.0, 400.0, 2.0)
 STAGE = Stage(1, 0, TIME.size - 1, 0.0, float(TIME[-1]), 36e3)
@@ -60,6 +61,18 @@ def test_a_sensor_that_stands_still_is_no_witness():
     stuck = test_of(2.0, 2.5, seed=1)
     stuck["temperature"][:] = 30.0
     assert [one.name for one in hear_witnesses(stuck, STAGE, ONSET)] == ["vibration"]
+    assert find_silent(stuck, [STAGE], ONSET) == {"temperature": "reads 30 throughout"}
+
+
+def test_a_sensor_that_sticks_in_the_stage_of_the_onset_or_has_no_level_is_named():
+    longer = test_of(2.0, 2.5, seed=1)
+    longer["temperature"][100:] = 30.0
+    longer["vibration"][150] = 0.0
+    stages = [replace(STAGE, last=99), replace(STAGE, number=2, first=100)]
+    silent = find_silent(longer, stages, replace(ONSET, stage=1))
+    assert silent["temperature"] == "reads 30 throughout stage 2"
+    assert silent["vibration"].startswith("is not positive")
+    assert find_silent(longer, stages, None) == {}
 
 
 def test_an_interval_as_long_as_the_stage_has_no_witness():

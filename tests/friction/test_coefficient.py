@@ -73,3 +73,12 @@ def test_an_arm_or_tare_without_meaning_is_refused(options, message):
     log = log_of(np.arange(100.0), arm_force=np.full(100, 400.0))
     with pytest.raises(EnduranceError, match=message):
         measure_friction(log, pin_radius=0.04, **options)
+
+
+@pytest.mark.parametrize("name", ["pin_radius", "arm", "torque_ratio"])
+@pytest.mark.parametrize("value", [np.nan, 0.0, -1.0])
+def test_a_length_that_is_no_positive_number_is_refused_by_its_name(name, value):
+    log = log_of(np.arange(9.0), arm_force=np.ones(9))
+    given = {"pin_radius": 0.04, "arm": 0.3, name: value}
+    with pytest.raises(EnduranceError, match=f"positive {name}"):
+        measure_friction(log, **given)

@@ -1,5 +1,7 @@
 """Figures of endurance tests."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from erlif.plots import (
     friction_over_test,
     load_profile,
     name_figures,
+    name_overviews,
 )
 
 
@@ -56,3 +59,22 @@ def test_the_figure_of_the_failure_shows_the_interval_of_the_onset():
 def test_figures_have_names_by_what_they_show():
     assert "example_failure.png" in name_figures(example_test())
     assert "example_failure.png" not in name_figures(example_test(galls=False))
+
+
+def test_no_overview_has_the_name_of_another_figure():
+    names = ["run", "run_load", "run_load_all", "designs"]
+    panels = {f"{name}_{kind}.png" for name in names for kind in ("load", "friction", "failure")}
+    overviews = name_overviews(names)
+    assert len({*overviews.values(), *panels, "designs.png"}) == 4 + len(panels) + 1
+    assert overviews["run"] == "run.png"
+
+
+def test_axes_of_large_loads_have_no_offset():
+    """Loads that differ little were labelled by their difference from 1e3."""
+    result = example_test()
+    test = result.test.copy()
+    test["load"][:] = 1.234e6 + 10 * np.arange(test.sizes["time"])
+    ax = load_profile(replace(result, test=test))[0].axes
+    ax.figure.canvas.draw()
+    assert ax.yaxis.get_offset_text().get_text() == ""
+    assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")
