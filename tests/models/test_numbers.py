@@ -30,7 +30,7 @@ SOFT = {"entrainment_speed": 0.05, **SCREEN, "contact_modulus": 1e9}
 
 FORMULAS = {
     contact.closed_contact_pressure: {
-        **{"load_per_length": 1e6, "interference": 1e-3, "pin_diameter": 0.05},
+        "load_per_length": 1e6, "interference": 1e-3, "pin_diameter": 0.05,
         "youngs_modulus": 2e11,
     },
     edges.lundberg_profile: {
@@ -42,8 +42,8 @@ FORMULAS = {
         "sliding_speed": 0.08, **SCREEN, "contact_modulus": 1e9, "pressure_viscosity": 2e-8,
     },
     film.hamrock_dowson_film: {
-        **{"entrainment_speed": 1.0, "load": 100.0, "viscosity": 0.1, "pressure_viscosity": 2e-8},
-        **{"radius_along": 0.01, "radius_across": 0.02, "contact_modulus": 1e11},
+        "entrainment_speed": 1.0, "load": 100.0, "viscosity": 0.1, "pressure_viscosity": 2e-8,
+        "radius_along": 0.01, "radius_across": 0.02, "contact_modulus": 1e11,
     },
     film.isoviscous_elastic_film: SOFT,
     film.isoviscous_rigid_film: {"entrainment_speed": 0.05, **SCREEN},
@@ -55,7 +55,7 @@ FORMULAS = {
     },
     fluorescence.band_signal: {"thickness": 2e-6, "attenuation": 1e5, "brightness": 3.0},
     fluorescence.log_band_ratio: {
-        **{"thickness": 2e-6, "ratio_at_zero": 1.5, "attenuation_camera1": 1e5},
+        "thickness": 2e-6, "ratio_at_zero": 1.5, "attenuation_camera1": 1e5,
         "attenuation_camera2": 4e5,
     },
     fluorescence.mean_transmission: {"depth": 0.7},
@@ -65,10 +65,10 @@ FORMULAS = {
     },
     linkage.beam_bending_stress: {"force": 8e3, "arm": 0.26, "thickness": 0.02, "depth": 0.06},
     linkage.fatigue_safety: {
-        **{"amplitude": 2e7, "fatigue_strength": 5e7, "mean": 1e7, "tensile_strength": 3e8},
+        "amplitude": 2e7, "fatigue_strength": 5e7, "mean": 1e7, "tensile_strength": 3e8,
     },
     linkage.hole_stress: {
-        **{"force": 8e3, "width": 0.045, "thickness": 0.02, "hole": 0.02, "concentration": 2.5},
+        "force": 8e3, "width": 0.045, "thickness": 0.02, "hole": 0.02, "concentration": 2.5,
     },
     linkage.open_hole_concentration: {"hole_ratio": 0.4},
     linkage.pin_hole_concentration: {"hole_ratio": 0.4},
@@ -77,19 +77,19 @@ FORMULAS = {
     oil.roelands_viscosity: {"pressure": 1e8, "viscosity": 0.1, "pressure_viscosity": 2e-8},
     oil.density_at_pressure: {"pressure": 1e8, "density": 870.0},
     oil.density_at_temperature: {
-        **{"temperature": 330.0, "density": 870.0, "reference_temperature": 288.0},
+        "temperature": 330.0, "density": 870.0, "reference_temperature": 288.0,
         "expansion": 7e-4,
     },
     oil.kinematic_viscosity: {"viscosity": 0.1, "density": 870.0},
     oil.vogel_viscosity: {"temperature": 330.0, "a": 1e-4, "b": 900.0, "c": 170.0},
     oil.walther_viscosity: {
-        **{"temperature": 330.0, "viscosity_1": 1e-4, "temperature_1": 313.15},
-        **{"viscosity_2": 1e-5, "temperature_2": 373.15},
+        "temperature": 330.0, "viscosity_1": 1e-4, "temperature_1": 313.15,
+        "viscosity_2": 1e-5, "temperature_2": 373.15,
     },
     reynolds.roller_shape: {"x": 0.002, "radius": 1.0},
     reynolds.pin_shape: {"x": 0.002, "z": 0.003, "radius": 1.0, "cross_radius": 2.0},
     running_in.thin_wall_torque_ratio: {
-        **{"load_per_length": 1e4, "clearance": 5e-5, "shaft_radius": 0.01, "thickness": 1e-3},
+        "load_per_length": 1e4, "clearance": 5e-5, "shaft_radius": 0.01, "thickness": 1e-3,
         "modulus": 2e9,
     },
 }  # fmt: skip
@@ -187,9 +187,9 @@ def functions_of_tables():
     names = set()
     for path in Path(__file__).parent.rglob("test_*.py"):
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict):
-                if getattr(node.targets[0], "id", "") == "FORMULAS":
-                    names |= {ast.unparse(key).rpartition(".")[2] for key in node.value.keys if key}
+            table = isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "")
+            if table == "FORMULAS" and isinstance(node.value, ast.Dict):
+                names |= {ast.unparse(key).rpartition(".")[2] for key in node.value.keys}
     return names
 
 
