@@ -73,8 +73,9 @@ CAPTIONS = {
         "Film thickness against speed over load",
         "(a) Mean and minimum film thickness of each trigger with the fitted powers n; bars are "
         "one standard deviation, random and shared. Grey: too slow for the fit. (b) Minimum film "
-        "thickness on wider scales; open diamonds: the transient film predicted at the same "
-        "trigger; lines: steady theory at the same speed and load.",
+        "thickness beside theory; open diamonds: the transient film predicted at the same trigger; "
+        "lines: steady theory at the same speed and load, whose range the legend states where it "
+        "is beyond the axis.",
     ),
     "map_sheet": Caption(
         "Maps of the cycle", "One colour scale for all maps. Grey: flagged.", "png"

@@ -22,7 +22,7 @@ from erlif.plots.audit import (
 )
 from erlif.report.captions import Caption
 from erlif.report.layout import arrange_figures, compose_page, embed_figure
-from erlif.report.tables import make_table
+from erlif.report.tables import make_table, print_text
 
 _ORDER = (Level.ERROR, Level.WARNING, Level.NOTE)
 
@@ -96,7 +96,8 @@ def _findings(audit: Audit) -> str:
         rows = [note for note in audit.notes if note.level is level and not _is_pair(note)]
         if rows:
             body = "".join(
-                f"<tr><th scope=row>{escape(note.subject)}</th><td>{escape(note.text)}</td></tr>"
+                f"<tr><th scope=row>{escape(note.subject)}</th>"
+                f"<td>{print_text(note.text)}</td></tr>"
                 for note in rows
             )
             parts.append(

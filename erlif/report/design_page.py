@@ -20,7 +20,7 @@ from erlif.report.captions import Caption
 from erlif.report.design import dimension_title, dimensions, margin, verdict, within
 from erlif.report.download import download_link, file_name
 from erlif.report.layout import PageFigure, arrange_figures, compose_page, embed_figure
-from erlif.report.tables import make_table
+from erlif.report.tables import make_table, print_text
 from erlif.sizing import BearingDesign, Material, Step
 
 _FIGURE = Caption(
@@ -185,7 +185,7 @@ def _step_table(design: BearingDesign) -> str:
 
 def _signs(text: str) -> str:
     """A text with the signs of print for minus, times, micro and degrees."""
-    plain = escape(text).replace("degC", "°C").replace(" um", " µm")
+    plain = print_text(text)
     return re.sub(r"(?<![\w.])-(?=\d)", "−", re.sub(r"^x (?=\d)", "× ", plain))
 
 

@@ -8,7 +8,7 @@ from html import escape
 import xarray as xr
 
 from erlif.core.notes import Level
-from erlif.report.tables import make_table
+from erlif.report.tables import make_table, print_text
 
 
 def provenance_section(film: xr.Dataset) -> str:
@@ -45,5 +45,5 @@ def _emphasise(note: str) -> str:
     """A note as HTML, with the level of a warning in bold."""
     level, colon, rest = note.partition(": ")
     if level not in (Level.WARNING, Level.ERROR):
-        return escape(note)
-    return f"<strong>{level.capitalize()}{colon}</strong>{escape(rest)}"
+        return print_text(note)
+    return f"<strong>{level.capitalize()}{colon}</strong>{print_text(rest)}"

@@ -119,7 +119,7 @@ def write_runs_report(
 
     link = download_link(runs_csv(numbers), name="runs.csv", label="Save as CSV")
     table = make_table(rows, head=_HEAD, numbers=[1, 3, 4, 5, 6, 7, 8, 9])
-    look = 'class="wide" tabindex="0" role="region" aria-label="Table of the runs"'
+    look = 'class="wide dense" tabindex="0" role="region" aria-label="Table of the runs"'
     compared = _compare_runs(paths)
     room = max_size * _PER_MB - _FRAME - len((table + link + compared).encode())
     ends = (min(low for low, _ in limits), max(high for _, high in limits))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -57,6 +58,17 @@ def with_span(values: Array) -> str:
 def with_digits(value: float, digits: int) -> str:
     """Write a value with a fixed number of digits, and a minus of the width of a plus."""
     return f"{value:.{digits}f}".replace("-", "−") if math.isfinite(value) else _UNKNOWN
+
+
+def print_text(text: str) -> str:
+    """Write a text of the command line as HTML, with the units of print.
+
+    Examples
+    --------
+    >>> print_text("a film < 2 um at 40 degC")
+    'a film &lt; 2 µm at 40 °C'
+    """
+    return re.sub(r"\bum\b", "µm", re.sub(r"\bdegC\b", "°C", escape(text)))
 
 
 def make_table(
@@ -128,10 +140,10 @@ def results_table(film: xr.Dataset, valid: float) -> str:
     caption = "Results (± is one standard deviation, random and shared)"
     limits_of = film.film_theory.attrs if "film_theory" in film else {}
     notes = str(limits_of.get("notes", "")).split("\n")
-    limits = "; ".join(escape(note) for note in notes if note)
+    limits = "; ".join(print_text(note) for note in notes if note)
     below = f"<p class='quiet'>Limits of the theory: {limits}</p>" if limits else ""
     sentences = [str(film.attrs.get("physics", "")), *carrying_sentences(film)]
-    carried = " ".join(escape(sentence) for sentence in sentences if sentence)
+    carried = " ".join(print_text(sentence) for sentence in sentences if sentence)
     below += f"<p class='quiet'>What carries the film: {carried}</p>" if carried else ""
     return make_table(rows, caption=caption) + below
 
@@ -367,7 +379,7 @@ def trigger_table(film: xr.Dataset, valid: Array, *, most: float = float("inf"))
     head = ["Trigger", *titles, "Valid pixels"]
     numbers = [n for n, title in enumerate(head) if title != "Stroke"]
     table = make_table(rows, head=head, numbers=numbers)
-    look = 'class="wide" tabindex="0" role="region" aria-label="Table of the triggers"'
+    look = 'class="wide dense" tabindex="0" role="region" aria-label="Table of the triggers"'
     return f"{_download(film, valid, every, most)}<div {look}>{table}</div>"
 
 
