@@ -134,13 +134,18 @@ def joint_wear(worn: xr.Dataset, *, ax: Axes | None = None) -> list[Line2D]:
 
 
 @styled
-def extrapolation_error(found: xr.Dataset, *, ax: Axes | None = None) -> list[Artist]:
+def extrapolation_error(
+    found: xr.Dataset, *, fine: xr.Dataset | None = None, ax: Axes | None = None
+) -> list[Artist]:
     """Draw the error of worn volume and depth over the extrapolation factor, with its bound.
 
     Parameters
     ----------
     found : xarray.Dataset
         As `erlif.models.slider_wear.bound_extrapolation` returns it.
+    fine : xarray.Dataset, optional
+        The end of a run with a far smaller factor, from which the error is counted: one cycle of
+        `erlif.models.slider_wear.wear_slider_crank`. Default: the limit that `found` estimates.
     ax : Axes, optional
         Default: those of a new figure, one column wide.
 
@@ -166,7 +171,7 @@ def extrapolation_error(found: xr.Dataset, *, ax: Axes | None = None) -> list[Ar
         ("worn_volume", "volume", OUTWARD, "o", "-", 3.0),
         ("greatest_depth", "depth", RETURN, "s", "--", 6.0),  # both are often alike
     ):
-        limit = float(found[f"{name}_limit"])
+        limit = float(found[f"{name}_limit"] if fine is None else fine[name])
         error = 100 * np.abs(found[name].values - limit) / abs(limit)
         bound = 100 * found[f"{name}_bound"].values / abs(limit)
         drawn += ax.plot(

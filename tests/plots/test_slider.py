@@ -64,3 +64,9 @@ def test_error_of_the_extrapolation_is_in_per_cent_below_its_bound():
     error, bound, _, _ = plots.extrapolation_error(bound_extrapolation(1000, wear=wear))
     npt.assert_allclose(error.get_ydata(), [1.0, 0.5, 0.25], rtol=1e-6)
     npt.assert_allclose(bound.get_ydata(), [1.25, 0.625, 0.3125], rtol=1e-6)
+
+    # the error from a run that is known better leaves the bound
+    fine = xr.Dataset({"worn_volume": 1.99, "greatest_depth": 1.99})
+    error, bound, _, _ = plots.extrapolation_error(bound_extrapolation(1000, wear=wear), fine=fine)
+    npt.assert_allclose(error.get_ydata(), np.array([0.03, 0.02, 0.015]) / 0.0199, rtol=1e-6)
+    npt.assert_allclose(bound.get_ydata(), np.array([0.025, 0.0125, 0.00625]) / 0.0199, rtol=1e-6)

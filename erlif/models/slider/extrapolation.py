@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _SAFETY, _CAUTION = 1.25, 3.0
-"""Factors of Roache (1994, 1998) on an estimated error, with an order as expected and without."""
+"""Factors of Roache (1994, 2011) on an estimated error, with an order as expected and without."""
 
 _EXPECTED_ORDER = (0.95, 1.05)
 """Orders within 5 % of the first count as expected, Roache (2011)."""
@@ -23,7 +23,7 @@ _EXPECTED_ORDER = (0.95, 1.05)
 def bound_extrapolation(
     extrapolation: int, *, wear: Callable[[int], xr.Dataset], halvings: int = 2
 ) -> xr.Dataset:
-    """Bound the error that an extrapolation factor makes, by halving it. Roache (1994, 1998).
+    """Bound the error that an extrapolation factor makes, by halving it. Roache (1994, 2011).
 
     The error of a first-order step falls with the step, so that the last change by halving
     estimates what is left. The bound is 1.25 times this where the changes fall with the first
