@@ -1,7 +1,8 @@
 """What of the four sources erlif holds: the text of docs/coverage.md.
 
 Every numbered equation, table, figure with a result, and procedure is a row of sources_coverage.csv
-beside this file: the functions that hold it and the tests that check it, or why there is none.
+beside this file: the functions that hold it, what they are checked against and by which tests, or
+why there is none.
 """
 
 import csv
@@ -25,6 +26,8 @@ class CoverageRow:
         What it states.
     models : tuple[str, ...]
         Functions, classes or modules that hold it, from `erlif` on; none where there is no model.
+    against : str
+        What the tests compare it with; empty where there is no model.
     tests : tuple[str, ...]
         Files below tests/ that check it.
     note : str
@@ -35,6 +38,7 @@ class CoverageRow:
     item: str
     content: str
     models: tuple[str, ...]
+    against: str
     tests: tuple[str, ...]
     note: str
 
@@ -49,8 +53,9 @@ def coverage_rows() -> list[CoverageRow]:
 
     Examples
     --------
-    >>> coverage_rows()[0].models
-    ('models.wear.adhesive_wear',)
+    >>> row = coverage_rows()[2]
+    >>> print(row.item, row.content, row.models, sep=", ")
+    2.1, adhesive wear, ('models.wear.adhesive_wear',)
     """
     text = files("erlif.models").joinpath("sources_coverage.csv").read_text(encoding="utf-8")
     return [
@@ -59,11 +64,15 @@ def coverage_rows() -> list[CoverageRow]:
             row["item"],
             row["content"],
             tuple(row["models"].split()),
+            row["against"],
             tuple(row["tests"].split()),
             row["note"],
         )
         for row in csv.DictReader(text.splitlines())
     ]
+
+
+_HEADER = "| item | content | erlif | checked against | tests | note |"
 
 
 def render_coverage() -> str:
@@ -92,7 +101,7 @@ def render_coverage() -> str:
         "",
     ]
     for source, title in TITLES.items():
-        lines += [f"## {title}", "", "| item | content | erlif | tests | note |", "|" + "---|" * 5]
+        lines += [f"## {title}", "", _HEADER, "|" + "---|" * 6]
         lines += [_line(row) for row in rows if row.source == source]
         lines.append("")
     return "\n".join(lines)
@@ -100,4 +109,5 @@ def render_coverage() -> str:
 
 def _line(row: CoverageRow) -> str:
     models = ", ".join(f"`{name}`" for name in row.models)
-    return f"| {row.item} | {row.content} | {models} | {', '.join(row.tests)} | {row.note} |"
+    tests = ", ".join(row.tests)
+    return f"| {row.item} | {row.content} | {models} | {row.against} | {tests} | {row.note} |"

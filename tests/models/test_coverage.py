@@ -19,7 +19,7 @@ def test_committed_document_is_the_rendering():
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row.source} {row.item}" for row in ROWS])
 def test_a_row_is_held_and_checked_or_has_a_reason(row):
     assert row.source in TITLES
-    assert bool(row.models) == bool(row.tests)
+    assert bool(row.models) == bool(row.tests) == bool(row.against)
     assert row.models or row.note
     for name in row.models:
         found = import_module("erlif")
@@ -27,6 +27,10 @@ def test_a_row_is_held_and_checked_or_has_a_reason(row):
             found = getattr(found, part)
     for name in row.tests:
         assert (ROOT / "tests" / name).is_file(), name
+
+    # each function is used by name in one of the tests
+    used = "".join((ROOT / "tests" / name).read_text(encoding="utf-8") for name in row.tests)
+    assert not [name for name in row.models if name.rpartition(".")[2] not in used]
 
 
 def test_every_numbered_equation_has_a_row():
