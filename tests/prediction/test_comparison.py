@@ -43,9 +43,8 @@ def compare(measured, joint, **options):
     return compare_models(measured, joint, MOTION, steps=STEPS, crank=CRANK, **options)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_free_pin_is_recognised_by_its_positions(seed):
-    found = compare(measure(free_orbit(), seed), STATED, steady=STEADY)
+def test_free_pin_is_recognised_by_its_positions():
+    found = compare(measure(free_orbit(), 1), STATED, steady=STEADY)
     assert found.candidates[0].name == "a pin that is free sideways"
     assert found.candidates[1].bic > 10
     assert found.verdict.startswith("Squeeze carries the film of a pin that is free sideways")

@@ -82,14 +82,14 @@ def test_a_pin_that_swings_with_half_the_bushing_meets_no_pressure():
 
 
 def test_peak_place_and_load_lie_within_their_errors(free_pin):
-    """Twenty runs with the noise of the sample; moments of a run are correlated.
+    """Twelve runs with the noise of the sample; moments of a run are correlated.
 
     The load is even in the tilt, which is 0: a tilt t adds L'' t^2/2, and the stated error, with
     the derivative at the measured tilt, is L'' |t| s. Where this part is all, 95 % of the loads
     lie within one standard deviation, which is reached at a tilt of 2 s.
     """
     pulls = {"peak": [], "place": [], "load": [], "side": []}
-    for seed in range(20):
+    for seed in range(12):
         noise = np.random.default_rng(seed).multivariate_normal(np.zeros(4), NOISE, 12)
         found = find(free_pin, free_pin.position + noise, NOISE)
         assert found.pressure_measured.values.all()
