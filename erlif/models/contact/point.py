@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from math import factorial
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -19,14 +20,14 @@ from erlif.models.arguments import (
 )
 from erlif.models.contact.roots import find_roots, like
 
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
-
 THESIS_F1, THESIS_F2 = 0.89, 0.88
 """Factors of the ellipse that Farzaneh (2002), appendix B, reads for the lobed bushing. [1]"""
 
 _LARGEST_LOG_AXES, _AXES_KNOTS = 20.0, 8192
 """Range and number of the tabulated ratios of axes: radii in a ratio of up to 1e16."""
+
+_CANCELLING = 0.1
+"""Parameter m below which K - E loses more than a digit."""
 
 
 class RelativeRadii(NamedTuple):
@@ -199,9 +200,9 @@ def hertz_ellipse(
     radius_ratio = radius / radius_across
     p = like(radius_ratio, _axis_ratio(np.asarray(radius_ratio, float))) ** -2.0
     # the ratio of both integrals R_D is that of the radii
-    across = scipy.special.elliprd(0.0, p, 1.0)
+    across = like(radius_ratio, _integral_across(np.asarray(p)))
     F1 = (4 * p**0.75 * np.sqrt(radius_ratio) * across / (3 * np.pi)) ** (1 / 3)
-    F2 = 2 * p**0.25 * scipy.special.elliprf(0.0, p, 1.0) / (np.pi * F1)
+    F2 = 2 * p**0.25 * scipy.special.ellipkm1(p) / (np.pi * F1)
     return _ellipse(load, radius, radius_across, contact_modulus, axis_ratio=p**-0.5, F1=F1, F2=F2)
 
 
@@ -294,11 +295,28 @@ def _ellipse(
     )
 
 
+def _integral_across(p: Values) -> Values:
+    """R_D(0, p, 1), which is 3 (K - E)/m with the parameter m = 1 - p."""
+    m = 1 - p
+    with np.errstate(invalid="ignore"):  # 0/0 in a circle, computed below
+        found = np.asarray(3 * (scipy.special.ellipkm1(p) - scipy.special.ellipe(m)) / m)
+    round_ones = m < _CANCELLING
+    found[round_ones] = scipy.special.elliprd(0.0, p[round_ones], 1.0)
+    return found
+
+
 def _axis_ratio(radius_ratio: Values) -> Values:
     """Find a/b >= 1 from R'/R'' >= 1; close to the power 2/3."""
     log_radii = np.log(radius_ratio)
-    log_axes = np.asarray(_log_axes_by_log_radii()(log_radii))
-    beyond = log_radii > _log_radius_ratio(np.array(_LARGEST_LOG_AXES))
+    step, coefficients = _log_axes_by_log_radii()
+    with np.errstate(invalid="ignore"):  # NaN has no interval, and stays NaN below
+        interval = np.clip((log_radii / step).astype(int), 0, coefficients.shape[1] - 1)
+    within = log_radii - interval * step
+    log_axes = coefficients[-1][interval]
+    for each in coefficients[-2::-1]:
+        log_axes = np.asarray(log_axes * within + each[interval])
+
+    beyond = log_radii > step * coefficients.shape[1]
     if np.any(beyond):
         log_axes[beyond] = find_roots(
             lambda trial, wanted: _log_radius_ratio(trial) - wanted,
@@ -316,18 +334,27 @@ def _log_radius_ratio(log_axes: Values) -> Values:
 
 
 @cache
-def _log_axes_by_log_radii() -> "BSpline":
-    """The inverse of `_log_radius_ratio` as a spline of fifth order, exact to rounding.
+def _log_axes_by_log_radii() -> tuple[float, Values]:
+    """The inverse of `_log_radius_ratio` as polynomials of fifth order, exact to rounding.
 
-    The function is odd, so that knots on both sides of the circle keep the order there.
+    Returns
+    -------
+    step, coefficients : float, array (power, interval)
+        All intervals are of one length, so that a value finds its own by a division.
     """
     from scipy.interpolate import make_interp_spline  # at use, as all solvers of the theories
 
+    # the function is odd: sites on both sides of the circle keep the order there
     log_axes = np.linspace(0.0, _LARGEST_LOG_AXES, _AXES_KNOTS)
     log_radii = _log_radius_ratio(log_axes)
     mirrored = slice(8, 0, -1)
-    return make_interp_spline(
+    inverse = make_interp_spline(
         np.concatenate([-log_radii[mirrored], log_radii]),
         np.concatenate([-log_axes[mirrored], log_axes]),
         k=5,
     )
+    step = log_radii[-1] / _AXES_KNOTS
+    sites = step * np.arange(-8, _AXES_KNOTS + 1)
+    even = make_interp_spline(sites, np.sign(sites) * inverse(np.abs(sites)), k=5)
+    powers = [even(sites[8:-8], nu=n) / factorial(n) for n in range(6)]
+    return float(step), np.array(powers)
