@@ -6,9 +6,6 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
 from erlif.models.contact import (
@@ -58,22 +55,15 @@ def test_the_table_has_105_finite_rows_and_a_last_one():
     )  # the print has the wrong sign
 
 
-@given(st.floats(1e-3, np.pi - 1e-3))
-def test_persson_pressure_carries_the_load(half_angle):
+def test_persson_pressure_carries_the_load():
+    half_angle = np.concatenate([np.linspace(1e-3, np.pi - 1e-3, 300), [3.14]])[:, None]
     case = {"half_angle": half_angle, "load_per_length": 3.0, "pin_diameter": 0.5}
-    carried = quad(  # sin(t) in place of the angle takes the square root out of the ends
-        lambda t: (
-            persson_pressure(half_angle * np.sin(t), **case)
-            * np.cos(half_angle * np.sin(t))
-            * np.cos(t)
-        ),
-        -np.pi / 2,
-        np.pi / 2,
-        epsabs=0,
-        epsrel=1e-11,
-        limit=400,
-    )[0]
-    npt.assert_allclose(carried * half_angle * 0.25, 3.0, rtol=1e-8)
+    # sin(t) in place of the angle takes the square root out of the ends
+    nodes, weights = np.polynomial.legendre.leggauss(600)
+    t = np.pi / 2 * nodes
+    angle = half_angle * np.sin(t)
+    carried = persson_pressure(angle, **case) * np.cos(angle) * np.cos(t) @ weights * np.pi / 2
+    npt.assert_allclose(carried * half_angle[:, 0] * 0.25, 3.0, rtol=1e-8)
     npt.assert_allclose(
         persson_pressure(0.0, **case), persson_peak_group(half_angle) * 2 * 3.0 / 0.5, rtol=1e-9
     )
@@ -140,21 +130,19 @@ def test_thesis_joint_under_100_klbf():
     npt.assert_allclose(pressure / 1e6, 115.612, atol=5e-4)
 
 
-@given(st.floats(1e-6, np.pi - 1e-5))
-def test_persson_inverts(half_angle):
-    npt.assert_allclose(persson_half_angle(persson_group(half_angle)), half_angle, rtol=1e-6)
-    play = np.sign(persson_group(half_angle)) * 1e-4
-    if abs(persson_group(half_angle)) > 1e-9:
-        load = persson_load(half_angle, play=play, youngs_modulus=2e11)
-        found, _ = persson_contact(load, play=play, pin_diameter=0.1, youngs_modulus=2e11)
-        npt.assert_allclose(found, half_angle, rtol=1e-6)
+def test_persson_inverts():
+    half_angle = np.linspace(1e-6, np.pi - 1e-5, 2001)
+    group = persson_group(half_angle)
+    npt.assert_allclose(persson_half_angle(group), half_angle, rtol=1e-6)
+    half_angle, group = half_angle[np.abs(group) > 1e-3], group[np.abs(group) > 1e-3]
+    play = np.sign(group) * 1e-4
+    load = persson_load(half_angle, play=play, youngs_modulus=2e11)
+    found, _ = persson_contact(load, play=play, pin_diameter=0.1, youngs_modulus=2e11)
+    npt.assert_allclose(found, half_angle, rtol=1e-6)
 
 
-@given(st.floats(1e-4, 3.0), st.floats(1e-4, 3.0))
-def test_persson_angle_falls_with_play_over_load(one, other):
-    low, high = sorted((one, other))
-    if high - low > 1e-6:
-        assert persson_group(low) > persson_group(high)
+def test_persson_angle_falls_with_play_over_load():
+    assert np.all(np.diff(persson_group(np.linspace(1e-4, 3.0, 10_000))) < 0)
 
 
 def test_persson_keeps_coordinates():

@@ -3,8 +3,6 @@
 import numpy as np
 import numpy.testing as npt
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from erlif.core.errors import ModelError
@@ -56,8 +54,8 @@ def test_winkler_model_ends_at_a_wrap_of_90_degrees():
         winkler_contact(0.1, **case)
 
 
-@given(st.floats(1.0, 1000.0), st.floats(0.01, 1.5))
-def test_winkler_inverts_and_scales(fit, half_angle):
+def test_winkler_inverts_and_scales():
+    fit, half_angle = np.geomspace(1.0, 1000.0, 41)[:, None], np.linspace(0.01, 1.5, 50)
     case = {
         "shaft_radius": 0.01,
         "bushing_radius": 0.01 * (1 + 1 / fit),
@@ -66,8 +64,8 @@ def test_winkler_inverts_and_scales(fit, half_angle):
     }
     load = winkler_load(half_angle, **case)
     found = winkler_contact(load, **case)
-    npt.assert_allclose(found.half_angle, half_angle, rtol=1e-5)
-    assert 1 <= found.torque_ratio <= np.pi / 2
+    npt.assert_allclose(found.half_angle, 0 * fit + half_angle, rtol=1e-5)
+    assert np.all((found.torque_ratio >= 1) & (found.torque_ratio <= np.pi / 2))
     softer = winkler_load(half_angle, **{**case, "modulus": 5e8})
     npt.assert_allclose(softer, load / 2)
 
