@@ -1,6 +1,8 @@
 """Speed of the contact solver beside tamaas, and the joint of Farzaneh (2002), chapter 3.
 
 python benchmarks/edges.py speed     one contact on 512 x 256 cells, both codes on one core
+python benchmarks/edges.py millions  a million contacts of Hertz and of Winkler
+python benchmarks/edges.py errors    against Hertz, and exponents at sharp edges
 python benchmarks/edges.py roller    a straight and a crowned roller in both codes
 python benchmarks/edges.py thesis    straight and undercut bushing under the loads in question
 python benchmarks/edges.py lobes     lobed bushing under 10,000 lbf
@@ -24,10 +26,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line
+from erlif.models.contact import conformal_radius, hertz_ellipse, hertz_line, winkler_contact
 from erlif.models.edges import (
     Joint,
     Undercut,
+    edge_exponent,
     lundberg_profile,
     prepare_joint,
     search_undercut,
@@ -35,6 +38,7 @@ from erlif.models.edges import (
     solve_contact,
     solve_joint,
 )
+from erlif.models.edges.cylinders import Section, compute_compliance
 
 POUND = 4.4482216
 STEEL = 200e9 / 2 / (1 - 0.3**2)
@@ -92,6 +96,65 @@ def compare_speed() -> None:
         print(f"{label:7} {processor:.2f} s processor, {wall:.2f} s wall, p0 off by {error:.1e}")
     ratio = min(row[1] for row in rows["erlif"]) / min(row[1] for row in rows["tamaas"])
     print(f"erlif takes {ratio:.2f} of the processor time of tamaas")
+
+
+def compute_errors() -> None:
+    """Deviations from Hertz's contacts, and the exponents of the pressure at sharp edges."""
+    hertz = hertz_ellipse(50.0, radius=0.01, radius_across=0.004, contact_modulus=STEEL)
+    sizes = 2.3 * np.array([hertz.a, hertz.b])
+    x, z = middles(128, sizes[0]), middles(96, sizes[1])
+    gap = x[:, None] ** 2 / 0.02 + z**2 / 0.008
+    point = solve_contact(gap, spacing=sizes / (128, 96), contact_modulus=STEEL, load=50.0)
+    print(
+        f"point, 128 x 96 cells: pressure {float(point.peak_pressure) / hertz.pressure - 1:+.1e}, "
+    )
+    print(f"    approach {float(point.approach) / hertz.approach - 1:+.1e}")
+    line = hertz_line(1e5, radius=0.01, contact_modulus=STEEL)
+    x = middles(256, 2.3 * line.half_width)
+    plane = solve_contact(x**2 / 0.02, spacing=x[1] - x[0], contact_modulus=STEEL, load=1e5)
+    print(f"line, 256 cells: pressure {float(plane.peak_pressure) / line.pressure - 1:+.1e}")
+
+    # a rigid punch on a flat; a ring pressed evenly on a longer pin, both sharp at a right angle
+    x = middles(1000, 2.0)
+    punch = solve_contact(np.zeros(1000), spacing=0.002, contact_modulus=1e9, load=1e6)
+    near = (1 - x > 0.02) & (1 - x < 0.2)
+    shape = np.log(punch.pressure[near] * np.sqrt(1 + x[near]))
+    print(f"rigid punch: exponent {np.polyfit(np.log(1 - x[near]), shape, 1)[0]:+.4f}, exact -0.5")
+    steps = 1e-5 * 1.6 ** np.arange(24)
+    cells = 1 - np.concatenate([[0], np.cumsum(steps[np.cumsum(steps) < 0.9]), [1.0]])[::-1]
+    below = np.concatenate([[0], np.cumsum(2e-6 * 2.0 ** np.arange(20))])
+    beyond = np.unique(np.concatenate([cells, 2 - cells]))
+    pin = Section(1 - below[below < 0.9][::-1], beyond, 1.0, 1e9, 0.3, False)
+    ring = Section(1 + below[below < 1.5], cells, 1.0, 1e9, 0.3, True)
+    matrix = sum(compute_compliance(body, cells, harmonics=[0]).matrices[0] for body in (pin, ring))
+    pressure = np.linalg.solve(matrix, np.ones(cells.size - 1))
+    distance = 1 - (cells[1:] + cells[:-1]) / 2
+    near = (distance > 3e-5) & (distance < 1e-3)
+    slope = np.polyfit(np.log(distance[near]), np.log(pressure[near]), 1)[0]
+    print(f"ring on a pin: exponent {slope:+.4f}, wedge {-edge_exponent(np.pi / 2):+.4f}")
+
+
+def compute_millions() -> None:
+    """A million elliptical contacts, and a million of Winkler's in one bushing and in many."""
+    rng, count = np.random.default_rng(1), 10**6
+    load, radius = 10 ** rng.uniform(2, 5, count), 10 ** rng.uniform(-1, 1, count)
+    across = radius * 10 ** rng.uniform(-3, 0, count)
+    shafts = 0.0102 - 10 ** rng.uniform(-4, -3.3, count)
+    case = {"bushing_radius": 0.0102, "thickness": 3e-3, "modulus": 1e9}
+    runs = {
+        "hertz_ellipse": lambda: hertz_ellipse(
+            load, radius=radius, radius_across=across, contact_modulus=STEEL
+        ),
+        "winkler_contact, one bushing": lambda: winkler_contact(load, shaft_radius=0.0098, **case),
+        "winkler_contact, many": lambda: winkler_contact(load, shaft_radius=shafts, **case),
+    }
+    for label, run in runs.items():
+        times = []
+        for _ in range(4):  # the first one loads the solvers
+            started = time.process_time()
+            run()
+            times.append(time.process_time() - started)
+        print(f"{label}: {min(times):.2f} s of processor time, {times[0]:.2f} s at first")
 
 
 def compare_roller() -> None:
@@ -319,6 +382,8 @@ def main() -> None:
         "part",
         choices=[
             "speed",
+            "millions",
+            "errors",
             "roller",
             "thesis",
             "lobes",
@@ -334,6 +399,8 @@ def main() -> None:
     load = given.pounds * POUND
     {
         "speed": compare_speed,
+        "millions": compute_millions,
+        "errors": compute_errors,
         "roller": compare_roller,
         "thesis": compute_thesis,
         "lobes": compute_lobes,
