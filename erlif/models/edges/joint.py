@@ -563,21 +563,24 @@ def search_undercut(
             pin=pin,
         )
 
-    straight = prepared(None, None)
-    uncut = solve_joint(straight, load=load, patch=patch)
     shape = (len(depths), len(widths), len(lips))
-    peak, mean = np.full(shape, np.nan), np.full(shape, np.nan)
-    for place in np.ndindex(shape):
-        cut = Undercut(depths[place[0]], widths[place[1]], lips[place[2]])
-        if not _fits(cut, joint):
-            continue
-        found = solve_joint(prepared(cut, straight.pin), load=load, patch=patch)
-        peak[place], mean[place] = found["peak_pressure"], found["patch_pressure"]
-    if np.isnan(mean).all():
+    cuts = {
+        place: Undercut(depths[place[0]], widths[place[1]], lips[place[2]])
+        for place in np.ndindex(shape)
+    }
+    fitting = {place: cut for place, cut in cuts.items() if _fits(cut, joint)}
+    if not fitting:
         raise ModelError(
             "No undercut of these depths, widths and lips fits into the wall of "
             f"{joint.outer_radius - joint.bushing_radius:g} m."
         )
+
+    straight = prepared(None, None)
+    uncut = solve_joint(straight, load=load, patch=patch)
+    peak, mean = np.full(shape, np.nan), np.full(shape, np.nan)
+    for place, cut in fitting.items():
+        found = solve_joint(prepared(cut, straight.pin), load=load, patch=patch)
+        peak[place], mean[place] = found["peak_pressure"], found["patch_pressure"]
     best = np.unravel_index(int(np.nanargmin(mean)), shape)
     names = {"depth": depths, "width": widths, "lip": lips}
     texts = {"depth": "depth D1", "width": "width D2", "lip": "lip D3"}

@@ -28,7 +28,7 @@ TEN_THOUSAND_POUNDS = 44.48e3
 
 
 SHORT = replace(THESIS, length=0.06, pin_length=0.12)
-COARSE = {"smallest_cell": 2e-3, "harmonics": [0, 1, 2, 4, 8, 16, 32, 64, 128]}
+COARSE = {"smallest_cell": 2e-3, "harmonics": [0, 1, 2, 5, 14, 40, 110]}
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ def test_a_lobe_has_the_pressure_of_hertz():
     lobed = replace(SHORT, length=0.08, pin_length=0.08)
     elastic = prepare_joint(
         lobed, smallest_cell=0.3e-3, refine=[0.02], growth=1.5, largest_cell=0.01,
-        load_span=(0.0, 0.04),
+        load_span=(0.0, 0.04), harmonics=[0, 1, 2, 5, 14, 40, 110],
     )  # fmt: skip
     found = solve_joint(elastic, load=TEN_THOUSAND_POUNDS, lobes=[0.02], lobe_height=37.5e-6)
     radius = conformal_radius(0.03336, bushing_radius=0.03359 - 37.5e-6)
@@ -144,8 +144,8 @@ def test_stress_in_the_wall_carries_the_load():
     assert {"peak_von_mises", "peak_r", "peak_z"} <= set(stress)
 
 
-BRICKS = {4e-3: [147, 131, 180, 214], 12e-3: [168, 147, 136, 129]}
-"""Largest pressure [MPa] of the short joint in trilinear bricks, for lips of 3, 6, 9 and 12 mm.
+BRICKS = {4e-3: [147, 131, 214], 12e-3: [168, 147, 129]}
+"""Largest pressure [MPa] of the short joint in trilinear bricks, for lips of 3, 6 and 12 mm.
 
 `python benchmarks/edges_solid.py search`: a quarter of both bodies in three dimensions, nodes every
 2 mm, contact from node to node; no harmonics, and no code of `erlif.models.edges`.
@@ -158,19 +158,19 @@ def test_search_finds_the_undercut_that_solid_elements_find():
         load=1e5,
         depths=list(BRICKS),
         widths=[0.004, 0.018],
-        lips=[0.003, 0.006, 0.009, 0.012],
+        lips=[0.003, 0.006, 0.012],
         smallest_cell=1e-3,
-        harmonics=COARSE["harmonics"],
+        harmonics=[0, 1, 2, 5, 14, 40, 110],
         patch=1e-3,
     )
     assert np.isnan(found.patch_pressure.sel(width=0.018)).all()  # wider than the wall
     solid = np.array(list(BRICKS.values())) * 1e6
     pressure = found.patch_pressure.sel(width=0.004).to_numpy()
     assert (float(found.best_depth), float(found.best_lip)) == (0.012, 0.012)
-    assert solid.argmin() == 7
+    assert solid.argmin() == 5
 
-    # thick lips of short cuts press at their sharp edge, where a pressure is one of its mesh
-    smooth = np.array([[True, True, False, False], [True, True, True, True]])
+    # the thick lip of a short cut presses at its sharp edge, where a pressure is one of its mesh
+    smooth = np.array([[True, True, False], [True, True, True]])
     npt.assert_allclose(pressure[smooth], solid[smooth], rtol=0.06)
     npt.assert_allclose(np.argsort(pressure[0]), np.argsort(solid[0]))
     with pytest.raises(ModelError, match="No undercut"):
