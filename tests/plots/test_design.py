@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from scenes.pictures import picture, without_texts
 
 from erlif.pipeline.design import design, example_design, example_joint_file
 from erlif.plots import (
@@ -83,3 +84,8 @@ def test_an_exceeded_limit_and_a_doubtful_one_look_different():
     fast = design_margins(changed(('"8 s"', '"0.5 s"')))
     assert any(bar.get_hatch() for bar in fast)
     assert len(design_margins_figure(example_design()).axes) == 1
+
+
+@picture
+def test_picture_of_a_design():
+    return without_texts(design_figure(example_design()))

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pictures import picture, without_texts
 
 from erlif import plots
 from erlif.models import solve_contact, subsurface_stress
@@ -112,3 +113,19 @@ def test_the_figure_has_four_panels(joint, section, search):
     figure = plots.joint_figure({"joint": joint}, hertz=1e8, stress=section, search=search)
     figure.draw_without_rendering()
     assert len(figure.axes) == 4
+
+
+@picture
+def test_picture_of_the_pressure_of_a_joint(joint):
+    return without_texts(plots.contact_pressure_map(joint).axes.get_figure())
+
+
+@picture
+def test_picture_of_a_stressed_section(section):
+    return without_texts(plots.stress_section(section).axes.get_figure())
+
+
+@picture
+def test_picture_of_a_search_for_an_undercut(search):
+    first, *_ = plots.undercut_pressure(search)
+    return without_texts(first.axes.get_figure())

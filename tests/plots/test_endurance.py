@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scenes.pictures import picture, without_texts
 
 from erlif.core.errors import EnduranceError
 from erlif.endurance.example import example_test
@@ -72,9 +73,19 @@ def test_no_overview_has_the_name_of_another_figure():
 def test_axes_of_large_loads_have_no_offset():
     """Loads that differ little were labelled by their difference from 1e3."""
     result = example_test()
-    test = result.test.copy()
+    test = result.test.copy(deep=True)
     test["load"][:] = 1.234e6 + 10 * np.arange(test.sizes["time"])
     ax = load_profile(replace(result, test=test))[0].axes
     ax.figure.canvas.draw()
     assert ax.yaxis.get_offset_text().get_text() == ""
     assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")
+
+
+@picture
+def test_picture_of_a_test():
+    return without_texts(endurance_figure(example_test()))
+
+
+@picture
+def test_picture_of_a_failure():
+    return without_texts(failure_figure(example_test()))

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pictures import picture, without_texts
 
 from erlif.friction import analyse_friction
 from erlif.plots import friction_over_reversals
@@ -32,3 +33,10 @@ def test_a_known_speed_gives_the_sliding_distance(log):
     points, _ = friction_over_reversals(series)
     assert points.axes.get_xlabel() == "sliding distance [m]"
     npt.assert_allclose(points.get_xdata(), np.arange(0.5, 8, 1), atol=0.01)
+
+
+@picture
+def test_picture_of_a_torque_log(log):
+    series = analyse_friction(log, shaft_radius=0.01, load_std=0.01)
+    points, _ = friction_over_reversals(series)
+    return without_texts(points.axes.get_figure())

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 from PIL import Image
+from scenes.pictures import picture, without_texts
 
 from erlif import plots
 from erlif.core.errors import OutputError
@@ -83,3 +84,8 @@ def test_the_suffix_chooses_figure_or_movie(design, tmp_path):
     assert path.read_bytes()[:5] == b"<?xml"
     with pytest.raises(OutputError, match="exists"):
         plots.write_linkage(design, path)
+
+
+@picture
+def test_picture_of_a_linkage(design):
+    return without_texts(plots.linkage_figure(design))

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scenes.pictures import picture, without_texts
 
 from erlif import plots
 from erlif.models.slider_wear import bound_extrapolation
@@ -70,3 +71,9 @@ def test_error_of_the_extrapolation_is_in_per_cent_below_its_bound():
     error, bound, _, _ = plots.extrapolation_error(bound_extrapolation(1000, wear=wear), fine=fine)
     npt.assert_allclose(error.get_ydata(), np.array([0.03, 0.02, 0.015]) / 0.0199, rtol=1e-6)
     npt.assert_allclose(bound.get_ydata(), np.array([0.025, 0.0125, 0.00625]) / 0.0199, rtol=1e-6)
+
+
+@picture
+def test_picture_of_a_worn_bushing(worn):
+    first, *_ = plots.joint_wear(worn)
+    return without_texts(first.axes.get_figure())

@@ -22,14 +22,19 @@ def test_caption_is_a_sentence(caption):
     assert caption.kind in ("svg", "png")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(DRAWN) - {"fixture_profile"}))
-def test_caption_names_the_panels_that_are_drawn(name, tmp_path):
-    """Letters in the caption are those in the figure."""
-    path = plots.write_example(tmp_path / "film.nc")
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    """The example with the images of its second trigger."""
+    path = plots.write_example(tmp_path_factory.mktemp("example") / "film.nc")
     film = plots.example_film()
     source = FigureSource(path, film, 1, None, None)
     source.__dict__["images"] = plots.example_images(film, trigger=1)
+    return source
+
+
+@pytest.mark.parametrize("name", sorted(set(DRAWN) - {"fixture_profile"}))
+def test_caption_names_the_panels_that_are_drawn(name, source):
+    """Letters in the caption are those in the figure."""
     figure = DRAWN[name](source)
     titles = [ax.get_title(loc="left") for ax in figure.axes]
     drawn = {found[1] for found in map(re.compile(r"\(([a-d])\)").search, titles) if found}
