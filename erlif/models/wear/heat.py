@@ -1,0 +1,282 @@
+"""Sliding speed, pv, heat and growth of a joint. Strand (2005), eqs. 26 to 30."""
+
+import numpy as np
+
+from erlif.models.arguments import (
+    Values,
+    broadcasting,
+    check_conductivity,
+    check_expansion,
+    check_length,
+    check_load,
+    check_speed,
+    check_swing,
+    check_temperature,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
+
+
+@broadcasting
+def mean_sliding_speed(half_swing: Values, *, diameter: Values, period: Values) -> Values:
+    """Compute the mean sliding speed of a swinging joint. Strand (2005), eq. 26.
+
+    v = 2 d beta / t.
+
+    Parameters
+    ----------
+    half_swing : float or array
+        Half of the angle from end to end, beta. [rad]
+    diameter : float or array
+        Diameter d of the pin. [m]
+    period : float or array
+        Time t of a swing forth and back. [s]
+
+    Returns
+    -------
+    float or array
+        Mean sliding speed v. [m/s]
+
+    Raises
+    ------
+    ModelError
+        A diameter or period not positive, a swing negative, or an infinite value.
+
+    Notes
+    -----
+    The nomenclature of the source lists beta in degrees; the equation needs radians.
+
+    Examples
+    --------
+    The rig of Farzaneh (2002): 24.426 degrees from end to end at 114 rpm.
+
+    >>> speed = mean_sliding_speed(np.radians(24.426) / 2, diameter=0.06672, period=60 / 114)
+    >>> print(f"{speed * 1e3:.2f} mm/s")
+    54.04 mm/s
+    """
+    require_not_negative(half_swing=half_swing)
+    require_positive(diameter=diameter, period=period)
+    check_swing(half_swing=half_swing)
+    check_length(diameter=diameter)
+    # four times the half swing per period, on half the diameter
+    return 2 * diameter * half_swing / period
+
+
+@broadcasting
+def pressure_velocity(load: Values, *, diameter: Values, width: Values, speed: Values) -> Values:
+    """Compute the product pv of projected pressure and speed. Strand (2005), section 2.1.13.
+
+    F v / (d w).
+
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    diameter, width : float or array
+        Diameter d and width w of the joint. [m]
+    speed : float or array
+        Sliding speed v; its sign is kept. [m/s]
+
+    Returns
+    -------
+    float or array
+        pv. [W/m2]
+
+    Raises
+    ------
+    ModelError
+        A dimension not positive, or an infinite value.
+
+    Examples
+    --------
+    12.5 MPa at 50 mm/s:
+
+    >>> pv = pressure_velocity(100e3, diameter=0.08, width=0.1, speed=0.05)
+    >>> print(f"{pv / 1e6:.3f} W/mm2")
+    0.625 W/mm2
+    """
+    require_finite(load=load, speed=speed)
+    require_positive(diameter=diameter, width=width)
+    check_load(load=load)
+    check_length(diameter=diameter, width=width)
+    check_speed(speed=speed)
+    return load * speed / (diameter * width)
+
+
+@broadcasting
+def friction_heat(load: Values, *, friction: Values, speed: Values) -> Values:
+    """Compute the heat of a sliding joint: Q = mu F |v|. Strand (2005), eqs. 27 and 28.
+
+    Parameters
+    ----------
+    load : float or array
+        Load F. [N]
+    friction : float or array
+        Friction coefficient mu. [1]
+    speed : float or array
+        Sliding speed v, in either direction. [m/s]
+
+    Returns
+    -------
+    float or array
+        Heat Q. [W]
+
+    Raises
+    ------
+    ModelError
+        A load or friction that is negative, or an infinite value.
+
+    Examples
+    --------
+    >>> print(f"{friction_heat(100e3, friction=0.1, speed=-0.05):.0f} W")
+    500 W
+    """
+    require_finite(speed=speed)
+    require_not_negative(load=load, friction=friction)
+    check_load(load=load)
+    check_speed(speed=speed)
+    return friction * load * np.abs(speed)  # both directions of motion heat the joint
+
+
+@broadcasting
+def bushing_heat_share(pin_conductivity: Values, *, bushing_conductivity: Values) -> Values:
+    """Compute the share of the friction heat that enters the bushing. Strand (2005), eq. 28.
+
+    1 / (1 + lambda_pin / lambda_bush): slow sliding, both bodies count as at rest.
+
+    Parameters
+    ----------
+    pin_conductivity, bushing_conductivity : float or array
+        Thermal conductivities. [W/(m K)]
+
+    Returns
+    -------
+    float or array
+        Share of the heat. [1]
+
+    Raises
+    ------
+    ModelError
+        A conductivity not positive or not finite.
+
+    Examples
+    --------
+    4/7 for a steel pin in a bronze bushing:
+
+    >>> print(f"{bushing_heat_share(45.0, bushing_conductivity=60.0):.4f} {4 / 7:.4f}")
+    0.5714 0.5714
+    """
+    require_positive(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
+    check_conductivity(pin_conductivity=pin_conductivity, bushing_conductivity=bushing_conductivity)
+    # both bodies have the temperature of the contact, so the heat divides as they conduct
+    return 1 / (1 + pin_conductivity / bushing_conductivity)
+
+
+@broadcasting
+def surface_temperature(
+    measured_temperature: Values,
+    *,
+    heat: Values,
+    pin_diameter: Values,
+    wall: Values,
+    width: Values,
+    conductivity: Values,
+    arc: Values = 2 * np.pi,
+) -> Values:
+    """Compute the temperature of the sliding surface from one behind it. Strand (2005), eq. 29.
+
+    T_s = T_m + Q ln((d + 2t)/d) / (arc w lambda).
+
+    Parameters
+    ----------
+    measured_temperature : float or array
+        Temperature T_m on the outside of the bushing. [K]
+    heat : float or array
+        Heat Q into the bushing. [W]
+    pin_diameter : float or array
+        Diameter d of the pin. [m]
+    wall : float or array
+        Wall thickness t of the bushing. [m]
+    width : float or array
+        Width w of the bushing. [m]
+    conductivity : float or array
+        Thermal conductivity lambda of the bushing. [W/(m K)]
+    arc : float or array
+        Angle through which the heat flows, 2 pi for the whole ring. [rad]
+
+    Returns
+    -------
+    float or array
+        Temperature T_s of the sliding surface. [K]
+
+    Raises
+    ------
+    ModelError
+        A temperature, dimension, conductivity or arc not positive, or an infinite value.
+
+    Notes
+    -----
+    The source has pi in the place of the arc: heat through half of the ring, twice the rise of the
+    whole one.
+
+    Examples
+    --------
+    Heat that flows through half of the ring raises the temperature by twice as much:
+
+    >>> case = {"pin_diameter": 0.08, "wall": 0.01, "width": 0.1, "conductivity": 60.0}
+    >>> ring = surface_temperature(300.0, heat=500.0, **case) - 300.0
+    >>> half = surface_temperature(300.0, heat=500.0, arc=np.pi, **case) - 300.0
+    >>> print(f"{half / ring:.3f}")
+    2.000
+    """
+    require_finite(heat=heat)
+    require_positive(measured_temperature=measured_temperature)
+    require_positive(
+        pin_diameter=pin_diameter, wall=wall, width=width, conductivity=conductivity, arc=arc
+    )
+    check_temperature(measured_temperature=measured_temperature)
+    check_length(pin_diameter=pin_diameter, wall=wall, width=width)
+    check_conductivity(conductivity=conductivity)
+    # conduction through a cylindrical wall
+    return measured_temperature + heat * np.log((pin_diameter + 2 * wall) / pin_diameter) / (
+        arc * width * conductivity
+    )
+
+
+@broadcasting
+def thermal_growth(diameter: Values, *, expansion: Values, temperature_change: Values) -> Values:
+    """Compute the thermal growth of a diameter: d alpha dT. Strand (2005), eq. 30.
+
+    Parameters
+    ----------
+    diameter : float or array
+        Diameter d. [m]
+    expansion : float or array
+        Coefficient of linear thermal expansion alpha. [1/K]
+    temperature_change : float or array
+        Rise of the temperature dT. [K]
+
+    Returns
+    -------
+    float or array
+        Change of the diameter, positive for growth. [m]
+
+    Raises
+    ------
+    ModelError
+        A diameter not positive, or an infinite value.
+
+    Examples
+    --------
+    Steel of 80 mm, 50 K warmer:
+
+    >>> growth = thermal_growth(0.08, expansion=12e-6, temperature_change=50.0)
+    >>> print(f"{growth * 1e6:.0f} um")
+    48 um
+    """
+    require_positive(diameter=diameter)
+    require_finite(expansion=expansion, temperature_change=temperature_change)
+    check_length(diameter=diameter)
+    check_expansion(expansion=expansion)
+    return diameter * expansion * temperature_change
