@@ -6,7 +6,7 @@ import errno
 import json
 import os
 import shutil
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -187,16 +187,19 @@ def replacing(output: Path, *, scratch: Path | None = None) -> Iterator[Path]:
 
 
 @contextmanager
-def replacing_set(folder: Path, names: Collection[str]) -> Iterator[Path]:
+def replacing_set(folder: Path, names: Sequence[str]) -> Iterator[Path]:
     """Write files that belong together, and give them their names when all are complete.
+
+    The first file is there only while all others belong to it: it is removed before them and takes
+    its name after them. A process that is killed in between leaves a set without its first file.
 
     Parameters
     ----------
     folder : Path
         Directory of the files; other files in it stay.
-    names : collection of str
-        Names of the files of the set. One that is not written is removed, as it belongs to an
-        earlier set.
+    names : sequence of str
+        Names of the files of the set, the one by which it is read first. One that is not written is
+        removed, as it belongs to an earlier set.
 
     Returns
     -------
@@ -220,24 +223,40 @@ def replacing_set(folder: Path, names: Collection[str]) -> Iterator[Path]:
     False
     ['a.csv']
     """
-    scratch = folder / ".unfinished"
+    scratch, previous = folder / ".unfinished", folder / ".previous"
     found = folder.is_dir()
     try:
         remove(scratch)
         scratch.mkdir(parents=True)
         yield scratch
-        written = sorted(scratch.iterdir())
-        for path in written:
-            path.replace(folder / path.name)
-        for name in sorted(set(names) - {path.name for path in written}):
-            remove(folder / name)
+        written = [path.name for path in scratch.iterdir()]
+        order = [*names, *sorted(set(written) - set(names))]
+        remove(previous)
+        previous.mkdir()
+        try:
+            _move(folder, previous, order)
+            _move(scratch, folder, order[::-1])
+        except BaseException:
+            for name in written:
+                if not (scratch / name).exists():  # it has taken its name
+                    remove(folder / name)
+            _move(previous, folder, order[::-1])
+            raise
     except OSError as error:
         raise write_error(folder, error) from error
     finally:
         remove(scratch)
+        remove(previous)
         if not found:
             with suppress(OSError):  # it holds files where the work was completed
                 folder.rmdir()
+
+
+def _move(source: Path, target: Path, names: Sequence[str]) -> None:
+    """Move files to another folder of the same disk, in their order; those that are there."""
+    for name in names:
+        if (source / name).is_file():
+            (source / name).replace(target / name)
 
 
 def take_name(scratch: Path, output: Path) -> None:

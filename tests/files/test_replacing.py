@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from erlif.core.errors import OutputError
-from erlif.files import refuse_existing, replacing
+from erlif.files import refuse_existing, replacing, replacing_set
 from erlif.plots import save_figure
 
 
@@ -156,3 +156,58 @@ def test_the_advice_follows_the_cause(tmp_path, number, words):
     error = OSError(number, os.strerror(number), "journal.new", None, "journal")
     with pytest.raises(OutputError, match=words), replacing(tmp_path / "film.nc"):
         raise error
+
+
+SET = ("compare.nc", "compare.csv", "films.png")
+
+
+def write_set(folder, content, names=SET):
+    with replacing_set(folder, SET) as scratch:
+        for name in names:
+            (scratch / name).write_text(content)
+
+
+def content_of(folder):
+    return {path.name: path.read_text() for path in folder.iterdir() if path.is_file()}
+
+
+def test_the_first_file_of_a_set_is_there_only_with_the_others(tmp_path, monkeypatch):
+    """Whatever the step after which the process is killed."""
+    write_set(tmp_path, "old")
+    seen = []
+    replace = type(tmp_path).replace
+
+    def recording(self, target):
+        seen.append(content_of(tmp_path))
+        return replace(self, target)
+
+    monkeypatch.setattr(type(tmp_path), "replace", recording)
+    write_set(tmp_path, "new", SET[:2])
+    assert content_of(tmp_path) == {"compare.nc": "new", "compare.csv": "new"}
+    assert len(seen) == 5
+    for found in seen:
+        assert "compare.nc" not in found or found == dict.fromkeys(SET, "old")
+    assert {path.name for path in tmp_path.iterdir()} == set(SET[:2])
+
+
+@pytest.mark.parametrize("step", range(6))
+def test_a_set_that_cannot_be_exchanged_leaves_the_previous_one(tmp_path, monkeypatch, step):
+    write_set(tmp_path, "old", SET[:2])
+    (tmp_path / "other.csv").write_text("mine")
+    replace, calls = type(tmp_path).replace, iter(range(100))
+
+    def failing(self, target):
+        if next(calls) == step:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return replace(self, target)
+
+    monkeypatch.setattr(type(tmp_path), "replace", failing)
+    before = content_of(tmp_path)
+    if step < 5:
+        with pytest.raises(OutputError, match="No space left on device"):
+            write_set(tmp_path, "new")
+        assert content_of(tmp_path) == before
+    else:  # two files moved away and three in
+        write_set(tmp_path, "new")
+        assert content_of(tmp_path) == {**dict.fromkeys(SET, "new"), "other.csv": "mine"}
+    assert not [path for path in tmp_path.iterdir() if path.is_dir()]
