@@ -12,13 +12,9 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.files import replacing
+from erlif.friction.stretches import Stretch, find_stretches
 from erlif.models.arguments import require_not_negative, require_positive
 from erlif.models.friction import friction_coefficient
-
-_ENDS = (5.0, 95.0)  # percentiles of the torque, which single jerks do not shift
-_TRIM = 0.1  # of a stretch at each end, where the motor speeds up
-_FEWEST = 4  # samples of a stretch that remain
-_SHORTEST = 0.2  # of the median stretch: shorter ones are chatter at a reversal
 
 
 @dataclass(frozen=True)
@@ -29,7 +25,8 @@ class ReversalSeries:
     ----------
     pairs : xarray.Dataset
         Over ``time`` [s], the middle of each pair of stretches: friction [1], friction_std [1]
-        (scatter alone), offset [1], load [N], and sliding_distance [m] where the speed is known.
+        (scatter alone), offset [1], load [N], dwell [s] that is left out, and sliding_distance [m]
+        where the speed is known.
     friction : float
         Mean over the pairs. [1]
     friction_std : float
@@ -92,7 +89,8 @@ def analyse_friction(
     Raises
     ------
     EnduranceError
-        If the torque does not reverse, fewer than two pairs are complete, or the arm is missing.
+        If the torque does not reverse or is noise, fewer than two pairs are complete, or the arm is
+        missing.
     ModelError
         If a radius or speed is not positive.
 
@@ -127,7 +125,9 @@ def analyse_friction(
     torque = _torque(log, arm)
     pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(file=log.attrs.get("file", ""))
     if speed is not None:
-        distance = (pairs["time"].values - time[0]) * speed
+        # half of a pair's own dwell lies before its middle
+        rest = np.cumsum(pairs["dwell"].values) - 0.5 * pairs["dwell"].values
+        distance = (pairs["time"].values - time[0] - rest) * speed
         pairs["sliding_distance"] = ("time", distance, {"units": "m"})
 
     values = pairs["friction"].values
@@ -165,18 +165,7 @@ def _torque(log: xr.Dataset, arm: float | None) -> Array:
 
 def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset:
     """One value for each two neighbouring stretches of opposite direction."""
-    low, high = np.percentile(torque, _ENDS)
-    forward = torque > 0.5 * (low + high)
-    starts = np.flatnonzero(np.diff(forward.astype(int), prepend=2))
-    counts = np.diff(np.append(starts, time.size))
-
-    # a jerk or chatter at a reversal makes short stretches, which belong to none
-    long = counts >= max(_SHORTEST * np.median(counts[counts > 1]) if np.any(counts > 1) else 0, 1)
-    stretches = [
-        _stretch(time, torque, load, a, n, bool(forward[a]), radius)
-        for a, n in zip(starts[long], counts[long], strict=True)
-        if n - 2 * int(_TRIM * n) >= _FEWEST
-    ]
+    stretches = [_level(time, torque, load, one, radius) for one in find_stretches(torque)]
     found = []
     index = 0
     while index + 1 < len(stretches):
@@ -188,54 +177,57 @@ def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset
         index += 2
     if len(found) < 2:
         raise EnduranceError(
-            f"Expected a torque that reverses at least three times, got {len(stretches)} stretches "
+            f"Expected a torque that reverses at least three times; got {len(stretches)} stretches "
             "of one direction. Log the torque with its sign, over two reversals of the motor and "
-            "back."
+            "back; for a motion of one direction take erlif endurance."
         )
     half = np.array([0.5 * abs(a.ratio - b.ratio) for a, b in found])
     middle = np.array([0.5 * (a.ratio + b.ratio) for a, b in found])
     scatter = np.array([0.5 * np.hypot(a.std, b.std) for a, b in found])
     at = np.array([0.5 * (a.time + b.time) for a, b in found])
     carried = np.array([0.5 * (a.load + b.load) for a, b in found])
+    rested = np.array([a.dwell + b.dwell for a, b in found])
     return xr.Dataset(
         {
             "friction": ("time", half, {"units": "1"}),
             "friction_std": ("time", scatter, {"units": "1"}),
             "offset": ("time", middle, {"units": "1"}),
             "load": ("time", carried, {"units": "N"}),
+            "dwell": ("time", rested, {"units": "s"}),
         },
         {"time": ("time", at, {"units": "s"})},
     )
 
 
 @dataclass(frozen=True)
-class _Stretch:
-    """Motion in one direction."""
+class _Level:
+    """The torque of a stretch."""
 
     forward: bool
     time: float
     ratio: float  # signed torque over load and radius
     std: float
     load: float
+    dwell: float  # s
 
 
-def _stretch(
-    time: Array, torque: Array, load: Array, start: int, count: int, forward: bool, radius: float
-) -> _Stretch:
-    cut = int(_TRIM * count)
-    inside = slice(start + cut, start + count - cut)
+def _level(time: Array, torque: Array, load: Array, stretch: Stretch, radius: float) -> _Level:
+    inside = stretch.samples
     if np.any(load[inside] <= 0):
         raise EnduranceError(
             f"Expected a load above 0 during the motion; it is {load[inside].min():.3g} N after "
-            f"{time[start]:.1f} s. Cut the log to the loaded time, or check the sign of the cells."
+            f"{time[stretch.first]:.1f} s. Cut the log to the loaded time, or check the sign of "
+            "the cells."
         )
     ratio = np.asarray(friction_coefficient(torque[inside], load=load[inside], radius=radius))
-    return _Stretch(
-        forward,
+    interval = (time[stretch.last] - time[stretch.first]) / (stretch.last - stretch.first)
+    return _Level(
+        stretch.forward,
         float(time[inside].mean()),
         float(ratio.mean()),
         _std_of_mean(ratio),
         float(load[inside].mean()),
+        float(interval * sum(stretch.dwell)),
     )
 
 
@@ -291,10 +283,12 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
         f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
         f"({found.pairs.sizes['time']} pairs of stretches)"
     ]
-    stated = {name: value for name, value in found.budget.items() if value > 0}
-    lines += [f"  {name}: {value:.2g}" for name, value in stated.items()]
-    if len(stated) < len(found.budget):
-        missing = [name for name in found.budget if name not in stated]
+    # the scatter is measured, even where it is 0
+    missing = [name for name, value in found.budget.items() if value == 0 and name != "scatter"]
+    lines += [
+        f"  {name}: {value:.2g}" for name, value in found.budget.items() if name not in missing
+    ]
+    if missing:
         lines.append(f"  not stated: {', '.join(missing)}")
     offset = float(found.pairs["offset"].mean())
     lines.append(f"offset of the torque: {offset:.4f}")
@@ -303,6 +297,9 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
             "  The torque has one sign in both directions: the offset is larger than the friction. "
             "Check that the log has the torque with its sign."
         )
+    dwell = float(found.pairs["dwell"].median()) / 2
+    if dwell > 0:
+        lines.append(f"dwell left out: {dwell:.3g} s of each stretch")
     if np.isfinite(found.trend):
         lines.append(f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g}")
     if torque_ratio > 1:

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.testing as npt
 import pytest
 import xarray as xr
+from scipy.signal import lfilter
 
 from erlif.core.errors import EnduranceError
 from erlif.friction import analyse_friction, describe_friction
@@ -11,9 +12,11 @@ from erlif.friction import analyse_friction, describe_friction
 RADIUS, LOAD = 0.005, 400.0
 
 
-def make_log(rng, *, friction=0.12, drift=0.0, offset=0.04, noise=0.01, slow=0.0, gain=1.0):
+def make_log(
+    rng, *, friction=0.12, drift=0.0, offset=0.04, noise=0.01, slow=0.0, gain=1.0, interval=0.1
+):
     """600 s with a reversal each 10 s, a ramp of 0.3 s at each, white and slow noise."""
-    time = np.arange(0.0, 600.0, 0.1)
+    time = np.arange(0.0, 600.0, interval)
     phase = (time % 20.0) / 10.0
     sense = np.clip(np.minimum(phase, 1 - phase) * 33, 0, 1) * (phase < 1)
     back = phase - 1
@@ -44,7 +47,7 @@ def test_standard_deviations_cover():
     rng = np.random.default_rng(5)
     pulls, drifts = [], []
     for _ in range(150):
-        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal())
+        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal(), interval=0.4)
         found = analyse_friction(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
         pulls.append((found.friction - 0.12) / found.friction_std)
         drifts.append((found.trend - 0.01 * 29 / 30) / found.trend_std)
@@ -97,6 +100,81 @@ def test_a_torque_without_its_sign_is_pointed_out():
     for torque, told in ((log.torque, False), (abs(log.torque), True)):
         found = analyse_friction(log.assign(torque=torque), shaft_radius=RADIUS, vector=True)
         assert any("torque with its sign" in line for line in describe_friction(found)) == told
+
+
+def test_an_offset_above_the_friction_is_pointed_out():
+    log = make_log(np.random.default_rng(0), offset=0.2)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=0.01)
+    assert any("torque with its sign" in line for line in describe_friction(found))
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.5])
+@pytest.mark.parametrize("share", [0.15, 0.4])
+def test_dwell_at_the_reversals_is_left_out(share, kept):
+    """The motor rests for a share of each stretch; the torque keeps a part of its size."""
+    rng = np.random.default_rng(7)
+    time = np.arange(0.0, 600.0, 0.1)
+    rests = time % 10.0 >= 10.0 * (1 - share)
+    ratio = 0.12 * np.where(time % 20.0 < 10.0, 1, -1) * np.where(rests, kept, 1.0)
+    log = make_log(rng).assign(
+        torque=("time", (ratio + 0.02 + 0.01 * rng.normal(size=time.size)) * LOAD * RADIUS)
+    )
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True, speed=0.01)
+    assert found.friction == pytest.approx(0.12, abs=4 * found.friction_std)
+    assert found.friction_std < 0.001
+    assert float(found.pairs.dwell.median()) == pytest.approx(20 * share, abs=0.3)
+    assert f"dwell left out: {10 * share:.3g} s" in "\n".join(describe_friction(found))
+    # 59 of 60 stretches lie before the middle of the last pair
+    travelled = 0.01 * 590 * (1 - share)
+    assert float(found.pairs.sliding_distance[-1]) == pytest.approx(travelled, rel=0.01)
+
+
+def test_a_torque_that_follows_a_smooth_speed_has_no_dwell():
+    log = make_log(np.random.default_rng(0))
+    wave = 0.12 * LOAD * RADIUS * np.sin(2 * np.pi * log.time / 20)
+    found = analyse_friction(log.assign(torque=wave), shaft_radius=RADIUS, vector=True)
+    assert float(found.pairs.dwell.max()) == 0
+    # mean of a sine over the middle 80 % of half a period
+    npt.assert_allclose(found.friction, 0.12 * np.cos(0.1 * np.pi) / (0.4 * np.pi), rtol=0.01)
+
+
+def test_a_short_return_stroke_counts():
+    """Fifty seconds forward and two back: 4 % of the log."""
+    log = make_log(np.random.default_rng(0))
+    sense = np.where(log.time % 52 < 50, 1, -1)
+    log["torque"] = ("time", (0.12 * sense + 0.02) * LOAD * RADIUS)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=1e-9)
+    npt.assert_allclose(found.pairs.offset, 0.02, rtol=1e-9)
+
+
+def test_friction_that_falls_to_a_seventh_is_followed():
+    log = make_log(np.random.default_rng(0))
+    true = 0.2 * np.exp(-log.time / 300)
+    log["torque"] = true * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    assert found.pairs.sizes["time"] == 30
+    npt.assert_allclose(found.pairs.friction, 0.2 * np.exp(-found.pairs.time / 300), rtol=0.02)
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.9])
+@pytest.mark.parametrize("level", [0.0, 0.12])
+def test_noise_is_no_friction(kept, level):
+    """White or correlated noise, about zero or about the torque of one direction."""
+    log = make_log(np.random.default_rng(0))
+    noise = lfilter([1], [1, -kept], np.random.default_rng(1).normal(size=log.sizes["time"]))
+    log["torque"] = ("time", (level + 0.01 * noise) * LOAD * RADIUS)
+    with pytest.raises(EnduranceError, match="as noise does"):
+        analyse_friction(log, shaft_radius=RADIUS, vector=True)
+
+
+def test_a_scatter_of_zero_is_stated():
+    log = make_log(np.random.default_rng(0), noise=0.0)
+    log["torque"] = 0.12 * xr.where(log.time % 20 < 10, 1, -1) * LOAD * RADIUS
+    lines = describe_friction(analyse_friction(log, shaft_radius=RADIUS, vector=True))
+    assert any(line.startswith("  scatter: ") for line in lines)
+    assert not any("not stated" in line and "scatter" in line for line in lines)
 
 
 def test_a_force_needs_its_arm():

@@ -1,0 +1,235 @@
+"""Stretches of one direction in a torque log with reversals, without the dwell at the reversals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from erlif.core.arrays import AnyArray, Array
+from erlif.core.errors import EnduranceError
+
+_MEDIAN = 5  # samples of the running median, against single jerks
+_ENDS = (1.0, 99.0)  # percentiles of the torque so smoothed: the levels of both directions
+_TURN = 0.1  # of half their difference, beyond the middle: what may be a direction reaches it
+_REACHED = 0.4  # of the level nearby, beyond the middle: what is a direction reaches it
+_EDGE = 0.25  # of that reach, beyond the middle: there the direction begins
+_NEARBY = 5  # stretches whose median is the level nearby
+_SHORTEST = 0.2  # of the usual stretch of its direction: shorter ones are chatter
+_FEWEST = 4  # samples of a stretch that remain
+_TRIM = 0.1  # of the sliding at each end, where the motor speeds up
+_NOISY = 0.55  # scatter within a direction over half their difference; white noise gives 2.5
+
+_FEWEST_LEVELS = 2  # stretches of a direction whose levels can be compared
+_BLOCKS = 40  # means of a stretch in which the dwell is sought
+_SLIDING = 0.2  # of a stretch: least part that slides
+_DROP = 0.05  # of half the difference of the directions by which dwell is lower
+_CLEAR = 4.0  # standard errors, likewise
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Motion in one direction.
+
+    Attributes
+    ----------
+    forward : bool
+        Whether the torque is the higher one.
+    first : int
+        Place of the first sample that counts.
+    last : int
+        Place of the last one.
+    dwell : tuple[int, int]
+        Samples of dwell that are left out before and after the sliding.
+    """
+
+    forward: bool
+    first: int
+    last: int
+    dwell: tuple[int, int] = (0, 0)
+
+    @property
+    def samples(self) -> slice:
+        """Its samples in the log."""
+        return slice(self.first, self.last + 1)
+
+
+def find_stretches(torque: Array) -> list[Stretch]:
+    """Find the stretches of one direction.
+
+    A direction must reach 0.4 of the level of the stretches nearby, from the middle of both
+    directions, so that noise about the middle is no reversal. In a dwell the torque relaxes:
+    a part at the ends of most stretches whose torque is lower by 5 % or more is left out.
+
+    Parameters
+    ----------
+    torque : array, (n,)
+        Torque with its sign. [any unit]
+
+    Returns
+    -------
+    list of Stretch
+        In the order of time; none where the torque does not reverse.
+
+    Raises
+    ------
+    EnduranceError
+        If the torque scatters within a direction as noise does.
+
+    Examples
+    --------
+    Three seconds of motion and one at rest, at 10 samples a second:
+
+    >>> time = np.arange(0.0, 32.0, 0.1)
+    >>> torque = np.where(time % 4 < 2.95, 1.0, 0.2) * np.where(time % 8 < 3.95, 1, -1)
+    >>> one, two, *_ = find_stretches(torque)
+    >>> one.forward, two.forward, two.dwell
+    (True, False, (0, 10))
+    """
+    smooth = _running_median(torque)
+    low, high = np.percentile(smooth, _ENDS)
+    half = 0.5 * (high - low)
+    if not half > 0:
+        return []
+    away = smooth - 0.5 * (low + high)
+    runs = _runs(away, _TURN * half)
+    runs = _runs(away, _REACHED * _level_nearby(away, runs))
+    parts = [_split(torque[a : b + 1] * (1 if up else -1), half) for a, b, up in runs]
+
+    # dwell belongs to the machine: it is in most stretches, or in none
+    before, after = (
+        float(np.mean([part[k] > 0 for part in parts])) > 0.5 if parts else False for k in (0, 1)
+    )
+    found = []
+    for (first, last, up), (lead, tail) in zip(runs, parts, strict=True):
+        dwell = (lead if before else 0, tail if after else 0)
+        first, last = first + dwell[0], last - dwell[1]
+        cut = int(_TRIM * (last - first + 1))
+        if last - first + 1 - 2 * cut >= _FEWEST:
+            found.append(Stretch(up, first + cut, last - cut, dwell))
+    _require_levels(torque, found)
+    return found
+
+
+def _running_median(values: Array) -> Array:
+    if values.size < _MEDIAN:
+        return values
+    padded = np.pad(values, _MEDIAN // 2, mode="edge")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN), axis=1))
+
+
+def _level_nearby(away: Array, runs: list[tuple[int, int, bool]]) -> Array:
+    """Distance from the middle that the stretches nearby have, for each sample."""
+    if not runs:
+        return np.zeros(away.size)
+    sizes = np.array([np.percentile(np.abs(away[a : b + 1]), 75) for a, b, _ in runs])
+    padded = np.pad(sizes, _NEARBY // 2, mode="edge")
+    levels = np.median(np.lib.stride_tricks.sliding_window_view(padded, _NEARBY), axis=1)
+    centres = [0.5 * (a + b) for a, b, _ in runs]
+    return np.asarray(np.interp(np.arange(away.size), centres, levels))
+
+
+def _runs(away: Array, beyond: Array | float) -> list[tuple[int, int, bool]]:
+    """First and last sample of each run of one direction, and whether it is the higher one."""
+    clear = np.flatnonzero(np.abs(away) > beyond)
+    if not clear.size:
+        return []
+    up = away[clear] > 0
+    turns = np.flatnonzero(np.diff(up.astype(int))) + 1
+    # it begins where the torque leaves the middle for it; a dwell ends the run before
+    starts = clear[turns]
+    edge = _EDGE * np.broadcast_to(beyond, away.shape)
+    for sense, inside in ((True, away > edge), (False, away < -edge)):
+        outside = np.flatnonzero(~inside)
+        own = up[turns] == sense
+        starts[own] = outside[np.searchsorted(outside, starts[own]) - 1] + 1
+    starts = np.append(0, starts)
+    ends = np.append(starts[1:] - 1, away.size - 1)
+    upward = up[np.append(0, turns)]
+
+    # a jerk, or chatter in a dwell, belongs to the run that it interrupts
+    counts = ends - starts + 1
+    usual = {sense: _usual(counts[upward == sense]) for sense in (True, False)}
+    runs: list[tuple[int, int, bool]] = []
+    for first, last, sense in zip(starts.tolist(), ends.tolist(), upward.tolist(), strict=True):
+        brief = last - first + 1 < _SHORTEST * usual[sense]
+        if runs and (brief or runs[-1][2] == sense):
+            runs[-1] = (runs[-1][0], last, runs[-1][2])
+        elif not brief:
+            runs.append((first, last, sense))
+    return runs
+
+
+def _usual(counts: AnyArray) -> float:
+    """The length of the run that a sample usually lies in: many short runs do not change it."""
+    if not counts.size:
+        return 0.0
+    ordered = np.sort(counts)
+    return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
+
+
+def _split(values: Array, half: float) -> tuple[int, int]:
+    """Samples before and after the sliding, by the best three levels of a stretch."""
+    edges = np.linspace(0, values.size, min(_BLOCKS, values.size) + 1).astype(int)
+    size = edges.size - 1
+    if size < 2 * _FEWEST:
+        return 0, 0
+    blocks = np.add.reduceat(values, edges[:-1]) / np.diff(edges)
+    sums, squares = (np.append(0.0, np.cumsum(blocks**power)) for power in (1, 2))
+
+    # lead, sliding and tail of every division
+    least = max(int(_SLIDING * size), 2)
+    first, last = np.triu_indices(size + 1, least)
+    bounds = [np.zeros_like(first), first, last, np.full_like(last, size)]
+    left, means = np.zeros(first.size), []
+    for one, other in pairwise(bounds):
+        count = np.maximum(other - one, 1)
+        means.append((sums[other] - sums[one]) / count)
+        left += squares[other] - squares[one] - count * means[-1] ** 2
+
+    # the torque is highest in sliding, but for a brief peak at its start
+    for mean, count in ((means[0], first), (means[2], size - last)):
+        left[(count >= least) & (mean > means[1])] = np.inf
+    best = int(np.argmin(left))
+    i, j = int(first[best]), int(last[best])
+
+    # a torque that changes smoothly over the stretch, as its speed does, is no dwell
+    place = np.linspace(-1, 1, size)
+    curve = np.polynomial.polynomial.polyfit(place, blocks, 2)
+    smooth = float(np.sum((blocks - np.polynomial.polynomial.polyval(place, curve)) ** 2))
+    if left[best] > 0.5 * smooth:
+        return 0, 0
+
+    level = blocks[i:j].mean()
+    error = np.sqrt(max(left[best], 0.0) / max(size - 3, 1))
+    found = []
+    for part in (blocks[:i], blocks[j:]):
+        # a shorter part is the speeding up, and cut off with it
+        lower = level - part.mean() if part.size > _TRIM * size else 0.0
+        counts = lower > _DROP * half and lower > _CLEAR * error / np.sqrt(max(part.size, 1))
+        found.append(counts)
+    return int(edges[i]) * bool(found[0]), int(values.size - edges[j]) * bool(found[1])
+
+
+def _require_levels(torque: Array, stretches: list[Stretch]) -> None:
+    """Refuse noise: within a direction it scatters nearly as much as the directions differ."""
+    levels = [float(torque[one.samples].mean()) for one in stretches]
+    sides = [
+        [level for level, one in zip(levels, stretches, strict=True) if one.forward == sense]
+        for sense in (True, False)
+    ]
+    if min(map(len, sides)) < _FEWEST_LEVELS:
+        return
+    # friction may change over the log, so that only neighbours are compared
+    inside = float(np.mean([torque[one.samples].var() for one in stretches]))
+    beside = float(np.mean([np.mean(np.diff(side) ** 2) / 2 for side in sides]))
+    scatter = np.sqrt(inside + beside)
+    half = 0.5 * float(np.mean(sides[0]) - np.mean(sides[1]))
+    if scatter > _NOISY * half:
+        raise EnduranceError(
+            "Expected a torque with a level for each direction; it scatters within a direction by "
+            f"{scatter:.2g} and differs between them by {2 * half:.2g}, as noise does. Log the "
+            "torque with its sign over reversals of the motion; for a motion of one direction take "
+            "erlif endurance."
+        )
