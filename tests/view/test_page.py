@@ -403,6 +403,7 @@ def test_what_is_seen_is_exported(page):
     for what in ("a", "profile", "cycle"):
         name, content = download(page, what, "png")
         assert name.endswith(".png")
+        assert "script_alert" in name  # the run
         assert content.startswith(b"\x89PNG")
     _, content = download(page, "a", "csv")
     found = np.genfromtxt(io.BytesIO(content), delimiter=",", skip_header=1, usecols=2)

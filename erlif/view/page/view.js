@@ -438,8 +438,11 @@ const exportPicture = guarded(async () => {
   pen.fillText(caption, 8 * ratio, 17 * ratio, page.width - 16 * ratio);
   const blob = await new Promise((r) => page.toBlob(r, "image/png"));
   const address = URL.createObjectURL(blob);
-  const trigger = what === "cycle" ? "" : `_${state.a.trigger}`;
-  download(address, `${{ a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what}${trigger}.png`);
+  const shown = what === "b" ? "b" : "a";
+  const run = (film(shown).name || film(shown).file).replace(/[^\p{L}\p{N}-]+/gu, "_");
+  const layer = { a: layerOf("a"), b: layerOf("a"), d: state.unit }[what] ?? what;
+  const trigger = what === "cycle" ? "" : `_${state[shown].trigger}`;
+  download(address, `${run}_${layer}${trigger}.png`);
   setTimeout(() => URL.revokeObjectURL(address), 60000);
 });
 
