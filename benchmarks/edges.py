@@ -300,14 +300,15 @@ def search(load: float) -> None:
         return found
 
     found = compute(axes, **ROUGH)
-    for width in found.width.values:  # the best of each width, and how flat the optimum is
-        one = found.patch_pressure.sel(width=width)
-        place = one.where(one == one.min(), drop=True)
-        near = int((one < 1.02 * one.min()).sum())
-        print(
-            f"    D2 {width * 1e3:g}: D1 {float(place.depth[0]) * 1e3:g}, D3 "
-            f"{float(place.lip[0]) * 1e3:g} mm, {float(one.min()) / 1e6:.1f} MPa; {near} within 2 %"
-        )
+    for name in ("width", "depth"):  # the best of each, and how flat the optimum is
+        for value in found[name].values:
+            one = found.patch_pressure.sel({name: value})
+            place = one.where(one == one.min(), drop=True)
+            at = {key: f"{float(place[key].max()) * 1e3:g}" for key in ("depth", "width", "lip")}
+            print(
+                f"    D1 {at['depth']}, D2 {at['width']}, D3 {at['lip']} mm: "
+                f"{float(one.min()) / 1e6:.1f} MPa, best of this {name}"
+            )
     depth, lip = (float(found[f"best_{name}"]) * 1e3 for name in ("depth", "lip"))
     fine = {
         "depths": [depth - 2.5, depth, depth + 2.5],

@@ -33,7 +33,7 @@ found[0, 9.3] = solve_joint(straight, load=100e3 * pound, patch=0.5e-3, around=2
 # lobes of 200 mm radius at 60 mm from the middle, their crest at the 33.59 mm of appendix B
 crest = replace(joint, bushing_radius=joint.bushing_radius + 0.2375e-3)
 near = {"smallest_cell": 0.4e-3, "refine": [0.06], "load_span": (0.0, 0.1754)}
-near = mesh | near | {"growth": 1.4, "largest_cell": 20e-3}
+near = mesh | near | {"largest_cell": 20e-3}
 shape = {"lobes": [0.06], "lobe_height": 0.2375e-3, "around": 256}
 lobed = prepare_joint(crest, **near)
 loads = np.array([5e3, 10e3, 20e3, 30e3, 40e3])

@@ -8,6 +8,7 @@ that edges, necks and undercuts are as compliant as they are.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -316,7 +317,7 @@ class HarmonicSolver:
             raise ModelError(
                 f"The cell from {span[0]:g} to {span[1]:g} m does not end at lines of the mesh."
             )
-        component, (r, z) = self._components(), self.basis.doflocs
+        component, (r, z) = self._components, self.basis.doflocs
         loads = np.zeros(self.size)
         for number, traction in ((0, radial), (2, around)):
             nodes = np.flatnonzero(
@@ -329,6 +330,7 @@ class HarmonicSolver:
                     loads[nodes[2 * k : 2 * k + 3]] += traction * section.surface * share
         return loads
 
+    @cached_property
     def _components(self) -> Array:
         """Number of the component, radial, axial or round, of each unknown."""
         component = np.empty(self.size)
@@ -341,7 +343,7 @@ class HarmonicSolver:
         section, basis = self.section, self.basis
         r, z = basis.doflocs
         tolerance = 1e-9 * section.surface
-        component = self._components()
+        component = self._components
         held = np.zeros(basis.N, dtype=bool)
 
         def line(values: Array, place: float) -> Mask:
