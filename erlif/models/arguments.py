@@ -731,7 +731,7 @@ def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
 
 
 def depth_of_caller() -> int:
-    """Stack level of the first frame outside the models, so that a warning shows the user's line.
+    """Stack level of the first frame outside of models and sizing: the line of the user.
 
     All nested formulas then warn from that line, and Python's default filter shows the text once.
 
@@ -747,7 +747,7 @@ def depth_of_caller() -> int:
     """
     depth, frame = 1, sys._getframe(1)  # level 1 is the function that warns
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(
-        "erlif.models."
+        ("erlif.models.", "erlif.sizing.")
     ):
         depth, frame = depth + 1, frame.f_back
     return depth

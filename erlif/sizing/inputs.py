@@ -106,6 +106,9 @@ def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
         check_strength(**_given(joint.lock, "lock.", ("screw_yield",)))
     if dimensions:
         check_length(**_given(joint, "", _LENGTHS))
+        # plays may be as small as rounding, but none is as large as a metre
+        plays = _given(joint, "", ("play", "interference"))
+        check_length(**{name: play for name, play in plays.items() if abs(play) > 1})
         if joint.lock is not None:
             check_length(**_given(joint.lock, "lock.", _LOCK_LENGTHS))
     for part in ("pin", "bushing", "seat", "housing"):
@@ -119,7 +122,7 @@ def warn_of_units(joint: Any, *, dimensions: bool = True) -> None:
 
 _LENGTHS = (
     *("largest_wear", "pin_diameter", "hole_diameter", "bushing_width", "wall", "seat_width"),
-    *("housing_diameter", "play", "interference", "lateral_play"),
+    *("housing_diameter", "lateral_play"),
 )
 _LOCK_LENGTHS = (
     *("lever", "length", "thickness", "throat", "height", "end_width"),

@@ -45,6 +45,7 @@ def test_negative_numbers_are_named_where_they_have_no_meaning(table, names, any
         ({"force": 1e11}, "force = 1e"),
         ({"half_swing": 30.0}, "half_swing = 30 rad"),
         ({"bushing_width": 100.0}, "bushing_width = 100 m"),
+        ({"play": 160.0}, "play = 160 m .* mm or um"),
         ({"pin": replace(JOINT.pin, yield_stress=650.0)}, r"pin\.yield_stress = 650 Pa"),
         ({"pin": replace(JOINT.pin, youngs_modulus=210.0)}, r"pin\.youngs_modulus = 210 Pa"),
         ({"bushing": replace(JOINT.bushing, wear=5e-8)}, r"bushing\.wear = 5e-08 1/Pa"),
@@ -53,8 +54,9 @@ def test_negative_numbers_are_named_where_they_have_no_meaning(table, names, any
     ],
 )
 def test_a_slip_of_units_is_named(changed, named):
-    with pytest.warns(UnitWarning, match=named):
+    with pytest.warns(UnitWarning, match=named) as caught:
         size_joint(replace(JOINT, **changed))
+    assert caught[0].filename == __file__
 
 
 def test_strengths_and_loads_are_looked_at_in_a_check_too():
