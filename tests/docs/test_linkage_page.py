@@ -44,6 +44,9 @@ def numbers():
         f"adds {crank:.3f}° to the swing, a rocker longer by 1 mm takes {-rocker:.3f}°",
         f"hold the swing to ± {np.degrees(slopes.worst(1e-4)['swing']):.3f}°",
         f"hole of 27.9 mm in 45 mm has {pin_hole_concentration(27.9 / 45):.2f}",
+        "the fit has {:.2f}, {:.2f}, {:.2f}, {:.2f} and {:.2f}:".format(
+            *pin_hole_concentration([0.15, 0.2, 0.3, 0.4, 0.5])
+        ),
         f"peak is {power.peak_power / HP:.2f} hp",
         f"the mean {power.mean_power / HP:.2f} hp",
         f"heats, {power.rms_power / HP:.2f} hp",
