@@ -709,6 +709,8 @@ def _warn_outside(scale: _Scale, arguments: dict[str, Values]) -> None:
     """Warn once of all arguments outside a range; zero, NaN and infinity are ignored."""
     found = []
     for name, value in arguments.items():
+        if isinstance(value, float) and (not value or scale.lowest <= abs(value) <= scale.highest):
+            continue  # as in require_finite
         values = np.asarray(value, float)
         sizes = np.abs(values)  # speeds and expansions have either sign
         odd = (sizes > 0) & np.isfinite(sizes) & ((sizes < scale.lowest) | (sizes > scale.highest))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import fields
 from typing import Any
@@ -54,7 +55,7 @@ def require_numbers(
     """
     for field in fields(table):
         name, value = field.name, getattr(table, field.name)
-        if not isinstance(value, _NUMBERS):
+        if not isinstance(value, _NUMBERS) or (isinstance(value, float) and 0 < value < math.inf):
             continue
         require_single(**{name: value})
         if np.isnan(value):

@@ -11,15 +11,21 @@ from erlif.settings import RunSettings
 LINKS = ("--coupler", "44 cm", "--rocker", "260 mm", "--ground", "0.51 m")
 
 
-def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path):
+def test_the_crank_of_the_thesis_for_26_degrees(command, tmp_path, monkeypatch):
     path = tmp_path / "linkage.png"
+
+    def written(design, path, *, overwrite):  # tests/plots draws it
+        path.write_text(f"{design.linkage.crank:.6f}", encoding="utf-8")
+        return path
+
+    monkeypatch.setattr("erlif.plots.write_linkage", written)
     speeds = ("--rocker-speed", "24 rpm", "-o", path)
     result = command("linkage", *LINKS, "--swing", "26 deg", *speeds)
     assert "1 crank-rocker meets the targets." in result.stdout
     row = result.stdout.split("\n\n")[1].splitlines()[2].split()
     assert row[:6] == ["58.484", "440.000", "260.000", "510.000", "105.42", "26.000"]
     assert f"written: {path}" in result.stdout
-    assert path.read_bytes()[1:4] == b"PNG"
+    assert path.read_text(encoding="utf-8") == "0.058484"
 
 
 def test_out_of_reach_is_reported_with_status_0(command):

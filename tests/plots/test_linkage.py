@@ -68,15 +68,13 @@ def test_a_movie_is_one_turn(design, tmp_path):
     with Image.open(path) as movie:
         assert movie.n_frames == 2
         assert movie.info["loop"] == 0
-    again = plots.linkage_movie(design, tmp_path / "again.gif", positions=2)
-    assert again.read_bytes() == path.read_bytes()
     with pytest.raises(OutputError, match="exists"):
         plots.linkage_movie(design, path)
     with pytest.raises(OutputError, match=r"a name in \.gif"):
         plots.linkage_movie(design, tmp_path / "turn.mp4")
     with pytest.raises(OutputError, match="2 positions at least"):
         plots.linkage_movie(design, tmp_path / "one.gif", positions=1)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["again.gif", "turn.gif"]
+    assert [path.name for path in tmp_path.iterdir()] == ["turn.gif"]
 
 
 def test_the_suffix_chooses_figure_or_movie(design, tmp_path):

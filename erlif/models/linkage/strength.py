@@ -21,10 +21,10 @@ from erlif.models.arguments import (
 )
 
 PIN_LOADED = (12.882, -52.714, 89.762, -51.667)
-"""Coefficients of the powers of d/w at a closely fitting pin, quoted after Pilkey (2005), table 6-1.
+"""Coefficients of the powers of d/w at a closely fitting pin. Pilkey (2005), table 6-1.
 
-The print was not at hand. Finite elements of a rigid pin without friction give 5 to 13 % less for
-d/w of 0.15 to 0.5 (docs/linkage.md).
+They are quoted; the print was not at hand. Finite elements of a rigid pin without friction give 5
+to 13 % less for d/w of 0.15 to 0.5 (docs/linkage.md).
 """
 
 OPEN_HOLE = (2.0, 0.284, -0.600, 1.32)

@@ -85,6 +85,8 @@ class _Target:
     def deviation(self, links: Links) -> Values:
         """Relative deviation from the wanted value; large where a linkage folds flat."""
         deviation = self.measure(links) / self.wanted - 1
+        if isinstance(deviation, float):  # numpy takes ten times as long for one number
+            return LARGE if deviation != deviation else max(-LARGE, min(float(deviation), LARGE))
         return np.clip(np.nan_to_num(deviation, nan=LARGE), -LARGE, LARGE)
 
 
