@@ -220,13 +220,13 @@ def test_general_joint_wears_as_the_simplified_one_in_tension():
     """
     per_angle = 3 / (4 * np.sqrt(2)) * 6.523e8 * np.sqrt(10e-6)
     share = 525.4 / (per_angle * np.pi / 2)
-    simplified, general, stiff = fast_test(), fast_test(6.523e8), fast_test(6.523e9)
+    simplified, general, stiff = fast_test(), fast_test(6.523e8), fast_test(3.262e9)
     less = 1 - general.worn_volume[-1] / simplified.worn_volume[-1]
     assert 0 < less < share
     npt.assert_allclose(general.depth, simplified.depth, atol=share * simplified.depth.max())
 
     # and falls with the stiffness
-    assert abs(1 - stiff.worn_volume[-1] / simplified.worn_volume[-1]) < less / 5
+    assert abs(1 - stiff.worn_volume[-1] / simplified.worn_volume[-1]) < less / 3
 
 
 def test_mass_worn_by_the_general_joint_is_that_of_its_friction_path():

@@ -82,7 +82,7 @@ def test_triggers_without_position_are_unknown():
     assert measured_positions(positions).known.tolist() == [True, True, False, True, True]
 
 
-SWING = np.linspace(-3.5, 3.5, 8)  # mm, places of the thin line
+SWING = np.linspace(-3.5, 3.5, 5)  # mm, places of the thin line
 
 
 @cache
