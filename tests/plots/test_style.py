@@ -102,10 +102,12 @@ def test_style_reaches_a_figure_that_is_written_later(film, tmp_path):
     assert image.axes.title.get_fontname() == "DejaVu Sans"
 
 
-def test_drawing_is_loaded_only_when_needed_and_never_opens_a_window():
+def test_drawing_and_viewer_are_loaded_only_when_needed_and_open_no_window():
+    """One new process for both, as loading erlif takes most of the time."""
     code = (
-        "import sys, erlif, erlif.pipeline\n"
-        "assert 'matplotlib' not in sys.modules\n"
+        "import sys, erlif, erlif.pipeline, erlif.view, erlif.commands.main\n"
+        "late = {'matplotlib', 'tornado', 'tomlkit', 'erlif.view.handlers'}\n"
+        "assert not late & set(sys.modules), late & set(sys.modules)\n"
         "import erlif.plots, erlif.report\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )

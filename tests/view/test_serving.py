@@ -17,15 +17,6 @@ def test_a_missing_package_is_named_with_the_line_that_installs_it(monkeypatch):
         serving.require_library()
 
 
-def test_no_other_command_loads_the_packages_of_the_viewer():
-    code = (
-        "import sys, erlif, erlif.view, erlif.commands.main\n"
-        "loaded = {'tornado', 'tomlkit', 'erlif.view.handlers'} & set(sys.modules)\n"
-        "assert not loaded, loaded\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
 def test_a_port_in_use_is_refused(example_path, serve):
     door = serve(example_path)
     with pytest.raises(ErlifError, match=r"Expected port \d+ .* Choose another one with --port"):
