@@ -24,7 +24,7 @@ fine = {"smallest_cell": 0.1e-3, **mesh}
 # undercuts under 100,000 lbf on the ends of the pin; D2 is 8 mm
 straight = prepare_joint(joint, **fine)
 found = {}
-for depth, lip in [(5, 9.3), (10, 9.3), (20, 9.3), (30, 9.3), (20, 5), (20, 11)]:
+for depth, lip in [(5, 9.3), (10, 9.3), (20, 9.3), (30, 9.3), (20, 5), (20, 7), (20, 11)]:
     cut = replace(joint, undercut=Undercut(depth * 1e-3, 8e-3, lip * 1e-3))
     body = prepare_joint(cut, pin=straight.pin, **fine)
     found[depth, lip] = solve_joint(body, load=100e3 * pound, patch=0.5e-3, around=256)
@@ -56,7 +56,7 @@ lobe.plot(40e3, 756, "ko", label="thesis, if on a quarter model")
 lobe.set(xlabel="load on the pin [lbf]", ylabel="pressure on the lobe [MPa]", ylim=(0, None))
 lobe.legend()
 
-depths, lips = [0, 5, 10, 20, 30], [5, 9.3, 11]
+depths, lips = [0, 5, 10, 20, 30], [5, 7, 9.3, 11]
 for ax, values, chosen, text in (
     (deep, depths, [(depth, 9.3) for depth in depths], "depth D1 [mm], D3 = 9.3 mm"),
     (thick, lips, [(20, lip) for lip in lips], "lip D3 [mm], D1 = 20 mm"),
