@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -91,21 +92,25 @@ def linkage(
 
         expect_suffix(output, ".png", ".pdf", ".svg", ".gif")
         refuse_existing(output, overwrite=overwrite)
-    found = synthesise_crank_rocker(
-        crank=crank,
-        coupler=coupler,
-        rocker=rocker,
-        ground=ground,
-        swing=swing,
-        speed_ratio=ratio,
-        time_ratio=time_ratio,
-        crank_speed=crank_speed,
-        rocker_speed=rocker_speed,
-        least_transmission_angle=transmission,
-        largest_size=size or (math.inf, math.inf),
-        link_width=width,
-        longest_link=longest,
-    )
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always")
+        found = synthesise_crank_rocker(
+            crank=crank,
+            coupler=coupler,
+            rocker=rocker,
+            ground=ground,
+            swing=swing,
+            speed_ratio=ratio,
+            time_ratio=time_ratio,
+            crank_speed=crank_speed,
+            rocker_speed=rocker_speed,
+            least_transmission_angle=transmission,
+            largest_size=size or (math.inf, math.inf),
+            link_width=width,
+            longest_link=longest,
+        )
+    for doubt in doubts:
+        click.echo(f"note: {doubt.message}", err=True)
     click.echo(summarise_linkages(found))
     if output is None:
         return

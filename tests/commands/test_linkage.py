@@ -46,6 +46,12 @@ def test_bad_input_is_one_message(refused, words, message):
     assert message in refused("linkage", *words)
 
 
+def test_an_implausible_length_is_a_note(command):
+    result = command("linkage", *LINKS, "--swing", "26 deg", "--width", "40 km")
+    assert "note: link_width = 40000 m is implausible" in result.stderr
+    assert "linkage.py" not in result.stderr
+
+
 def test_a_number_without_a_unit_is_wrong_usage():
     result = CliRunner().invoke(main, ["linkage", "--swing", "26", *LINKS])
     assert result.exit_code == 2
