@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -169,6 +170,20 @@ def _usual(counts: AnyArray) -> float:
     return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
 
 
+def _least(size: int) -> int:
+    """Fewest of so many blocks that slide."""
+    return max(int(_SLIDING * size), 2)
+
+
+@lru_cache(maxsize=8)
+def _divisions(size: int) -> tuple[tuple[AnyArray, ...], Array]:
+    """Bounds of all divisions of so many blocks into three, and a basis of parabolas over them."""
+    first, last = np.triu_indices(size + 1, _least(size))
+    place = np.linspace(-1, 1, size)
+    basis = np.linalg.qr(np.column_stack([np.ones(size), place, place**2]))[0]
+    return (np.zeros_like(first), first, last, np.full_like(last, size)), np.asarray(basis)
+
+
 def _split(values: Array, half: float) -> tuple[int, int]:
     """Samples before and after the sliding, by the best three levels of a stretch."""
     edges = np.linspace(0, values.size, min(_BLOCKS, values.size) + 1).astype(int)
@@ -179,9 +194,8 @@ def _split(values: Array, half: float) -> tuple[int, int]:
     sums, squares = (np.append(0.0, np.cumsum(blocks**power)) for power in (1, 2))
 
     # lead, sliding and tail of every division
-    least = max(int(_SLIDING * size), 2)
-    first, last = np.triu_indices(size + 1, least)
-    bounds = [np.zeros_like(first), first, last, np.full_like(last, size)]
+    bounds, basis = _divisions(size)
+    _, first, last, _ = bounds
     left, means = np.zeros(first.size), []
     for one, other in pairwise(bounds):
         count = np.maximum(other - one, 1)
@@ -190,14 +204,12 @@ def _split(values: Array, half: float) -> tuple[int, int]:
 
     # the torque is highest in sliding, but for a brief peak at its start
     for mean, count in ((means[0], first), (means[2], size - last)):
-        left[(count >= least) & (mean > means[1])] = np.inf
+        left[(count >= _least(size)) & (mean > means[1])] = np.inf
     best = int(np.argmin(left))
     i, j = int(first[best]), int(last[best])
 
     # a torque that changes smoothly over the stretch, as its speed does, is no dwell
-    place = np.linspace(-1, 1, size)
-    curve = np.polynomial.polynomial.polyfit(place, blocks, 2)
-    smooth = float(np.sum((blocks - np.polynomial.polynomial.polyval(place, curve)) ** 2))
+    smooth = float(np.sum((blocks - basis @ (basis.T @ blocks)) ** 2))
     if left[best] > 0.5 * smooth:
         return 0, 0
 

@@ -54,8 +54,10 @@ def test_a_drift_of_the_whole_test_is_no_galling():
 
 def test_a_rise_that_is_significant_but_small_is_not_called_galling():
     stages = friction_of(rise=0.012, kept=0.0, noise=0.001, rng=np.random.default_rng(2))
-    assert find_onset(stages).p_value < 1e-6
-    assert find_onset(stages).onset is None
+    search = find_onset(stages)
+    assert search.p_value < 1e-6
+    assert search.onset is None
+    assert search.small.rise == pytest.approx(0.012, abs=3 * search.small.rise_std)
     assert find_onset(stages, least_rise=0.005).onset is not None
 
 

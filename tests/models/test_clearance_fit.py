@@ -39,10 +39,11 @@ def test_standard_deviation_covers_the_friction(scatter, known):
     """
     rng = np.random.default_rng(11)
     pulls = []
-    for _ in range(150):
-        clearance = CLEARANCE + 1e-6 * rng.normal(size=CLEARANCE.size)
-        measured = torques(clearance) * (1 + 0.01 * rng.normal())
-        measured += scatter * rng.normal(size=CLEARANCE.size)
+    size = (150, CLEARANCE.size)
+    series = torques(CLEARANCE + 1e-6 * rng.normal(size=size))
+    series *= 1 + 0.01 * rng.normal(size=(150, 1))
+    series += scatter * rng.normal(size=size)
+    for measured in series:
         found = fit_clearances(
             CLEARANCE,
             friction=measured,
