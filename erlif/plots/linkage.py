@@ -221,11 +221,17 @@ def transmission_over_crank(design: LinkageDesign, *, ax: Axes | None = None) ->
     degrees = np.degrees(np.asarray(design.linkage.transmission_angle(_TURN)))
     line = ax.plot(np.degrees(_TURN), degrees, color=MINIMUM)
     extremes = ax.plot([0, 180], np.degrees(design.transmission), "o", color=RETURN)
-    for crank, value in zip((0, 180), np.degrees(design.transmission), strict=True):
+    # below the minimum and above the maximum the curve is elsewhere
+    least, greatest = np.degrees(design.transmission)
+    for crank, value, side, place in ((0, least, -1, "top"), (180, greatest, 1, "bottom")):
         ax.annotate(
-            f"{value:.1f}°", (crank, value), xytext=(pt(4), pt(4)), textcoords="offset points"
+            f"{value:.1f}°",
+            (crank, value),
+            xytext=(pt(4), side * pt(4)),
+            textcoords="offset points",
+            verticalalignment=place,
         )
-    low, high = min(degrees.min(), 60.0) - 5, max(degrees.max(), 120.0) + 5
+    low, high = min(degrees.min(), 60.0) - 15, max(degrees.max(), 120.0) + 15
     for edges in ((0.0, _GOOD), (180.0 - _GOOD, 180.0)):
         ax.axhspan(*edges, color="#F2F2F2", zorder=-1)
     ax.axhline(90.0, color=MUTED, linewidth=pt(0.6), linestyle=":")

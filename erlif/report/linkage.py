@@ -49,13 +49,15 @@ def _cells(design: LinkageDesign) -> tuple[str, ...]:
     """One row of the table."""
     low, high = (math.degrees(angle) for angle in design.transmission)
     speed = design.crank_speed
+    ratio = f"{design.time_ratio:.4f}"
     return (
         *(f"{1e3 * length:.3f}" for length in vars(design.linkage).values()),
         "-" if math.isnan(speed) else f"{speed * 30 / math.pi:.2f}",
         f"{math.degrees(design.swing):.3f}",
         f"{design.speed_ratio:.5f}",
-        f"{design.time_ratio:.4f}",
-        design.slower_stroke,
+        ratio,
+        # a family's optimum is found to 1e-5: no stroke is slower by less than is printed
+        "neither" if float(ratio) == 1 else design.slower_stroke,
         f"{low:.1f} to {high:.1f}",
         " x ".join(f"{1e3 * side:.0f}" for side in design.space),
     )

@@ -17,7 +17,7 @@ def test_each_solution_has_a_row_and_broken_limits_a_sentence():
     head, _, first, second = text.split("\n\n")[1].splitlines()
     assert head.split()[:4] == ["crank", "coupler", "rocker", "ground"]
     # the two couplers of 26 degrees, from eq. A.1
-    assert first.split()[1], second.split()[1] == ("536.936", "366.105")
+    assert (first.split()[1], second.split()[1]) == ("536.936", "366.105")
     assert first.split()[5] == second.split()[5] == "26.000"
     assert "Linkage 2: transmission angle 51.85 degrees, below 55." in text
     slopes = text.split("Change of the swing of the first by 1 mm more of a link")[1]
@@ -32,3 +32,9 @@ def test_the_nearest_linkage_and_unknown_speeds():
     assert row[:5] == ["190.000", "440.000", "260.000", "510.000", "-"]
     # it folds flat, where the swing has no derivative
     assert "Change of the swing" not in text
+
+
+def test_equal_strokes_have_no_slower_one():
+    text = summarise_linkages(synthesise_crank_rocker(swing=np.radians(60), rocker=0.2, ground=0.4))
+    row = text.splitlines()[4].split()
+    assert row[7:9] == ["1.0000", "neither"]

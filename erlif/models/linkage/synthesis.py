@@ -130,9 +130,10 @@ def synthesise_crank_rocker(
     """Find the crank-rockers that meet targets with two or more links given.
 
     As many targets as unknown links: all solutions. Fewer: the one of a family with the largest
-    least transmission angle within the limits. More, or targets out of reach: the nearest linkage
-    by least squares of the relative deviations. Both senses of a time ratio are searched, and both
-    strokes for the speed. Mirrored assemblies have the same measures and are not listed twice.
+    least transmission angle within the limits, or nearest to them where none keeps them. More, or
+    targets out of reach: the nearest linkage by least squares of the relative deviations. Both
+    senses of a time ratio are searched, and both strokes for the speed. Mirrored assemblies have
+    the same measures and are not listed twice.
 
     Parameters
     ----------
@@ -542,7 +543,8 @@ def _conclude(designs: list[LinkageDesign], targets: dict[str, float], domain: D
     if kept < len(met):
         statement += f", {kept or 'none'} within the limits"
     if len(domain.unknown) > len(targets):
-        statement += "; of a family, the one with the best transmission angle"
+        chosen = "with the best transmission angle" if kept else "nearest to the limits"
+        statement += f"; of a family, the one {chosen}"
     return Synthesis(tuple(sorted(met, key=order)), None, statement + ".")
 
 

@@ -158,7 +158,16 @@ def test_of_a_family_the_best_transmission_is_chosen():
     a, b, c, d = lengths_of(design)
     npt.assert_allclose(a**2 + d**2, b**2 + c**2, rtol=1e-5)
     npt.assert_allclose(a / c, np.sin(np.radians(13)), rtol=1e-5)
-    assert "of a family" in found.statement
+    assert "of a family, the one with the best transmission angle" in found.statement
+
+
+def test_of_a_family_outside_the_limits_the_nearest_to_them_is_chosen():
+    """No linkage with these two links and this swing is as small: the ground link alone is 0.4."""
+    found = synthesise_crank_rocker(
+        swing=np.radians(60), rocker=0.2, ground=0.4, largest_size=(0.2, 0.1)
+    )
+    assert "none within the limits; of a family, the one nearest to the limits" in found.statement
+    assert any("above 200" in one for one in found.designs[0].departures)
 
 
 def test_limits_sort_and_shape_the_designs():
