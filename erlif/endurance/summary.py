@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from erlif.core.arrays import AnyArray
 from erlif.core.units import count_of
 from erlif.endurance.analysis import EnduranceResult
 from erlif.endurance.comparison import DesignComparison
@@ -16,6 +17,7 @@ from erlif.endurance.onset import FEWEST
 from erlif.endurance.posterior import Onset
 from erlif.endurance.witness import Witness
 from erlif.files import replacing
+from erlif.friction.plausible import doubt_friction
 
 HEADINGS = (
     "test",
@@ -65,6 +67,8 @@ def describe_test(found: EnduranceResult) -> list[str]:
         f"{found.name}: {count_of(len(found.whole), 'stage')} and {count_of(idle, 'idle run')} in "
         f"{last - float(test['time'][0]):.0f} s"
     ]
+    level = float(test["friction"][_samples_of(found)].median())
+    lines += doubt_friction(level, radius=test.attrs.get("pin_radius"), arm=test.attrs.get("arm"))
     divided = {stage.number for stage in found.loaded if stage.part > 1}
     for stage in found.loaded:
         friction = float(test["friction"][stage.samples].median())
@@ -114,6 +118,11 @@ def describe_test(found: EnduranceResult) -> list[str]:
         f"{failure.survived / 1e3:.1f} kN were survived"
     )
     return lines
+
+
+def _samples_of(found: EnduranceResult) -> AnyArray:
+    """Places of the samples under load."""
+    return np.concatenate([np.arange(one.first, one.last + 1) for one in found.loaded])
 
 
 def _describe_no_galling(found: EnduranceResult, p: str) -> list[str]:

@@ -46,7 +46,8 @@ def measure_friction(
         Over ``time``: load [N], torque [N m], friction [1] (NaN without load), and the witnesses
         temperature and vibration. A torque that reverses becomes one value for each two
         oscillations, half the difference of its directions: an offset of the cell cancels. The
-        attribute ``period`` is that of such a torque. [s]
+        attribute ``period`` is that of such a torque. [s] ``pin_radius`` and ``arm`` are the
+        lengths that were used. [m]
 
     Raises
     ------
@@ -91,8 +92,12 @@ def measure_friction(
         time, columns, period = _over_oscillations(time, columns)
         attributes = {**log.attrs, "period": period}
     else:
-        attributes = log.attrs
+        attributes = dict(log.attrs)
         columns["torque"] = np.abs(columns["torque"])
+
+    attributes["pin_radius"] = pin_radius
+    if "torque" not in log:
+        attributes["arm"] = arm
 
     loaded = columns["load"] > _UNLOADED * np.max(columns["load"])
     friction = np.full(time.size, np.nan)

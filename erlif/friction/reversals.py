@@ -12,6 +12,7 @@ import xarray as xr
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.files import replacing
+from erlif.friction.plausible import doubt_friction
 from erlif.friction.stretches import Stretch, find_stretches
 from erlif.models.arguments import require_not_negative, require_positive
 from erlif.models.friction import friction_coefficient
@@ -123,7 +124,11 @@ def analyse_friction(
     load = np.sqrt((cells**2).sum(axis=0)) if vector else cells.sum(axis=0)
     time = log["time"].values
     torque = _torque(log, arm)
-    pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(file=log.attrs.get("file", ""))
+    pairs = _pairs(time, torque, load, shaft_radius).assign_attrs(
+        file=log.attrs.get("file", ""), shaft_radius=shaft_radius
+    )
+    if "torque" not in log:
+        pairs.attrs["arm"] = arm
     if speed is not None:
         # half of a pair's own dwell lies before its middle
         rest = np.cumsum(pairs["dwell"].values) - 0.5 * pairs["dwell"].values
@@ -283,6 +288,8 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
         f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
         f"({found.pairs.sizes['time']} pairs of stretches)"
     ]
+    known = found.pairs.attrs
+    lines += doubt_friction(found.friction, radius=known.get("shaft_radius"), arm=known.get("arm"))
     # the scatter is measured, even where it is 0
     missing = [name for name, value in found.budget.items() if value == 0 and name != "scatter"]
     lines += [

@@ -65,3 +65,16 @@ def test_pauses_of_the_log_and_stuck_sensors_are_stated():
     assert f"pauses from {parts[0].end:.0f} to {parts[1].start:.0f} s, within stage 6" in text
     assert "an interval with a pause of the log; p" in text
     assert "note: the vibration reads 0.4 throughout; it is left out" in text
+
+
+def test_a_friction_that_no_bearing_has_is_doubted_with_the_lengths_it_comes_from():
+    """An arm of 30 m for 30 cm, and a radius of 40 cm for an arm of 30 cm."""
+    result = example_test()
+    assert "warning" not in "\n".join(describe_test(result))
+    test = result.test.assign(friction=100 * result.test.friction).assign_attrs(arm=30.0)
+    text = "\n".join(describe_test(replace(result, test=test)))
+    assert "warning: a friction coefficient of 1" in text
+    assert "the arm of 30 m, and the unit of the load" in text
+    wide = result.test.assign_attrs(pin_radius=0.4)
+    text = "\n".join(describe_test(replace(result, test=wide)))
+    assert "warning: the arm of 0.3 m is no longer than the radius of 0.4 m" in text

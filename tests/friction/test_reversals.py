@@ -197,3 +197,11 @@ def test_names_of_the_endurance_stage_stay_valid():
 
     assert endurance.analyse_reversals is friction.analyse_friction
     assert endurance.read_endurance_log is friction.read_torque_log
+
+
+def test_a_coefficient_that_no_bushing_has_is_doubted():
+    """A radius in m for mm."""
+    log = make_log(np.random.default_rng(0), noise=0.0)
+    assert "warning" not in "\n".join(describe_friction(analyse_friction(log, shaft_radius=RADIUS)))
+    text = "\n".join(describe_friction(analyse_friction(log, shaft_radius=1e3 * RADIUS)))
+    assert "is implausible (0.005 to 1.5 expected). Check the radius of 5 m" in text
