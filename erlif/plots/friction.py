@@ -14,6 +14,7 @@ from erlif.plots.style import (
     RETURN,
     given_or_new,
     in_style,
+    legend_above,
     new_figure,
     pt,
     save_figure,
@@ -21,12 +22,15 @@ from erlif.plots.style import (
 )
 
 _MINUTE = 60.0
-_HEIGHT = 2.6  # inch
+_HEIGHT = 3.0  # inch
 
 
 @styled
 def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -> list[Artist]:
     """Draw the apparent coefficient of each pair of stretches with its mean. Colbert et al. fig. 8.
+
+    Bars are one standard deviation of the scatter of a pair, the band one of the mean from all
+    causes.
 
     Parameters
     ----------
@@ -63,7 +67,7 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         markersize=pt(2.5),
         linewidth=pt(0.7),
         color=OUTWARD,
-        label="pair of stretches, 1 std of scatter",
+        label="pair of stretches",
     )
     ax.axhspan(
         series.friction - series.friction_std,
@@ -72,15 +76,13 @@ def friction_over_reversals(series: ReversalSeries, *, ax: Axes | None = None) -
         alpha=0.25,
         linewidth=0,
     )
-    mean = ax.axhline(
-        series.friction, color=RETURN, linewidth=pt(0.8), label="mean, 1 std of all causes"
-    )
+    mean = ax.axhline(series.friction, color=RETURN, linewidth=pt(0.8), label="mean ± 1 std")
     ax.set(
         xlabel="sliding distance [m]" if known else "time [min]",
         ylabel="apparent friction coefficient",
     )
-    ax.margins(y=0.3)
-    ax.legend()
+    ax.margins(y=0.1)
+    legend_above(ax)
     return [drawn[0], mean]
 
 
