@@ -190,13 +190,13 @@ def _least_weld(joint: Joint, throat: float, strength: float) -> float:
 
 
 def _least_throat(joint: Joint, inner: float, strength: float) -> float:
-    """Throat at which the weld of an inner diameter is strong enough: a (D + 2a)^2 of eq. 16."""
+    """Throat at which the weld of an inner diameter is strong enough, eq. 16 solved for a."""
     torque = joint.force * dimensions_of(joint).pin / 2
     wanted = 2 * math.sqrt(3) * torque * joint.safety / (math.pi * strength)
-    low, high = 0.0, math.cbrt(wanted / 4)  # a weld on a point
+    low, high = 0.0, math.cbrt(wanted / 2)  # a weld on a point
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        if middle * (inner + 2 * middle) ** 2 < wanted:
+        if middle * (inner + math.sqrt(2) * middle) ** 2 < wanted:
             low = middle
         else:
             high = middle
@@ -249,18 +249,31 @@ def _screw(joint: Joint, lock: Lock) -> Step:
 def _weld_steps(joint: Joint, lock: Lock) -> list[Step]:
     """Strength of the weld, and room for an internal one."""
     strength, inner, throat = lock.plate.yield_stress, lock.weld_diameter, lock.throat
-    key, title, equation = "weld", f"{lock.weld or ''} weld of the lock plate".strip(), "eq. 16"
     if strength is None or inner is None or throat is None:
-        return [missing_step(key, title, equation, "limit", "yield_stress of [lock]")]
-    pin = dimensions_of(joint).pin
+        return [
+            missing_step("weld", _weld_title(lock), "eq. 16", "limit", "yield_stress of [lock]")
+        ]
+    strong = _weld_strength(joint, lock, strength, inner, throat)
+    return [strong] if lock.weld == "external" else [strong, _weld_room(joint, inner, throat)]
+
+
+def _weld_title(lock: Lock) -> str:
+    return f"{lock.weld or ''} weld of the lock plate".strip()
+
+
+def _weld_strength(joint: Joint, lock: Lock, strength: float, inner: float, throat: float) -> Step:
     least = _least_weld(joint, throat, strength)
-    # torque of the worst friction, F d / 2, in a ring of the mean diameter D + 2 a
-    torque = joint.force * pin / 2
-    stress = math.sqrt(3) * torque / (math.pi * throat / 2 * (inner + 2 * throat) ** 2)
-    strong = make_step(
-        key,
-        title,
-        equation,
+    stress = _weld_stress(joint, throat, inner + math.sqrt(2) * throat)
+
+    # the throat plane starts in the corner of the legs and ends in the middle of the face
+    corner = inner + (2 * math.sqrt(2) * throat if lock.weld == "internal" else 0.0)
+    inward = -1 if lock.weld == "internal" else 1
+    on_plane = _weld_stress(joint, throat, corner + inward * throat / math.sqrt(2))
+
+    return make_step(
+        "weld",
+        _weld_title(lock),
+        "eq. 16",
         "limit",
         "equivalent stress",
         "MPa",
@@ -274,12 +287,22 @@ def _weld_steps(joint: Joint, lock: Lock) -> list[Step]:
             f"throat of at least {_least_throat(joint, inner, strength) * 1e3:.4g} mm",
             f"inner diameter of at least {max(least, 0.0) * 1e3:.4g} mm",
         ),
-        numbers=(("least inner diameter", least * 1e3, "mm"),),
+        numbers=(
+            ("least inner diameter", least * 1e3, "mm"),
+            ("stress on the throat plane", on_plane / 1e6, "MPa"),
+        ),
     )
-    if lock.weld == "external":
-        return [strong]
-    largest = float(largest_internal_weld_diameter(pin, throat=throat))
-    room = make_step(
+
+
+def _weld_stress(joint: Joint, throat: float, mean_diameter: float) -> float:
+    """Equivalent stress of a thin ring under the torque of the worst friction, F d / 2."""
+    torque = joint.force * dimensions_of(joint).pin / 2
+    return math.sqrt(3) * torque / (math.pi * throat / 2 * mean_diameter**2)
+
+
+def _weld_room(joint: Joint, inner: float, throat: float) -> Step:
+    largest = float(largest_internal_weld_diameter(dimensions_of(joint).pin, throat=throat))
+    return make_step(
         "weld_room",
         "room for the internal weld",
         "eq. 17",
@@ -294,7 +317,6 @@ def _weld_steps(joint: Joint, lock: Lock) -> list[Step]:
         "made.",
         alternatives=("a smaller throat", "an external weld", "a thicker pin"),
     )
-    return [strong, room]
 
 
 def _prong(joint: Joint, lock: Lock) -> Step:

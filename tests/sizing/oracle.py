@@ -124,8 +124,10 @@ def margins(j):
             out["lock_screw"] = below(math.sqrt(3) * force / area, k.screw_yield / 1e6 / eta)
         if S is not None:
             a, Di = 1e3 * k.throat, 1e3 * k.weld_diameter
-            modulus = math.pi * a / 2 * (Di + 2 * a) ** 2
-            out["weld"] = below(math.sqrt(3) * F * d / 2 / modulus, S)
+            # a fillet of throat a has legs of sqrt(2) a; its force acts at its mean radius
+            leg = math.hypot(a, a)
+            radius = (Di / 2 + (Di / 2 + leg)) / 2
+            out["weld"] = below(math.sqrt(3) * (F * d / 2 / radius) / (2 * math.pi * radius * a), S)
             if k.weld == "internal":
                 out["weld_room"] = between(Di, 20, d - 2 * a * (1 + math.sqrt(2)))
             h = 1e3 * k.height

@@ -77,7 +77,7 @@ def least_weld_diameter(
 ) -> Values:
     """Compute the minimum inner diameter of the round weld of a lock plate. Strand (2005), eq. 16.
 
-    sqrt(sqrt(3) F d eta / (pi a sigma_y)) - 2a.
+    sqrt(sqrt(3) F d eta / (pi a sigma_y)) - sqrt(2) a.
 
     Parameters
     ----------
@@ -104,8 +104,10 @@ def least_weld_diameter(
 
     Notes
     -----
-    The print is illegible between 2a and sqrt(2) a in the last term. Static strength only, not
-    fatigue.
+    The weld has legs of sqrt(2) a, from the inner diameter D to D + 2 sqrt(2) a (eq. 17), so its
+    mean diameter is D + sqrt(2) a. The text of the source at hand has lost its root signs and shows
+    2a in both equations. The throat plane of a weld around the pin is nearer to the pin, at
+    D + a / sqrt(2) in the mean. Static strength only, not fatigue.
 
     Examples
     --------
@@ -114,9 +116,9 @@ def least_weld_diameter(
     >>> from math import pi, sqrt
     >>> case = {"pin_diameter": 0.08, "throat": 0.003, "yield_stress": 600e6, "safety": 2.0}
     >>> inner = least_weld_diameter(100e3, **case)
-    >>> stress = sqrt(3) * 100e3 * 0.04 / (pi * 0.003 / 2 * (inner + 2 * 0.003) ** 2)
+    >>> stress = sqrt(3) * 100e3 * 0.04 / (pi * 0.003 / 2 * (inner + sqrt(2) * 0.003) ** 2)
     >>> print(f"{inner * 1e3:.3f} mm, {stress / 1e6:.1f} MPa")
-    64.005 mm, 300.0 MPa
+    65.762 mm, 300.0 MPa
     """
     require_positive(
         load=load,
@@ -128,11 +130,9 @@ def least_weld_diameter(
     check_load(load=load)
     check_length(pin_diameter=pin_diameter, throat=throat)
     check_strength(yield_stress=yield_stress)
-    # torque F d / 2 in a thin ring of diameter D + 2a, sheared at sigma_y / sqrt(3)
-    return (
-        np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
-        - 2 * throat
-    )
+    # torque F d / 2 in a thin ring of the diameter of the weld, sheared at sigma_y / sqrt(3)
+    mean = np.sqrt(np.sqrt(3) * load * pin_diameter * safety / (np.pi * throat * yield_stress))
+    return mean - np.sqrt(2) * throat
 
 
 @broadcasting
