@@ -110,7 +110,8 @@ def compare_designs(
     Raises
     ------
     EnduranceError
-        If a design has fewer than two runs, or the model is not known.
+        If a design has fewer than two runs, the model is not known, or a load is not finite or not
+        above 0.
 
     Examples
     --------
@@ -123,7 +124,7 @@ def compare_designs(
     >>> undercut += [FailureLoad(36.0, 0.1, 36.0, False, 8)]
     >>> found = compare_designs(uncut, undercut)
     >>> print(f"{found.ratio:.2f} ({found.low:.2f} to {found.high:.2f}), p = {found.log_rank:.2f}")
-    1.45 (1.20 to 1.84), p = 0.10
+    1.46 (1.20 to 1.85), p = 0.10
     """
     if model not in MODELS:
         raise EnduranceError(
@@ -134,6 +135,8 @@ def compare_designs(
             raise EnduranceError(
                 f"Expected at least two runs of the design {name}; got {len(runs)}. Give more logs."
             )
+        for number, run in enumerate(runs, 1):
+            _refuse_load(run, number, name)
     p_value, least = _log_rank(first, second)
     failures = (sum(run.failed for run in first), sum(run.failed for run in second))
     ratio = low = high = probability = scatter = float("nan")
@@ -155,6 +158,20 @@ def compare_designs(
     )
 
 
+def _refuse_load(run: FailureLoad, number: int, name: str) -> None:
+    """Refuse a run whose loads are none: one that is NaN would be counted and not used."""
+    if not (np.isfinite(run.load) and run.load > 0):
+        raise EnduranceError(
+            f"Expected a load above 0 of run {number} of the design {name}; got {run.load:g}. "
+            "Correct it, or leave the run out."
+        )
+    if run.failed and not (np.isfinite(run.survived) and run.survived >= 0):
+        raise EnduranceError(
+            f"Expected the load that run {number} of the design {name} survived, or 0 where there "
+            f"is none; got {run.survived:g}. Correct it, or leave the run out."
+        )
+
+
 # ratio
 
 
@@ -168,7 +185,8 @@ def _posterior(
 
     # the difference of the medians on one grid for all scatters
     reach = 2 * _MOST_REACH + float(np.ptp(known))
-    differences = np.arange(-reach, reach, _FINEST)
+    half = int(np.ceil(reach / _FINEST))
+    differences = _FINEST * np.arange(-half, half + 1)
     density = np.zeros(differences.size)
     evidence = np.zeros(scatters.size)
     logs = []
@@ -188,7 +206,8 @@ def _posterior(
         evidence[k] = together.sum() * step
 
     # the prior is flat in the logarithm of the scatter, and so is its grid
-    cumulative = np.cumsum(density) / density.sum()
+    # a place of the grid stands for half a step on both sides
+    cumulative = (np.cumsum(density) - density / 2) / density.sum()
     low, middle, high = np.exp(np.interp(_QUANTILES, cumulative, differences))
     above = 1 - float(np.interp(0.0, differences, cumulative))
     scatter = float(np.interp(0.5, np.cumsum(evidence) / evidence.sum(), scatters))

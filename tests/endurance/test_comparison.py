@@ -56,8 +56,26 @@ def test_interval_holds_the_ratio_with_few_runs_in_stages_some_of_which_survive(
 def test_designs_alike_are_not_separated():
     found = compare_designs([exact(x) for x in (20, 25, 30)], [exact(x) for x in (20, 25, 30)])
     assert found.low < 1 < found.high
-    assert found.probability == pytest.approx(0.5, abs=0.01)
+    assert found.ratio == pytest.approx(1.0, abs=1e-6)
+    assert found.probability == pytest.approx(0.5, abs=1e-6)
     assert found.log_rank == 1.0
+
+
+def test_exchanged_designs_have_the_inverse_ratio():
+    """By stages of 4: density and cumulative sum are those of intervals."""
+    one, two = [staged(x) for x in (21, 25, 26)], [staged(x) for x in (31, 33, 35)]
+    found, inverse = compare_designs(one, two), compare_designs(two, one)
+    assert found.ratio * inverse.ratio == pytest.approx(1.0, abs=1e-6)
+    assert found.low * inverse.high == pytest.approx(1.0, abs=1e-6)
+    assert found.probability + inverse.probability == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("load", [0.0, -5.0, np.nan, np.inf])
+def test_a_load_that_is_none_is_refused(load):
+    with pytest.raises(EnduranceError, match="above 0 of run 2 of the design second; got"):
+        compare_designs([exact(20)] * 2, [exact(20), exact(load)])
+    with pytest.raises(EnduranceError, match="run 1 of the design first survived"):
+        compare_designs([FailureLoad(20.0, 0.1, np.nan, True, 2)] * 2, [exact(20)] * 2)
 
 
 def test_log_rank_by_permutation_of_two_samples_without_overlap():
