@@ -346,6 +346,7 @@ def check_modulus(**arguments: Values) -> None:
 
     Examples
     --------
+    >>> import warnings
     >>> check_modulus(youngs_1=200e9)
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always")

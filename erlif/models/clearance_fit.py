@@ -135,6 +135,7 @@ def fit_clearances(
     --------
     Four bushings with torques that follow the model for mu = 0.12 and E' = 1 GPa:
 
+    >>> from erlif.models.running_in import thin_wall_torque_ratio
     >>> wall = {"load_per_length": 4e4, "shaft_radius": 5e-3, "thickness": 3e-3}
     >>> clearance = np.array([100e-6, 40e-6, 20e-6, 5e-6])
     >>> torque = 0.12 * thin_wall_torque_ratio(clearance=clearance, modulus=1e9, **wall)

@@ -129,6 +129,7 @@ def friction_coefficient(
     --------
     PTFE with 0.105 on a flat has 0.134 in a worn bushing; Colbert et al. (2009) measured 0.131.
 
+    >>> from erlif.models.friction import STEADY_WEAR_TORQUE_RATIO, friction_torque
     >>> torque = friction_torque(
     ...     0.105, load=400.0, radius=0.005, torque_ratio=STEADY_WEAR_TORQUE_RATIO
     ... )

@@ -164,6 +164,7 @@ def fit_vogel(temperatures: Values, *, viscosities: Values) -> VogelConstants:
     --------
     An oil of 0.3, 0.12 and 0.0133 Pa s at 25, 40 and 100 degrees Celsius:
 
+    >>> from erlif.models.oil import vogel_viscosity
     >>> constants = fit_vogel([298.15, 313.15, 373.15], viscosities=[0.3, 0.12, 0.0133])
     >>> [round(vogel_viscosity(T, **constants._asdict()), 4) for T in (298.15, 313.15, 373.15)]
     [0.3, 0.12, 0.0133]
@@ -352,6 +353,7 @@ def roelands_viscosity(
     At 1 GPa the law of Barus exceeds it thousands of times for an oil of 0.12 Pa s and 2e-8 1/Pa:
     exp(20) over exp(7.5497 (6.1020^0.51921 - 1)).
 
+    >>> from erlif.models.oil import barus_viscosity
     >>> oil = {"viscosity": 0.12, "pressure_viscosity": 2e-8}
     >>> round(barus_viscosity(1e9, **oil) / roelands_viscosity(1e9, **oil), -2)
     3800.0

@@ -96,6 +96,7 @@ class ViscosityFit:
 
         Examples
         --------
+        >>> from erlif.models.oil_fit import fit_viscosity
         >>> fit = fit_viscosity(
         ...     [298.15, 313.15, 333.15, 353.15, 373.15],
         ...     viscosities=[0.300, 0.120, 0.0461, 0.0227, 0.0133],

@@ -143,6 +143,8 @@ def joint_reaction(
     --------
     A crank at rest at the outer dead centre carries the preload of the spring alone:
 
+    >>> from erlif.models.mechanism import SliderCrank
+    >>> from erlif.models.reaction import SliderCrankBodies
     >>> bodies = SliderCrankBodies(
     ...     rod_mass=0.8175, rod_inertia=5.5e-3, slider_mass=5.5487, spring_preload=68.354
     ... )
@@ -276,6 +278,7 @@ def coupler_force(linkage: CrankRocker, *, crank_angle: Values, rocker_torque: V
     --------
     At half a turn the transmission angle of the rig is 104.69 degrees, its worst:
 
+    >>> from erlif.models.mechanism import CrankRocker
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> force = coupler_force(rig, crank_angle=np.pi, rocker_torque=2118.5)
     >>> print(f"{force:.0f} N, {2118.5 / 0.26 / np.sin(np.radians(104.691)):.0f} N")

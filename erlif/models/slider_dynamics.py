@@ -147,6 +147,8 @@ def simulate_slider_crank(
     The linkage of the source at half a turn per second. The work of the drive in a turn is nothing
     without friction:
 
+    >>> from erlif.models.mechanism import SliderCrank
+    >>> from erlif.models.reaction import SliderCrankBodies
     >>> bodies = SliderCrankBodies(
     ...     rod_mass=0.8175, rod_inertia=5.5e-3, slider_mass=5.5487, spring_stiffness=525.4
     ... )

@@ -164,6 +164,9 @@ def wear_slider_crank(
     --------
     The first test of the source with a preload of 60 N in a bushing of 8.5 mm:
 
+    >>> from erlif.models.mechanism import SliderCrank
+    >>> from erlif.models.reaction import SliderCrankBodies
+    >>> from erlif.models.slider_wear import WearingJoint
     >>> bodies = SliderCrankBodies(
     ...     rod_mass=0.8175,
     ...     rod_inertia=5500e-6,

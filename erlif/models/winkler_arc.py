@@ -112,6 +112,7 @@ def supported_by_arc(half_angle: Values, *, fit: Values) -> Values:
     --------
     For a narrow contact it is two thirds of the arc times the indentation:
 
+    >>> from erlif.models.winkler_arc import indentation_of_arc
     >>> A, fit = np.array(0.01), np.array(0.9)
     >>> carried = fit * 4 / 3 * A * indentation_of_arc(A, fit=fit)
     >>> print(f"{supported_by_arc(A, fit=fit) / carried:.3f}")
@@ -141,6 +142,7 @@ def rubbed_by_arc(half_angle: Values, *, fit: Values) -> Values:
     --------
     All pressure bears on a narrow contact along the line of load:
 
+    >>> from erlif.models.winkler_arc import supported_by_arc
     >>> A, fit = np.array([0.01]), np.array([0.9])
     >>> print(f"{rubbed_by_arc(A, fit=fit)[0] / supported_by_arc(A, fit=fit)[0]:.4f}")
     1.0000
@@ -186,6 +188,7 @@ def arc_of_load(supported: Values, *, fit: Values) -> tuple[Values, Values]:
 
     Examples
     --------
+    >>> from erlif.models.winkler_arc import supported_by_arc
     >>> A, fit = np.array([0.7]), np.array([0.9])
     >>> print(f"{arc_of_load(supported_by_arc(A, fit=fit), fit=fit)[0][0]:.6f} rad")
     0.700000 rad

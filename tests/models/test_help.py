@@ -1,8 +1,12 @@
 """help() of every public name of the models has all arguments, fields and units."""
 
+import ast
+import builtins
+import doctest
 import importlib
 import inspect
 import re
+import symtable
 from dataclasses import fields, is_dataclass
 
 from erlif import models
@@ -85,4 +89,24 @@ def test_every_argument_and_field_is_there():
     for name, value in PUBLIC.items():
         wanted, section = members(value)
         missing += [f"{name}: {one}" for one in wanted - set(entries(value.__doc__, section))]
+    assert not missing
+
+
+def names_from_elsewhere(doc):
+    """Names that the examples of a docstring use and neither make nor import."""
+    examples = doctest.DocTestParser().get_examples(doc or "")
+    source = "".join(example.source for example in examples)
+    table = symtable.symtable(source, "examples", "exec")
+    made = {one.get_name() for one in table.get_symbols() if one.is_assigned() or one.is_imported()}
+    used = {node.id for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Name)}
+    inner = {one for child in table.get_children() for one in child.get_identifiers()}
+    return used - made - inner - set(dir(builtins))
+
+
+def test_examples_run_once_the_name_itself_and_numpy_are_imported():
+    missing = {
+        name: found
+        for name, value in PUBLIC.items()
+        if (found := names_from_elsewhere(value.__doc__) - {"np", name.rpartition(".")[2]})
+    }
     assert not missing

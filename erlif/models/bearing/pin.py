@@ -187,6 +187,7 @@ def pin_diameter_with_hole(
     --------
     A vanishing hole makes the pin thicker by the cube root of its K_t of 3:
 
+    >>> from erlif.models.bearing import pin_diameter_in_bending
     >>> case = {"free_length": 0.12, "yield_stress": 600e6, "safety": 2.0}
     >>> factor = pin_diameter_with_hole(100e3, hole_ratio=0.0, **case)
     >>> factor /= pin_diameter_in_bending(100e3, **case)

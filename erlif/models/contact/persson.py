@@ -178,6 +178,7 @@ def persson_pressure(
     --------
     On the line of load the pressure is that of `persson_peak_group`; at the edge it vanishes:
 
+    >>> from erlif.models.contact import persson_peak_group
     >>> case = {"half_angle": 1.0, "load_per_length": 1e5, "pin_diameter": 0.08}
     >>> peak = persson_peak_group(1.0) * 2 * 1e5 / 0.08
     >>> print(f"{persson_pressure(0.0, **case) / peak:.9f}", persson_pressure(1.0, **case))
@@ -367,6 +368,7 @@ def persson_load(half_angle: Values, *, play: Values, youngs_modulus: Values) ->
     --------
     The line load of `persson_contact` comes back:
 
+    >>> from erlif.models.contact import persson_contact
     >>> contact = persson_contact(1e6, play=0.4e-3, pin_diameter=0.06, youngs_modulus=200e9)
     >>> print(f"{persson_load(contact.half_angle, play=0.4e-3, youngs_modulus=200e9):.1f} N/m")
     1000000.0 N/m

@@ -218,6 +218,7 @@ def prepare_joint(
 
     Examples
     --------
+    >>> from erlif.models.edges import Joint
     >>> joint = Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> elastic.cells.size - 1
@@ -344,6 +345,7 @@ def solve_joint(
 
     Examples
     --------
+    >>> from erlif.models.edges import Joint, prepare_joint
     >>> joint = Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> found = solve_joint(elastic, load=44.48e3, around=256)
@@ -452,6 +454,7 @@ def section_stress(
 
     Examples
     --------
+    >>> from erlif.models.edges import Joint, prepare_joint, solve_joint
     >>> joint = Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> elastic = prepare_joint(joint, smallest_cell=4e-3, harmonics=[0, 1, 2, 8, 32, 128])
     >>> contact = solve_joint(elastic, load=1e5, around=256)
@@ -544,6 +547,7 @@ def search_undercut(
 
     Examples
     --------
+    >>> from erlif.models.edges import Joint
     >>> joint = Joint(0.03336, 0.03359, 0.0533, length=0.06, pin_length=0.1)
     >>> found = search_undercut(
     ...     joint, load=1e5, depths=[0.01], widths=[5e-3], lips=[5e-3], smallest_cell=4e-3,

@@ -129,6 +129,7 @@ def measure_linkage(
     --------
     The rig of Farzaneh (2002): 24 rpm of the rocker need 112.27 rpm of the crank, not 114.
 
+    >>> from erlif.models.mechanism import CrankRocker
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> found = measure_linkage(rig, rocker_speed=24 * np.pi / 30)
     >>> print(f"{found.speed_ratio:.5f} {found.crank_speed * 30 / np.pi:.2f} rpm")

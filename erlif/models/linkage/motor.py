@@ -120,6 +120,8 @@ def drive_power(
     --------
     The machine of Farzaneh (2002), who has 7.1 hp at 24 rpm of the rocker:
 
+    >>> from erlif.models.mechanism import CrankRocker
+    >>> from erlif.models.linkage.motor import HORSEPOWER
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> found = drive_power(rig, crank_speed=114 * np.pi / 30, torque=2118.5)
     >>> peak, mean = found.peak_power / HORSEPOWER, found.mean_power / HORSEPOWER
@@ -187,6 +189,7 @@ def choose_motor(power: float, *, series: Literal["hp", "kW"] = "kW") -> float:
 
     Examples
     --------
+    >>> from erlif.models.linkage.motor import HORSEPOWER
     >>> round(choose_motor(5407, series="hp") / HORSEPOWER, 2)
     7.5
     >>> choose_motor(5407)

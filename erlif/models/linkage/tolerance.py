@@ -100,6 +100,7 @@ def link_sensitivity(linkage: CrankRocker) -> Sensitivity:
     --------
     On the rig a crank longer by 1 mm adds 0.45 degrees to the swing, a longer coupler hardly any:
 
+    >>> from erlif.models.mechanism import CrankRocker
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> for slope in link_sensitivity(rig).swing:
     ...     print(f"{np.degrees(slope) / 1e3:.3f} degrees/mm")

@@ -299,6 +299,7 @@ class CrankRocker:
         --------
         The rig at 114 turns per minute; the source has 2.5 rad/s both ways:
 
+        >>> from erlif.models.mechanism import TURN, CrankRocker
         >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
         >>> print("{:.4f} {:.4f}".format(*rig.speed_limits(crank_speed=114 * TURN / 60)))
         -2.5405 2.5521
@@ -346,6 +347,7 @@ class CrankRocker:
 
         Examples
         --------
+        >>> from erlif.models.mechanism import CrankRocker
         >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
         >>> rising = rig.rocker_speed(4.0, crank_speed=1.0) > 0
         >>> round(rig.crank_angle(rig.rocker_angle(4.0), rising=rising), 9)

@@ -71,6 +71,7 @@ def journal_coefficients(
     Two axial grooves of 20 degrees, L/D = 1, S = 0.235: Lund and Thomsen (1978) have 2.19 and 7.36
     along the load.
 
+    >>> from erlif.models.reynolds import Groove, Journal
     >>> joint = Journal(0.04995, 0.05005, length=0.1, viscosity=0.02, cavitation_pressure=0.0)
     >>> pair = [Groove(side * np.pi / 2, np.radians(20)) for side in (-1, 1)]
     >>> load = 0.02 * 50 * 0.1 * 0.1 * 500**2 / 0.235

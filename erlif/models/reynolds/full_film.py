@@ -79,6 +79,7 @@ class FullFilm:
         --------
         A long film between circles that touch nearly, 12 pi / (1 - eps^2)^1.5:
 
+        >>> from erlif.models.reynolds import Journal
         >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
         >>> along, across = FullFilm.of(joint).damping(np.array([0.1])).ravel() * joint.clearance
         >>> print(f"{along / joint.squeeze_constant * (1 - 0.9**2) ** 1.5:.5f}")
@@ -177,6 +178,7 @@ def follow_full_film(
     --------
     A long joint at rest sinks as eps / sqrt(1 - eps^2) = t W / K:
 
+    >>> from erlif.models.reynolds import Journal, Motion
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
     >>> time = np.linspace(0.0, 5.0, 501)
     >>> rest = Motion(time, angle=0 * time, load=222.4)

@@ -242,6 +242,7 @@ def crank_motion(
     --------
     The rig of Farzaneh (2002) swings its bushing by 24.43 degrees:
 
+    >>> from erlif.models.mechanism import CrankRocker
     >>> rig = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
     >>> motion = crank_motion(rig, crank_speed=11.94, load=222.4, steps_per_cycle=500)
     >>> print(f"{np.degrees(np.ptp(motion.angle)):.2f}")
@@ -392,6 +393,7 @@ def covered(grooves: Sequence[Groove], angles: Array) -> Array:
 
     Examples
     --------
+    >>> from erlif.models.reynolds import Groove
     >>> covered([Groove(np.pi)], np.radians([0.0, 90.0, 180.0, 270.0]))
     array([False, False,  True, False])
     """

@@ -70,6 +70,7 @@ def steady_journal(
     --------
     The joint of Farzaneh (2002) turning steadily would float on a thick film:
 
+    >>> from erlif.models.reynolds import Journal
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, cavitation_pressure=0.0)
     >>> found = steady_journal(joint, speed=2.54, load=222.4)
     >>> print(f"{float(found.film_min) * 1e6:.0f} um")

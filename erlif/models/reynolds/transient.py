@@ -107,6 +107,7 @@ def solve_journal(
     --------
     A long joint at rest sinks as the closed form of pure squeeze, eps / sqrt(1 - eps^2) = t W / K:
 
+    >>> from erlif.models.reynolds import Journal, Motion
     >>> joint = Journal(0.03336, 0.03359, length=0.237, viscosity=0.12, long=True)
     >>> time = np.linspace(0.0, 5.0, 501)
     >>> sunk = solve_journal(joint, Motion(time, angle=0 * time, load=222.4), cells=(64, 1))

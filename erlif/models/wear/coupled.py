@@ -105,6 +105,8 @@ def coupled_wear(
     The second test of the source, 21,400 cycles, with preload and width fitted to its first test;
     the source computes 0.1589 g of PTFE (2200 kg/m3).
 
+    >>> from erlif.models.mechanism import SliderCrank
+    >>> from erlif.models.reaction import SliderCrankBodies
     >>> bodies = SliderCrankBodies(
     ...     rod_mass=0.8175,
     ...     rod_inertia=5500e-6,

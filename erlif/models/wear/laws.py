@@ -92,6 +92,7 @@ def abrasive_wear(
     --------
     Asperities of 45 degrees are Archard's law with a coefficient of 2/pi:
 
+    >>> from erlif.models.wear import adhesive_wear
     >>> case = {"sliding_distance": 1.0, "hardness": 2e9}
     >>> ratio = abrasive_wear(1e3, asperity_slope=np.pi / 4, **case)
     >>> ratio /= adhesive_wear(1e3, coefficient=2 / np.pi, **case)
