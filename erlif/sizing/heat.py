@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from erlif.models.contact import sinusoidal_pressure
 from erlif.models.wear import (
+    WornBushing,
     bushing_heat_share,
     friction_heat,
     pressure_velocity,
-    wear_depth,
+    steady_bushing_wear,
 )
 from erlif.sizing.joint import Joint, dimensions_of
 from erlif.sizing.steps import Step, make_step, margin_below, missing_step
@@ -270,12 +270,19 @@ def wear_after(joint: Joint, distance: float) -> float | None:
     >>> print(f"{wear_after(example_joint(), 1e4) * 1e6:.1f} um")
     4.8 um
     """
-    if joint.bushing.wear is None:
-        return None
+    return None if joint.bushing.wear is None else _worn(joint, distance, joint.bushing.wear).depth
+
+
+def _worn(joint: Joint, distance: float, rate: float) -> WornBushing:
+    """Depth and volume of one cosine, of which eq. 31 has the volume for a flat contact only."""
     size = dimensions_of(joint)
-    peak = sinusoidal_pressure(joint.moving_force / size.width, pin_diameter=size.pin)
-    depth = wear_depth(peak, sliding_distance=distance, specific_wear=joint.bushing.wear)
-    return float(depth)
+    return steady_bushing_wear(
+        joint.moving_force,
+        shaft_radius=size.pin / 2,
+        width=size.width,
+        sliding_distance=distance,
+        specific_wear=rate,
+    )
 
 
 def _wear(joint: Joint) -> Step:
@@ -285,8 +292,8 @@ def _wear(joint: Joint) -> Step:
         missing = f"{_MOTION}, [life] time, wear of [bushing] from a test of the pair"
         return missing_step(key, title, equation, "limit", missing)
     distance = per_diameter * dimensions_of(joint).pin
-    depth = wear_after(joint, distance) or 0.0
-    volume = rate * joint.moving_force * distance  # eq. 31 with k in the place of K/H
+    worn = _worn(joint, distance, rate)
+    depth = float(worn.depth)
     most = joint.largest_wear
     life = joint.life or 0.0
     reached = math.inf if most is None or depth == 0 else life * most / depth
@@ -309,7 +316,7 @@ def _wear(joint: Joint) -> Step:
         ),
         numbers=(
             ("sliding distance", distance / 1e3, "km"),
-            ("worn volume", volume * 1e9, "mm3"),
+            ("worn volume", float(worn.volume) * 1e9, "mm3"),
             ("life to the largest wear", reached / 3600, "h"),
         ),
     )

@@ -3,7 +3,9 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from erlif.models.wear import steady_bushing_wear, surface_temperature
 from erlif.sizing import example_joint, walk_guide
@@ -49,6 +51,14 @@ def test_wear_is_the_steady_wear_of_colbert():
         60e3, shaft_radius=0.04, width=0.1, sliding_distance=1e3, specific_wear=5.05e-13
     )
     assert wear_after(joint, 1e3) == pytest.approx(expected.depth)
+
+
+def test_the_worn_volume_is_that_of_the_worn_depth():
+    """The pin sinks by h, so the wall loses h cos(phi) over the loaded half of the bore."""
+    step = walk_guide(example_joint()).step("wear")
+    angle = np.linspace(-math.pi / 2, math.pi / 2, 2001)
+    volume = trapezoid(step.present * np.cos(angle), angle) * 40 * 100  # mm3
+    assert step.number("worn volume") == pytest.approx(volume, rel=1e-5)
 
 
 def test_the_life_ends_where_the_largest_wear_is_reached():
