@@ -280,7 +280,9 @@ def _substitutes(design: BearingDesign) -> str:
         value = "" if weakest is None else margin(weakest.margin)
         difference = one.walk.step("hardness_difference")
         hint = "" if difference.missing or difference.holds else "less than 100 HB below the pin"
-        without = ", ".join(step.title for step in one.missing)
+        without = ", ".join(step.title for step in one.unknown)
+        if without and value and one.weakest is not None and one.weakest.holds:
+            value = f"{value} of those known"
         rows.append(
             (escape(one.material.name), _signs(value), escape(governing), hint, escape(without))
         )
@@ -289,7 +291,9 @@ def _substitutes(design: BearingDesign) -> str:
     head = ("Bushing", "Margin", "Weakest limit of the sliding surface", "Hardness", "Not known")
     table = make_table(rows, head=head, numbers=[1])
     note = (
-        "Other bushings of the table at the same dimensions. A wear rate belongs to a tested pair."
+        "Other bushings of the table at the same dimensions: those whose known limits hold first, "
+        "of them those of which most limits are known. A material may fail at a limit that is not "
+        "known. A wear rate belongs to a tested pair."
     )
     return f'<p>{note}</p><div class="wide">{table}</div>'
 

@@ -7,9 +7,12 @@ from functools import lru_cache
 
 from erlif.models.bearing import RECOMMENDED_PLAY, press_fit_displacement
 from erlif.models.wear import thermal_growth
-from erlif.sizing.heat import surface_rise
+from erlif.sizing.heat import heat_is_shared, surface_rise
 from erlif.sizing.joint import Joint, dimensions_of
-from erlif.sizing.steps import Step, make_step, missing_step
+from erlif.sizing.steps import Kind, Step, make_step, missing_step
+
+PUSH_OUT_FRICTION = 0.1
+"""Friction in the press fit for which the push-out force is stated; it grows in proportion. [1]"""
 
 
 def fit_steps(joint: Joint) -> list[Step]:
@@ -23,15 +26,16 @@ def fit_steps(joint: Joint) -> list[Step]:
     Returns
     -------
     list of Step
-        Press fit, relative play, warm play.
+        Press fit, its stresses where there is one, relative play, warm play.
 
     Examples
     --------
     >>> from erlif.sizing import example_joint
     >>> [step.key for step in fit_steps(example_joint())]
-    ['press_fit', 'relative_play', 'warm_play']
+    ['press_fit', 'press_bushing', 'press_housing', 'relative_play', 'warm_play']
     """
-    return [_press_fit(joint), _relative_play(joint), _warm_play(joint)]
+    stresses = [_pressed_bushing(joint), _pressed_housing(joint)] if joint.interference > 0 else []
+    return [_press_fit(joint), *stresses, _relative_play(joint), _warm_play(joint)]
 
 
 @lru_cache(maxsize=64)  # several steps need it
@@ -106,13 +110,12 @@ def _press_fit(joint: Joint) -> Step:
     key, title, equation = "press_fit", "press fit of the bushing", "eqs. 24 and 25"
     displacement = bore_displacement(joint)
     if displacement is None:
-        size = dimensions_of(joint)
-        missing = "youngs_modulus and poissons_ratio of [bushing] and [housing]"
-        if size.housing <= size.fit:
-            missing = "a housing larger than the bushing"
-        return missing_step(key, title, equation, "result", missing)
+        return missing_step(key, title, equation, "result", _missing_for_fit(joint))
 
     play = assembled_play(joint)
+    fit = press_fit_pressure(joint) or 0.0
+    size = dimensions_of(joint)
+    push_out = PUSH_OUT_FRICTION * fit * math.pi * size.fit * size.width
     return make_step(
         key,
         title,
@@ -120,12 +123,122 @@ def _press_fit(joint: Joint) -> Step:
         "result",
         "loss of play",
         "um",
-        -2e6 * displacement,
+        abs(2e6 * displacement),
         validity="elastic rings in plane stress, bushing as wide as its housing",
         reason="The pressed bushing shrinks by about as much as its tolerances; the play is what "
         "is left.",
         alternatives=("less interference", "a bore machined after pressing"),
-        numbers=(("play assembled", play * 1e6, "um"),),
+        numbers=(
+            ("play assembled", play * 1e6, "um"),
+            ("pressure in the fit", fit / 1e6, "MPa"),
+            (f"push-out force at a friction of {PUSH_OUT_FRICTION:g}", push_out / 1e3, "kN"),
+        ),
+    )
+
+
+def _missing_for_fit(joint: Joint, strength: str = "") -> str:
+    size = dimensions_of(joint)
+    if size.housing <= size.fit:
+        return "a housing larger than the bushing"
+    return strength + "youngs_modulus and poissons_ratio of [bushing] and [housing]"
+
+
+def press_fit_pressure(joint: Joint) -> float | None:
+    """Return the pressure between bushing and housing, from the displacement of the bore. Lame.
+
+    Parameters
+    ----------
+    joint : Joint
+        With all dimensions.
+
+    Returns
+    -------
+    float or None
+        0 without interference, None where an elastic constant is not known or the housing is not
+        larger than the fit. [Pa]
+
+    Examples
+    --------
+    >>> from erlif.sizing import example_joint
+    >>> print(f"{press_fit_pressure(example_joint()) / 1e6:.1f} MPa")
+    13.5 MPa
+    """
+    displacement, modulus = bore_displacement(joint), joint.bushing.youngs_modulus
+    if displacement is None or modulus is None:
+        return 0.0 if displacement == 0 else None
+    size = dimensions_of(joint)
+    # the bore is free of pressure: its hoop strain has its hoop stress alone
+    hoop = modulus * abs(displacement) / (size.pin / 2)
+    return hoop * (1 - (size.pin / size.fit) ** 2) / 2
+
+
+_NO_SAFETY = (
+    "elastic rings in plane stress; against the yield stress itself, without the safety factor, "
+    "which is one on the load"
+)
+
+
+def _pressed_bushing(joint: Joint) -> Step:
+    key, title = "press_bushing", "bushing pressed into its housing"
+    pressure, strength = press_fit_pressure(joint), joint.bushing.yield_stress
+    if pressure is None or strength is None:
+        missing = _missing_for_fit(joint, "yield_stress of [bushing]; ")
+        return missing_step(key, title, _LAME, "limit", missing)
+
+    size = dimensions_of(joint)
+    stress = 2 * pressure / (1 - (size.pin / size.fit) ** 2)
+    return _pressed(joint, key, title, stress, strength, pressure, -stress, "bore of the bushing")
+
+
+def _pressed_housing(joint: Joint) -> Step:
+    key, title = "press_housing", "housing around the pressed bushing"
+    pressure, strength = press_fit_pressure(joint), joint.housing.yield_stress
+    if pressure is None or strength is None:
+        missing = _missing_for_fit(joint, "yield_stress of [housing]; ")
+        return missing_step(key, title, _LAME, "limit", missing)
+
+    size = dimensions_of(joint)
+    outer, inner = size.housing**2, size.fit**2
+    hoop = pressure * (outer + inner) / (outer - inner)
+    stress = math.sqrt(hoop**2 + hoop * pressure + pressure**2)  # von Mises, radial -p
+    return _pressed(joint, key, title, stress, strength, pressure, hoop, "bore of the housing")
+
+
+_LAME = "Lame, eq. 25"
+
+
+def _pressed(
+    joint: Joint,
+    key: str,
+    title: str,
+    stress: float,
+    strength: float,
+    pressure: float,
+    hoop: float,
+    where: str,
+) -> Step:
+    """A stress of the press fit, which is in proportion to the interference."""
+    most = joint.interference * strength / stress if stress > 0 else math.inf
+    return make_step(
+        key,
+        title,
+        _LAME,
+        "limit",
+        f"von Mises stress at the {where}",
+        "MPa",
+        stress / 1e6,
+        most=strength / 1e6,
+        validity=_NO_SAFETY,
+        reason="Beyond its yield stress the part flows: the fit loosens, and the play is not that "
+        "of eq. 25.",
+        alternatives=(
+            f"interference of at most {most * 1e6:.4g} um",
+            f"yield stress of at least {stress / 1e6:.4g} MPa",
+        ),
+        numbers=(
+            ("pressure in the fit", pressure / 1e6, "MPa"),
+            ("hoop stress", hoop / 1e6, "MPa"),
+        ),
     )
 
 
@@ -199,23 +312,25 @@ def growth_loss(joint: Joint) -> float | None:
 
 def _warm_play(joint: Joint) -> Step:
     key, title = "warm_play", "play when warm"
-    loss = growth_loss(joint)
+    loss, play, size = growth_loss(joint), assembled_play(joint), dimensions_of(joint)
+    # a joint at rest may be tight
+    kind: Kind = "limit" if joint.speed(size.pin) else "recommendation"
+    doubts = [] if bore_displacement(joint) is not None else [_UNKNOWN_FIT]
     if loss is None:
-        return missing_step(
-            key,
-            title,
-            "eq. 30",
-            "recommendation",
-            "[motion], and expansion and conductivity of the materials",
-        )
-    play, size = assembled_play(joint), dimensions_of(joint)
+        if kind == "recommendation" or play >= 0:
+            missing = "[motion], and expansion and conductivity of the materials"
+            return missing_step(key, title, "eq. 30", kind, missing)
+        # tight when cold: what growth takes decides nothing
+        loss = 0.0
+        doubts.append("; without growth, for which expansion or conductivity is not known")
+    if not heat_is_shared(joint):
+        doubts.append("; most of the heat stays in the pin, which becomes warmer than this")
     warm = play - loss
-    known = bore_displacement(joint) is not None
     return make_step(
         key,
         title,
         "eq. 30",
-        "recommendation",
+        kind,
         "play when warm",
         "um",
         warm * 1e6,
@@ -223,10 +338,11 @@ def _warm_play(joint: Joint) -> Step:
         # a play has no ratio to nothing: its margin is that over the least play of eq. 23
         margin=warm / (RECOMMENDED_PLAY[0] * 1e-3 * size.pin),
         basis="least play of eq. 23",
-        valid=known,
+        valid=not doubts,
         validity="pin at the temperature of the surface, bushing at its mean temperature"
-        + ("" if known else _UNKNOWN_FIT),
-        reason="Warm parts grow by as much as the play is large; without play the joint seizes.",
+        + "".join(doubts),
+        reason="Press fit and warm parts take as much as the play is large; without play a joint "
+        "that moves seizes.",
         alternatives=(
             f"play before pressing of at least {(size.play - warm) * 1e6:.4g} um",
             "a bushing that expands less, or a thinner wall",

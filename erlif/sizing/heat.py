@@ -20,6 +20,10 @@ FRICTION = (0.1, 0.8)
 LARGEST_ROUGHNESS = 1e-6
 """Ra of pin and bushing up to which wear is kept low, section 2.1.16. [m]"""
 
+LEAST_SHARE = 0.1
+"""Share of the heat in the bushing from which eq. 29 gives its temperature; the pin has no path for
+the rest in the guide, which computes bushings of metal, about a half. An assumption. [1]"""
+
 HALF_RING = math.pi
 """Arc through which heat flows: the loaded half of the bushing, as eq. 29 is printed. [rad]"""
 
@@ -40,12 +44,13 @@ def motion_steps(joint: Joint) -> list[Step]:
     --------
     >>> from erlif.sizing import example_joint
     >>> [step.key for step in motion_steps(example_joint())]
-    ['speed', 'pv', 'friction', 'temperature', 'roughness', 'wear']
+    ['speed', 'pv', 'friction', 'friction_moment', 'temperature', 'roughness', 'wear']
     """
     return [
         _speed(joint),
         _pv(joint),
         _friction(joint),
+        _moment(joint),
         _temperature(joint),
         _roughness(joint),
         _wear(joint),
@@ -105,7 +110,7 @@ def _friction(joint: Joint) -> Step:
     force = joint.friction * joint.force
     return make_step(
         "friction",
-        "friction",
+        "friction force",
         "eq. 27",
         "result",
         "friction force",
@@ -116,6 +121,21 @@ def _friction(joint: Joint) -> Step:
         reason="The friction moment loads the lock plate and the drive.",
         alternatives=("grease more often", "a bushing with solid lubricant"),
         numbers=(("friction moment", force * size.pin / 2, "N m"),),
+    )
+
+
+def _moment(joint: Joint) -> Step:
+    size = dimensions_of(joint)
+    return make_step(
+        "friction_moment",
+        "friction moment",
+        "eq. 27",
+        "result",
+        "friction force times half of the pin diameter",
+        "N m",
+        joint.friction * joint.force * size.pin / 2,
+        validity="as the friction force",
+        reason="What the drive has to overcome and the lock plate has to hold.",
     )
 
 
@@ -145,6 +165,32 @@ def bushing_heat(joint: Joint, diameter: float) -> float | None:
         return None
     heat = friction_heat(joint.moving_force, friction=joint.friction, speed=speed)
     return float(heat * bushing_heat_share(pin, bushing_conductivity=ring))
+
+
+def heat_is_shared(joint: Joint) -> bool:
+    """Return whether enough of the heat enters the bushing for eq. 29, or the share is not known.
+
+    Parameters
+    ----------
+    joint : Joint
+
+    Returns
+    -------
+    bool
+        False for bushings that hardly conduct, of polymers.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from erlif.sizing import example_joint, read_materials
+    >>> joint = example_joint()
+    >>> heat_is_shared(joint), heat_is_shared(replace(joint, bushing=read_materials()["POM"]))
+    (True, False)
+    """
+    pin, ring = joint.pin.conductivity, joint.bushing.conductivity
+    if pin is None or ring is None:
+        return True
+    return bool(bushing_heat_share(pin, bushing_conductivity=ring) >= LEAST_SHARE)
 
 
 def surface_rise(joint: Joint) -> float | None:
@@ -202,6 +248,27 @@ def _temperature(joint: Joint) -> Step:
         missing = f"{_MOTION}, conductivity of [pin] and [bushing]"
         return missing_step(key, title, equation, "limit", missing)
     limit, outside = temperature_limit(joint), joint.outside_temperature
+    shared = heat_is_shared(joint)
+    validity = (
+        "slow sliding, heat through the loaded half of the bushing, outside at "
+        f"{outside:g} degC; at least a tenth of the heat in the bushing"
+    )
+    if not shared:
+        validity += ", which hardly conducts: the pin becomes warmer than this, and pv governs"
+        if joint.bushing.pv is None:
+            validity += " (give pv_limit of [bushing])"
+    alternatives: tuple[str, ...] = (
+        "a wider bushing or a thinner wall",
+        "a bushing that conducts better",
+        "less friction or a slower swing",
+    )
+    if limit <= outside:
+        # without any friction the surface is as warm as the outside
+        part = "grease" if limit >= joint.grease_temperature else "bushing material"
+        alternatives = (
+            f"a {part} for more than {outside:g} degC",
+            f"an outside colder than {limit:g} degC",
+        )
     return make_step(
         key,
         title,
@@ -214,14 +281,10 @@ def _temperature(joint: Joint) -> Step:
         # the heat may rise by the margin before the limit is reached
         margin=-1.0 if limit < outside else margin_below(rise, limit - outside),
         basis="rise over the outside",
-        validity="slow sliding, heat through the loaded half of the bushing, outside at "
-        f"{outside:g} degC",
+        valid=shared,
+        validity=validity,
         reason="Above its limit the grease bleeds its oil and the bushing softens.",
-        alternatives=(
-            "a wider bushing or a thinner wall",
-            "a bushing that conducts better",
-            "less friction or a slower swing",
-        ),
+        alternatives=alternatives,
         numbers=(
             ("heat into the bushing", heat, "W"),
             ("rise over the outside", rise, "K"),

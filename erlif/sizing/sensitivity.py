@@ -124,6 +124,16 @@ class Substitute:
         """The limits of the sliding surface that could not be computed."""
         return tuple(step for step in self.walk.missing if step.key in _SURFACE)
 
+    @property
+    def unknown(self) -> tuple[Step, ...]:
+        """The limits of the sliding surface that the table does not have for this material."""
+        return tuple(
+            step
+            for step in self.walk.steps
+            if step.key in _SURFACE
+            and (step.missing or (step.kind == "result" and step.key in _OF_MATERIAL))
+        )
+
 
 _SURFACE = (
     "seizure",
@@ -133,9 +143,14 @@ _SURFACE = (
     "speed",
     "pv",
     "temperature",
+    "warm_play",
+    "press_bushing",
     "wear",
 )
 """Limits that depend on the bushing."""
+
+_OF_MATERIAL = ("pressure_peak", "pv")
+"""Those that are results where the material has no limit; most have none of the speed."""
 
 
 def sensitivities(walk: Walk) -> tuple[Sensitivity, ...]:
@@ -236,9 +251,11 @@ def _scaled_material(material: Material, field: str, by: float) -> Material:
 
 
 def substitutes(joint: Joint, materials: Iterable[Material]) -> tuple[Substitute, ...]:
-    """Check other bushings at the dimensions of a joint, the strongest first.
+    """Check other bushings at the dimensions of a joint, the best known first.
 
-    The wear rate of the joint belongs to its own bushing; another has that of the table, or none.
+    A limit that is not known cannot be exceeded, so that the margins of materials of which more is
+    known come first. The wear rate of the joint belongs to its own bushing; another has that of the
+    table, or none.
 
     Parameters
     ----------
@@ -250,7 +267,8 @@ def substitutes(joint: Joint, materials: Iterable[Material]) -> tuple[Substitute
     Returns
     -------
     tuple of Substitute
-        By falling weakest margin of the sliding surface.
+        Those whose known limits hold; each part by the number of limits that are not known, then by
+        falling weakest margin of the sliding surface.
 
     Examples
     --------
@@ -265,10 +283,10 @@ def substitutes(joint: Joint, materials: Iterable[Material]) -> tuple[Substitute
         if material.use == "bushing" and material.name != joint.bushing.name
     ]
 
-    def order(one: Substitute) -> tuple[bool, bool, float]:
+    def order(one: Substitute) -> tuple[bool, int, float]:
         weakest = one.weakest
         if weakest is None:
-            return False, True, 0.0
-        return not weakest.holds, False, -weakest.margin
+            return False, len(one.unknown), 0.0
+        return not weakest.holds, len(one.unknown), -weakest.margin
 
     return tuple(sorted(tried, key=order))

@@ -6,6 +6,7 @@ over present value less 1 by the name of the step.
 
 import math
 
+import numpy as np
 from scipy.optimize import brentq
 
 INF = math.inf
@@ -51,6 +52,33 @@ def press_fit(j, d, t, Dh):
     soft_bushing = D / 2 / Eb * ((D**2 + d**2) / (D**2 - d**2) - nb)
     p = i / 2 / (soft_housing + soft_bushing)
     return -p / Eb * 2 * (d / 2) * D**2 / (D**2 - d**2)
+
+
+def pressed_rings(j, d, t, Dh):
+    """Von Mises stress at the bores of bushing and housing by Lame's constants.
+
+    s_r = A - B/r^2, s_t = A + B/r^2 and u = r (s_t - nu s_r)/E in each ring. The four constants
+    follow from both free surfaces, one pressure in the fit, and displacements that differ by half
+    of the interference.
+    """
+    a, b, c = d / 2, d / 2 + t, Dh / 2
+    Eb, Eh = j.bushing.youngs_modulus / 1e6, j.housing.youngs_modulus / 1e6
+    nb, nh = j.bushing.poissons_ratio, j.housing.poissons_ratio
+    # r^2 = b^2 rho; unknowns A, B/b^2 of the bushing and of the housing
+    x, y = (b / a) ** 2, (b / c) ** 2
+    system = [
+        [1, -x, 0, 0],
+        [0, 0, 1, -y],
+        [1, -1, -1, 1],
+        [-(1 - nb) / Eb, -(1 + nb) / Eb, (1 - nh) / Eh, (1 + nh) / Eh],
+    ]
+    A1, B1, A2, B2 = np.linalg.solve(system, [0, 0, 0, j.interference * 1e3 / 2 / b])
+
+    def mises(A, B):
+        radial, hoop = A - B, A + B
+        return math.sqrt((radial**2 + hoop**2 + (radial - hoop) ** 2) / 2)
+
+    return mises(A1, B1 * x), mises(A2, B2)
 
 
 def margins(j):
@@ -146,6 +174,20 @@ def margins(j):
         sag = F * length**3 / (48 * j.pin.youngs_modulus / 1e6 * math.pi * d**4 / 64)
         out["lateral_force"] = below(sag / (length / 2), 1.0)
     out["relative_play"] = between(1e3 * play / d, 0.3, 5.0)
+
+    # stresses of the press fit, against the yield stresses themselves
+    elastic = [(p.youngs_modulus, p.poissons_ratio) for p in (j.bushing, j.housing)]
+    if j.interference > 0 and Dh > D and not any(None in pair for pair in elastic):
+        ring, eye = pressed_rings(j, d, t, Dh)
+        if sy_ring is not None:
+            out["press_bushing"] = below(ring, sy_ring)
+        if sy_eye is not None:
+            out["press_housing"] = below(eye, sy_eye)
+
+    # a joint that moves and is tight when cold seizes, whatever growth takes
+    moving = j.half_swing is not None and j.period is not None and j.half_swing > 0
+    if moving and play < 0:
+        out["warm_play"] = play / (0.3e-3 * d)
 
     # eqs. 26 to 32
     if j.half_swing is not None and j.period is not None:

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from erlif.models.wear import steady_bushing_wear, surface_temperature
-from erlif.sizing import example_joint, walk_guide
+from erlif.sizing import example_joint, read_materials, walk_guide
 from erlif.sizing.heat import bushing_heat, surface_rise, wear_after
 
 
@@ -81,3 +81,28 @@ def test_limits_of_the_bushing_govern_where_they_are_known():
 
 def test_friction_outside_of_the_range_of_the_guide_is_marked():
     assert not walk_guide(replace(example_joint(), friction=0.05)).step("friction").valid
+
+
+def test_a_bushing_that_hardly_conducts_has_no_valid_temperature():
+    """POM, 0.2 W/(m K) beside 42.6: 0.5 % of the heat, and 40 degC where pv is exceeded."""
+    joint = example_joint()
+    joint = replace(joint, bushing=read_materials()["POM"], friction=0.25, outside_temperature=40.0)
+    walk = walk_guide(joint)
+    assert not walk.step("temperature").valid
+    assert "pv governs" in walk.step("temperature").validity
+    assert not walk.step("warm_play").valid
+    assert "pv" in {step.key for step in walk.failed}
+
+
+def test_what_helps_against_a_hot_outside_is_proposed():
+    hot = walk_guide(replace(example_joint(), outside_temperature=200.0)).step("temperature")
+    assert hot.alternatives[0] == "a grease for more than 200 degC"
+    assert "width" not in "".join(hot.alternatives)
+    softer = replace(example_joint().bushing, temperature=100.0)
+    hot = walk_guide(replace(example_joint(), outside_temperature=110.0, bushing=softer))
+    assert hot.step("temperature").alternatives[0].startswith("a bushing material")
+
+
+def test_the_friction_moment_is_force_times_radius():
+    step = walk_guide(example_joint()).step("friction_moment")
+    assert (step.unit, step.present) == ("N m", pytest.approx(0.1 * 100e3 * 0.04))
