@@ -9,7 +9,14 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.log_columns import choose_columns, column_pairs, quantity
+from erlif.commands.log_columns import (
+    COMPRESSION_NEGATIVE,
+    SKIP_BAD_ROWS,
+    choose_columns,
+    column_pairs,
+    describe_reading,
+    quantity,
+)
 from erlif.commands.options import OVERWRITE, PATH
 
 _FEWEST_RUNS = 2
@@ -58,6 +65,8 @@ _FEWEST_RUNS = 2
     show_default=True,
     help="Distribution of the load at failure for the comparison.",
 )
+@SKIP_BAD_ROWS
+@COMPRESSION_NEGATIVE
 @click.option("-o", "--output", type=PATH, help="Directory; default: endurance/ beside the log.")
 @OVERWRITE
 def endurance(
@@ -71,6 +80,8 @@ def endurance(
     least_rise: float | None,
     designs: dict[str, tuple[str, ...]],
     model: str,
+    skip_bad_rows: bool,
+    compression_negative: bool,
     output: Path | None,
     overwrite: bool,
 ) -> None:
@@ -125,7 +136,12 @@ def endurance(
 
     found = []
     for log in logs:
-        read = read_endurance_log(log, choice)
+        read = read_endurance_log(
+            log,
+            choice,
+            skip_bad_rows=skip_bad_rows,
+            compression_negative=compression_negative,
+        )
         found.append(
             analyse_endurance(
                 read,
@@ -141,7 +157,7 @@ def endurance(
             )
         )
         click.echo("\n".join(describe_test(found[-1])))
-        click.echo(f"columns: {read.attrs['columns']}\n")
+        click.echo("\n".join(describe_reading(read)) + "\n")
 
     if members:
         (first, one), (second, other) = members.items()

@@ -7,7 +7,14 @@ from pathlib import Path
 import click
 
 from erlif.commands.loading import large_imports
-from erlif.commands.log_columns import choose_columns, column_pairs, quantity
+from erlif.commands.log_columns import (
+    COMPRESSION_NEGATIVE,
+    SKIP_BAD_ROWS,
+    choose_columns,
+    column_pairs,
+    describe_reading,
+    quantity,
+)
 from erlif.commands.options import OVERWRITE, PATH
 
 _SHARE = click.FloatRange(min=0, max=1)
@@ -46,6 +53,8 @@ _SHARE = click.FloatRange(min=0, max=1)
     callback=column_pairs,
     help="Unit of a column whose header has none.",
 )
+@SKIP_BAD_ROWS
+@COMPRESSION_NEGATIVE
 @click.option("-o", "--output", type=PATH, help="Directory; default: friction/ beside the log.")
 @OVERWRITE
 def friction(
@@ -60,6 +69,8 @@ def friction(
     torque_ratio: float,
     columns: dict[str, tuple[str, ...]],
     units: dict[str, tuple[str, ...]],
+    skip_bad_rows: bool,
+    compression_negative: bool,
     output: Path | None,
     overwrite: bool,
 ) -> None:
@@ -91,7 +102,13 @@ def friction(
     for path in (table, picture):
         refuse_existing(path, overwrite=overwrite)
 
-    read = read_torque_log(log, choice, vector=vector)
+    read = read_torque_log(
+        log,
+        choice,
+        vector=vector,
+        skip_bad_rows=skip_bad_rows,
+        compression_negative=compression_negative,
+    )
     found = analyse_friction(
         read,
         shaft_radius=radius,
@@ -103,6 +120,6 @@ def friction(
         radius_std=radius_std,
     )
     click.echo("\n".join(describe_friction(found, torque_ratio=torque_ratio)))
-    click.echo(f"columns: {read.attrs['columns']}\n")
+    click.echo("\n".join(describe_reading(read)) + "\n")
     click.echo(f"written: {write_friction_table(found, table)}")
     click.echo(f"written: {write_reversal_figure(found, picture)}")

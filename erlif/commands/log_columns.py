@@ -37,6 +37,29 @@ def column_pairs(
     return found
 
 
+SKIP_BAD_ROWS = click.option(
+    "--skip-bad-rows",
+    is_flag=True,
+    help="Leave out rows in which a used column has no number; a note counts them.",
+)
+
+COMPRESSION_NEGATIVE = click.option(
+    "--compression-negative",
+    is_flag=True,
+    help="The load cells read compression as negative.",
+)
+
+
+def describe_reading(log: Any) -> list[str]:
+    """What was read from a log, and what was not."""
+    lines = [f"columns: {log.attrs['columns']}"]
+    if log.attrs["unused"]:
+        lines.append(f"columns not used: {log.attrs['unused']}")
+    if log.attrs["left_out"]:
+        lines.append(f"note: {log.attrs['left_out']}")
+    return lines
+
+
 def choose_columns(columns: dict[str, tuple[str, ...]], units: dict[str, tuple[str, ...]]) -> Any:
     """The columns as the reader takes them."""
     from erlif.friction import QUANTITIES, SEVERAL, LogColumns

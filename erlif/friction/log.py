@@ -13,6 +13,8 @@ import xarray as xr
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EncoderError, EnduranceError
+from erlif.friction.bad_rows import leave_out_bad_rows
+from erlif.friction.clock_times import CLOCK, with_clocks
 from erlif.ingest.logs.binary import is_binary_log, read_binary_table
 from erlif.ingest.logs.columns import plain_name, unit_suffix
 from erlif.ingest.logs.table import LogColumn, LogTable, split_unit
@@ -33,7 +35,8 @@ SEVERAL = ("cells", "temperature", "vibration")
 """What several columns may hold: load cells are added, others averaged."""
 
 _KNOWN = {
-    "time": r"t|time|zeit|(elapsed|relative|test) time|time ?stamp",
+    "time": r"t|time|zeit|(elapsed|relative|test) time|time ?stamp|uhrzeit|zeitstempel"
+    r"|date ?(and )?time|datum ?(und )?(uhr)?zeit|clock( time)?",
     "arm_force": r"arm|(torque|friction|support|reaction)? ?arm( (force|load|load cell|cell))?"
     r"|(torque|friction) (cell|force)|third (load )?cell",
     "torque": r"torque|friction torque|moment|drehmoment|reibmoment",
@@ -45,6 +48,12 @@ _KNOWN = {
     r"( (level|rms))?",
 }
 """Names by which a column is found that is not chosen, without their unit and number."""
+
+_LOOSE = {"temperature": r".*temp(eratur|erature)?\b.*"}
+"""Words by which one column is found where none has a known name; its unit must be known."""
+
+_ELSEWHERE = re.compile(r"umgebung|raum|luft|ambient|room|air|junction|ref")
+"""Temperatures that are not those of the bearing."""
 
 _FEWEST = 60  # samples of a test: fewer hold no stage
 _COLDEST, _HOTTEST = -273.15, 1000.0  # degC
@@ -87,7 +96,12 @@ class LogColumns:
 
 
 def read_torque_log(
-    path: Path | str, columns: LogColumns | None = None, *, vector: bool = False
+    path: Path | str,
+    columns: LogColumns | None = None,
+    *,
+    vector: bool = False,
+    skip_bad_rows: bool = False,
+    compression_negative: bool = False,
 ) -> xr.Dataset:
     """Read a log of load and torque.
 
@@ -101,19 +115,24 @@ def read_torque_log(
         force, temperature and vibration, are found without it.
     vector : bool
         The cells are components across the shaft, of either sign; default: the load is their sum.
+    skip_bad_rows : bool
+        Leave out rows in which a used column has no number; default: refuse them.
+    compression_negative : bool
+        The cells of the load read compression as negative; their sign is turned.
 
     Returns
     -------
     xarray.Dataset
         Over ``time`` [s]: ``cells`` (cell, time) [N], ``torque`` [N m] or ``arm_force`` [N], and,
         where they are logged, ``temperature`` [degC] and ``vibration``. The attribute ``columns``
-        states what was taken for what.
+        states what was taken for what, ``unused`` names the other columns, and ``left_out`` the
+        rows that were left out. Clock times count from the first row.
 
     Raises
     ------
     EnduranceError
         If the file cannot be read, a column is missing or may mean several things, a value is no
-        number, or the times do not rise. The message names row and column.
+        number, or the times do not rise. The message names rows and column.
 
     Examples
     --------
@@ -128,8 +147,12 @@ def read_torque_log(
     36000.0
     """
     path, columns = Path(path), columns or LogColumns()
-    table = _read_table(path, columns)
-    found = _find(table, columns)
+    table = with_clocks(_read_table(path, columns))
+    used = _find(table, columns)
+    places = {quantity: _places(table, members) for quantity, members in used.items()}
+    members = [column for one in used.values() for column in one]
+    table, left_out = leave_out_bad_rows(table, members, skip=skip_bad_rows)
+    found = {name: [table.columns[n] for n in one] for name, one in places.items()}
 
     log = xr.Dataset()
     for quantity, members in found.items():
@@ -138,7 +161,8 @@ def read_torque_log(
         if quantity == "time":
             log["time"] = ("time", values[0], {"units": "s"})
         elif quantity == "cells":
-            log["cells"] = (("cell", "time"), np.array(values), {"units": "N"})
+            sign = -1.0 if compression_negative else 1.0
+            log["cells"] = (("cell", "time"), sign * np.array(values), {"units": "N"})
         else:
             log[quantity] = ("time", np.mean(values, axis=0), {"units": unit})
     _check(log, found, table, vector=vector)
@@ -147,7 +171,16 @@ def read_torque_log(
         f"{quantity} from {' and '.join(repr(column.name) for column in members)}"
         for quantity, members in found.items()
     )
+    taken = {n for one in places.values() for n in one}
+    others = [column.name for n, column in enumerate(table.columns) if n not in taken]
+    log.attrs["unused"] = ", ".join(repr(name) for name in others if name)
+    log.attrs["left_out"] = left_out
     return log
+
+
+def _places(table: LogTable, members: Sequence[LogColumn]) -> list[int]:
+    """Places of columns in their table."""
+    return [n for n, column in enumerate(table.columns) if any(column is one for one in members)]
 
 
 def _read_table(path: Path, columns: LogColumns) -> LogTable:
@@ -193,10 +226,27 @@ def _find(table: LogTable, columns: LogColumns) -> dict[str, list[LogColumn]]:
             and re.fullmatch(pattern, _base(column.name))
             and _fits(column, quantity, columns)
         ]
+        if quantity == "time" and len(fitting) > 1:
+            # seconds beside the time of day
+            fitting = [column for column in fitting if column.unit != CLOCK] or fitting
         if fitting:
             _refuse_many(quantity, fitting, table)
             found[quantity] = fitting
             taken += fitting
+
+    for quantity, pattern in _LOOSE.items():
+        if quantity in found:
+            continue
+        loose = [
+            column
+            for column in table.columns
+            if column not in taken
+            and re.fullmatch(pattern, _base(column.name))
+            and not _ELSEWHERE.search(_base(column.name))
+            and _scale(column, quantity, columns) is not None
+        ]
+        if len({_base(column.name) for column in loose}) == 1:
+            found[quantity] = loose
 
     for quantity in ("time", "cells"):
         if quantity not in found:
@@ -214,6 +264,8 @@ def _base(name: str) -> str:
 def _fits(column: LogColumn, quantity: str, columns: LogColumns) -> bool:
     """Whether the unit of a column, where one is known, is of the right kind."""
     kind = QUANTITIES[quantity]
+    if column.unit == CLOCK:
+        return quantity == "time"
     unit = column.unit or unit_suffix(column.name)
     given = quantity in columns.units
     return given or not kind or not unit or find_scale(kind, unit) is not None
@@ -270,18 +322,14 @@ def _unit(column: LogColumn, quantity: str, columns: LogColumns) -> str:
 
 
 def _scale(column: LogColumn, quantity: str, columns: LogColumns) -> Scale | None:
+    if column.unit == CLOCK:
+        return Scale("s") if quantity == "time" else None
     unit = columns.units.get(quantity) or column.unit or unit_suffix(column.name)
     return find_scale(QUANTITIES[quantity], unit) if QUANTITIES[quantity] and unit else None
 
 
 def _convert(column: LogColumn, quantity: str, table: LogTable, columns: LogColumns) -> Array:
     """Numbers of a column in s, N, N m or degC."""
-    for place, text in column.texts.items():
-        raise EnduranceError(
-            f"Expected a finite number in row {table.rows[place]}, column {column.name} of "
-            f"{table.file}, the {quantity}; got {text or 'nothing'!r}. Correct the value or take "
-            "the row out."
-        )
     kind = QUANTITIES[quantity]
     if not kind:
         return column.values
@@ -327,7 +375,8 @@ def _check(
         raise EnduranceError(
             f"Expected a positive load in {table.file}; the {'vector ' if vector else ''}sum of "
             f"its cells is at most "
-            f"{load.max():g} N. Correct the sign of the cells, or choose other columns."
+            f"{load.max():g} N. Where the cells read compression as negative, give "
+            "--compression-negative; else correct their sign, or choose other columns."
         )
     if "temperature" in log:
         temperature = log["temperature"].values

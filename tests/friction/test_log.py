@@ -115,3 +115,53 @@ def test_reversed_time_is_refused(tmp_path):
 def test_numbers_are_read_as_they_are_written(tmp_path):
     log = read_torque_log(write(tmp_path / "run.csv"))
     assert np.all(log.time.values == [row[0] for row in ROWS])
+
+
+def test_times_of_day_are_seconds_from_the_first_row(tmp_path):
+    """As a spreadsheet writes them; 79 s in 80 rows, midnight among them."""
+    times = [np.datetime64("2026-03-04T23:59:30") + n for n in range(80)]
+    texts = [str(time).replace("T", " ") for time in times]
+    for name, column in (("Zeit", texts), ("Uhrzeit", [text[11:] for text in texts])):
+        header = [name, "Load [N]", "Torque [N m]"]
+        rows = [[text, *row[1:3]] for text, row in zip(column, ROWS, strict=True)]
+        log = read_torque_log(write(tmp_path / f"{name}.csv", header, rows))
+        npt.assert_array_equal(log.time, np.arange(80.0))
+
+
+def test_seconds_are_taken_where_the_time_of_day_stands_beside_them(tmp_path):
+    header = ["Uhrzeit", "Time [s]", "Load [N]", "Torque [N m]"]
+    rows = [[f"08:{n // 60:02}:{n % 60:02}", *row[:3]] for n, row in enumerate(ROWS)]
+    log = read_torque_log(write(tmp_path / "run.csv", header, rows))
+    npt.assert_array_equal(log.time, [row[0] for row in ROWS])
+    assert log.attrs["unused"] == "'Uhrzeit'"
+
+
+def test_gaps_are_refused_in_one_message_and_left_out_on_request(tmp_path):
+    rows = [list(row) for row in ROWS]
+    for place in range(5, 25):
+        rows[place][2 + place % 2] = "" if place % 3 else "NaN"
+    path = write(
+        tmp_path / "run.csv", HEADER, [*rows, *([80 + n, *row[1:]] for n, row in enumerate(ROWS))]
+    )
+    with pytest.raises(EnduranceError, match=r"20 rows of 160.*rows 8, 10, 12.*--skip-bad-rows"):
+        read_torque_log(path)
+    log = read_torque_log(path, skip_bad_rows=True)
+    assert log.sizes["time"] == 140
+    assert log.attrs["left_out"].startswith("20 rows of 160 ")
+    assert 7 * 0.5 not in log.time
+
+
+def test_cells_may_read_compression_as_negative(tmp_path):
+    path = write(tmp_path / "run.csv", rows=[[r[0], -r[1], -r[2], *r[3:]] for r in ROWS])
+    with pytest.raises(EnduranceError, match="--compression-negative"):
+        read_torque_log(path)
+    log = read_torque_log(path, compression_negative=True)
+    npt.assert_allclose(log.cells.sum("cell"), [row[1] + row[2] for row in ROWS])
+
+
+def test_a_temperature_of_any_place_is_found_and_other_columns_are_named(tmp_path):
+    header = ["Time [s]", "Load [N]", "Torque [N m]", "Lagertemperatur [°C]", "Raumtemperatur [°C]"]
+    rows = [[*row[:3], row[4], 21.0] for row in ROWS]
+    log = read_torque_log(write(tmp_path / "run.csv", header, rows))
+    npt.assert_allclose(log.temperature, [row[4] for row in ROWS])
+    assert log.attrs["unused"] == "'Raumtemperatur [°C]'"
