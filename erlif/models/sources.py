@@ -7,14 +7,24 @@ the same unit.
 
 import csv
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
 import scipy
 
-from erlif.models import bearing, contact, film, friction, linkage, reaction, wear
+from erlif.models import (
+    bearing,
+    contact,
+    film,
+    friction,
+    linkage,
+    reaction,
+    running_in,
+    slider_wear,
+    wear,
+)
 from erlif.models.arguments import Values
 from erlif.models.mechanism import CrankRocker, SliderCrank, crank_for_swing
 
@@ -40,16 +50,23 @@ TITLES = {
 """Author and title of each source, by its key in the tables."""
 
 OUT_OF_REACH = {
-    "T": "the figures of chapters 3 and 4, Figs. 5-3 to 5-10, and the stresses of 37 and 60 MPa in "
-    "the links: no data or drawings; what would give them is in the table.",
-    "S": "papers B to G and Figs. 18 to 38: finite elements and tests without data.",
-    "M": "Figs. 6 to 15: curves without numbers.",
-    "C": "Figs. 6 to 8 and the drawn contours of Fig. B1: curves without numbers (erlif's own "
-    "contours are in its tests); the friction of a bushing with interference, 1.6 times the true "
-    "one: the largest ratio of the model is pi/2, for contact over half of the shaft, while an "
-    "interference presses all round.",
+    "T": "the curves of the tests and photographs, Figs. 4-3 to 4-11 and 5-4 to 5-10: they have no "
+    "data; `erlif endurance` and `erlif figures` draw the same for the logs and frames of a user. "
+    "The loads and places of Figs. 3-5 to 3-10 are not stated: [Edges](theory/edges.md) computes "
+    "2340, 756 and 543 MPa and the trends for each reading. The section and hole behind the "
+    "stresses of 37 and 60 MPa in the links are not printed; what would give them is in the table.",
+    "S": "papers B to G and Figs. 20 and 24 to 38: measured surfaces, finite elements and tests "
+    "without data.",
+    "M": "the measured masses and depths of Tables 4 and 5, which are tests. The curves of "
+    "Figs. 6, 8 and 13 to 15 have no numbers to compare with; "
+    "[Slider-crank with a worn joint](theory/slider_crank.md) computes forces, the worn profiles "
+    "and the difference of Fig. 15.",
+    "C": "Fig. 6, tests of single bushings. The curves of Figs. 7 and 8 and the contours of "
+    "Fig. B1 have no numbers; [Friction of a bushing](friction.md) computes them. The friction of "
+    "1.6 times the true one at an interference is computed as well, but neither load nor modulus "
+    "is printed: the table has the interference that gives it.",
 }
-"""Published results that cannot be computed again, and why, by the key of the source."""
+"""Published results without a comparison in the tables, and why, by the key of the source."""
 
 RIG = CrankRocker(crank=0.055, coupler=0.44, rocker=0.26, ground=0.51)
 """The crank-rocker of Farzaneh (2002), appendix A.2."""
@@ -62,6 +79,11 @@ RULE_SPEED = RIG_SPEED * 5.5 / 26
 
 MUKRAS = SliderCrank(crank=2 * 0.0381, coupler=2 * 0.1016)
 """The slider-crank of Mukras et al. (2008), whose Table 1 gives half lengths."""
+
+_MUKRAS_BODIES = reaction.SliderCrankBodies(
+    rod_mass=0.8175, rod_inertia=5500e-6, slider_mass=5.5487, spring_stiffness=525.4
+)
+"""Its masses and spring, Tables 1 to 3; the preload of the spring is not stated."""
 
 PIN, BUSHING, LENGTH = 0.03336, 0.03359, 0.237
 """Radii of pin and bushing and length of the joint of Farzaneh (2002). [m]"""
@@ -277,23 +299,40 @@ def _safe_from(simple: float) -> float:
 
 
 @cache
+def _local_wear(cycles: int, *, preload: float, width: float) -> tuple[float, float]:
+    """Worn mass [g] and depth [mm] of the same joint where each place wears by its pressure.
+
+    Eqs. 2 to 5 of the source with changing dynamics; a wall of 3 mm and a clearance of 10 um.
+    """
+    worn = slider_wear.wear_slider_crank(
+        replace(MUKRAS, clearance=10e-6),
+        crank_speed=np.pi,
+        bodies=replace(_MUKRAS_BODIES, spring_preload=preload, pin_radius=9.525e-3),
+        joint=slider_wear.WearingJoint(
+            width=width,
+            thickness=3e-3,
+            modulus=contact.winkler_modulus(0.139e9, poisson=0.38),
+            specific_wear=5.05e-13,
+        ),
+        cycles=cycles,
+        extrapolation=1000,
+    ).isel(cycle=-1)
+    return float(worn.worn_volume) * 2200e3, float(worn.greatest_depth) * 1e3
+
+
+@cache
 def _wear(cycles: int, preload: float = 68.354) -> tuple[float, float]:
     """Worn mass [g] and depth [mm] of the joint of Mukras et al. (2008), from initial dynamics.
+
+    Archard's law of the whole contact, eq. 1: the worn volume is k times load and sliding distance.
 
     The source states neither the preload of the spring nor the width of the bushing; both are
     fitted to the first row of its Table 4. The bushing is PTFE of 2200 kg/m3.
     """
-    bodies = reaction.SliderCrankBodies(
-        rod_mass=0.8175,
-        rod_inertia=5500e-6,
-        slider_mass=5.5487,
-        spring_stiffness=525.4,
-        spring_preload=preload,
-    )
     worn = wear.coupled_wear(
         MUKRAS,
         crank_speed=np.pi,
-        bodies=bodies,
+        bodies=replace(_MUKRAS_BODIES, spring_preload=preload),
         bushing_radius=9.535e-3,
         bushing_width=8.468e-3,
         specific_wear=5.05e-13,
@@ -328,6 +367,7 @@ MODELS: dict[str, Callable[[], Values]] = {
     "lobe_a_light": lambda: _lobe(1e4).a * 1e3,
     "lobe_b_light": lambda: _lobe(1e4).b * 1e3,
     "lobe_approach_light": lambda: _lobe(1e4).approach * 1e3,
+    "lobe_pressure_quarter": lambda: _lobe(4e4, exact=True).pressure / 1e6,
     "fe_above_hertz": lambda: 100 * (756e6 / _lobe(1e4).pressure - 1),
     "undercut": lambda: 100 * 543 / 2340,
     "stage_6": lambda: 8e3 + 5 * 4e3,
@@ -392,6 +432,11 @@ MODELS: dict[str, Callable[[], Values]] = {
     "depth_1": lambda: _wear(32_000)[1],
     "mass_2": lambda: _wear(21_400)[0],
     "depth_2": lambda: _wear(21_400)[1],
+    "mass_local": lambda: _local_wear(32_000, preload=46.32, width=8.551e-3)[0],
+    "mass_local_slack": lambda: _local_wear(32_000, preload=0.0, width=8.551e-3)[0],
+    "depth_local": lambda: _local_wear(32_000, preload=46.32, width=8.551e-3)[1],
+    "mass_local_2": lambda: _local_wear(21_400, preload=46.32, width=8.551e-3)[0],
+    "depth_local_2": lambda: _local_wear(21_400, preload=46.32, width=8.551e-3)[1],
     "error_mass_1": lambda: 100 * (1 - 0.2336 / 0.2616),
     "error_depth_1": lambda: 100 * (1 - 0.6575 / 0.7850),
     "error_mass_2": lambda: 100 * (1 - 0.1589 / 0.1714),
@@ -399,6 +444,20 @@ MODELS: dict[str, Callable[[], Values]] = {
     # Colbert et al. (2009)
     "uniform": lambda: friction.uniform_torque_ratio(np.pi / 2),
     "steady_wear": lambda: friction.cosine_torque_ratio(np.pi / 2),
+    "interference": lambda: scipy.optimize.brentq(
+        lambda group: (
+            running_in.thin_wall_torque_ratio(
+                40e3,
+                clearance=-group * 40e3 * 3e-3 / (1e9 * 5e-3),
+                shaft_radius=5e-3,
+                thickness=3e-3,
+                modulus=1e9,
+            )
+            - 1.6
+        ),
+        0.0,
+        0.3,
+    ),
     "ptfe": lambda: 0.105 * friction.STEADY_WEAR_TORQUE_RATIO,
     "projected": lambda: contact.projected_pressure(400.0 / 0.010, pin_diameter=0.010) / 1e6,
 }
