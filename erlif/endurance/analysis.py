@@ -9,8 +9,10 @@ import numpy as np
 import xarray as xr
 
 from erlif.core.errors import EnduranceError
+from erlif.core.notes import Note
 from erlif.endurance.blocks import StageFriction
 from erlif.endurance.failure import FailureLoad, failure_load
+from erlif.endurance.levels import find_level_rises, first_doubtful, note_level_rises
 from erlif.endurance.onset import OnsetSearch, find_onset
 from erlif.endurance.posterior import Onset
 from erlif.endurance.stages import Stage, find_stages, join_stages
@@ -38,6 +40,8 @@ class EnduranceResult:
         What temperature and vibration show at the onset.
     silent : dict[str, str]
         Sensors that are no witnesses, by name, with the reason.
+    notes : tuple[Note, ...]
+        What is doubtful about stages and friction.
     """
 
     name: str
@@ -47,6 +51,7 @@ class EnduranceResult:
     failure: FailureLoad
     witnesses: tuple[Witness, ...] = ()
     silent: dict[str, str] = field(default_factory=dict)
+    notes: tuple[Note, ...] = ()
 
     @property
     def onset(self) -> Onset | None:
@@ -142,11 +147,13 @@ def analyse_endurance(
         )
         for stage in whole
     ]
+    frictions = [StageFriction(time[places], friction[places]) for places in known]
     search = find_onset(
-        [StageFriction(time[places], friction[places]) for places in known],
+        frictions,
         significance=significance,
         least_rise=least_rise,
     )
+    rises = find_level_rises(frictions, search.onset, least_rise=least_rise)
     witnesses: tuple[Witness, ...] = ()
     if search.onset is not None:
         witnesses = hear_witnesses(test, whole[search.onset.stage], search.onset)
@@ -155,7 +162,10 @@ def analyse_endurance(
         test=test,
         stages=stages,
         search=search,
-        failure=failure_load(test, whole, search.onset, calibration=calibration),
+        failure=failure_load(
+            test, whole, search.onset, calibration=calibration, doubtful=first_doubtful(rises)
+        ),
         witnesses=witnesses,
         silent=find_silent(test, whole, search.onset),
+        notes=tuple(note_level_rises(rises, [stage.number for stage in whole])),
     )

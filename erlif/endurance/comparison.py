@@ -160,7 +160,8 @@ def compare_designs(
 
 def _refuse_load(run: FailureLoad, number: int, name: str) -> None:
     """Refuse a run whose loads are none: one that is NaN would be counted and not used."""
-    if not (np.isfinite(run.load) and run.load > 0):
+    nothing_known = not run.decided and run.load == 0
+    if not (np.isfinite(run.load) and run.load > 0) and not nothing_known:
         raise EnduranceError(
             f"Expected a load above 0 of run {number} of the design {name}; got {run.load:g}. "
             "Correct it, or leave the run out."

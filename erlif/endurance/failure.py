@@ -28,7 +28,10 @@ class FailureLoad:
     failed : bool
         Whether the bearing failed; if not, its load at failure is above `load`.
     stage : int
-        Number of the stage of failure, or of the last one.
+        Number of the stage of failure, or of the last one that was survived.
+    decided : bool
+        False where galling cannot be excluded in a later stage: all that is known is that the
+        bearing carried `load`.
     """
 
     load: float
@@ -36,10 +39,16 @@ class FailureLoad:
     survived: float
     failed: bool
     stage: int
+    decided: bool = True
 
 
 def failure_load(
-    test: xr.Dataset, stages: Sequence[Stage], onset: Onset | None, *, calibration: float = 0.005
+    test: xr.Dataset,
+    stages: Sequence[Stage],
+    onset: Onset | None,
+    *,
+    calibration: float = 0.005,
+    doubtful: int | None = None,
 ) -> FailureLoad:
     """Compute the load at the onset of galling.
 
@@ -54,6 +63,9 @@ def failure_load(
         From `find_onset`.
     calibration : float
         Relative standard deviation of the calibration of the cells. [1]
+    doubtful : int, optional
+        Place of the first stage in which galling cannot be excluded, see
+        `erlif.endurance.levels`: what was survived is before it.
 
     Returns
     -------
@@ -65,11 +77,16 @@ def failure_load(
 
     >>> test = xr.Dataset({"load": ("time", np.full(100, 36e3))}, {"time": np.arange(100.0)})
     >>> failure_load(test, [Stage(1, 0, 99, 0.0, 99.0, 36e3)], None)
-    FailureLoad(load=36000.0, std=180.0, survived=36000.0, failed=False, stage=1)
+    FailureLoad(load=36000.0, std=180.0, survived=36000.0, failed=False, stage=1, decided=True)
     """
+    sound = stages if doubtful is None else stages[:doubtful]
     if onset is None:
-        last = max(stages, key=lambda stage: stage.load)
-        return FailureLoad(last.load, calibration * last.load, last.load, False, last.number)
+        decided = doubtful is None
+        if not sound:
+            return FailureLoad(0.0, 0.0, 0.0, False, 0, decided)
+        last = max(sound, key=lambda stage: stage.load)
+        std = calibration * last.load
+        return FailureLoad(last.load, std, last.load, False, last.number, decided)
 
     stage = stages[onset.stage]
     line, covariance = _fit_line(
@@ -81,7 +98,7 @@ def failure_load(
     spread = float(onset.weights @ (loads - mean) ** 2)
     at = onset.weights @ columns
     noise = float(at @ covariance @ at)
-    before = [one.load for one in stages[: onset.stage]]
+    before = [one.load for one in sound[: onset.stage]]
     return FailureLoad(
         load=mean,
         std=float(np.sqrt(spread + noise + (calibration * mean) ** 2)),

@@ -93,6 +93,7 @@ def describe_test(found: EnduranceResult) -> list[str]:
             "half the difference of its directions over two periods. erlif friction gives it for "
             "each reversal"
         )
+    lines += [f"{note.level}: {note}" for note in found.notes]
     lines += [f"note: the {name} {reason}; it is left out" for name, reason in found.silent.items()]
     for place in found.search.left_out:
         stage = found.whole[place]
@@ -106,7 +107,13 @@ def describe_test(found: EnduranceResult) -> list[str]:
     onset = found.onset
     if onset is None:
         lines += _describe_no_galling(found, p)
-        lines.append(f"load survived: {failure.load / 1e3:.1f} kN")
+        if failure.decided:
+            lines.append(f"load survived: {failure.load / 1e3:.1f} kN")
+        else:
+            lines.append(
+                f"not decided whether it survived: carried {failure.load / 1e3:.1f} kN, and is "
+                "compared as a bearing that carries at least that"
+            )
         return lines
     into = onset.time - found.whole[onset.stage].start
     since = "" if onset.pause else f", {into:.0f} s into it"
@@ -129,7 +136,8 @@ def _describe_no_galling(found: EnduranceResult, p: str) -> list[str]:
     """That there is no galling, and which rise there is that is too small."""
     small, least = found.search.small, found.search.least_rise
     if small is None:
-        return [f"no galling found ({p})"]
+        what = "galling" if found.failure.decided else "sudden rise of friction within a stage"
+        return [f"no {what} found ({p})"]
     stage = found.whole[small.stage]
     return [
         f"no galling found: in stage {stage.number} friction rises {_describe_time(small)} by "
