@@ -23,7 +23,7 @@ FEWEST_LEVEL = 12
 _END = 0.25  # of a stage, at its end: running-in is nearly over
 _SPREAD = RESTART[0]  # of levels of stages, before any is measured
 _STAGES = 4  # stages for which that assumption counts
-_DEVIATIONS = 3.0  # 6 of 800 simulated tests without galling exceed it (docs/theory/endurance.md)
+_DEVIATIONS = 3.0  # 3 of 800 simulated tests without galling exceed it
 _USUAL = 0.04  # most by which friction is expected to change from stage to stage
 
 
