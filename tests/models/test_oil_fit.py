@@ -60,6 +60,10 @@ def test_standard_deviations_cover_the_law(law):
         fit = fit_viscosity(T, viscosities=noisy, law=law, relative_std=0.01)
         found = fit.viscosity(303.0)
         stated.append((found.value - true) / found.std)
+        half = np.log(
+            fit.interval(303.0).upper / found.value
+        )  # a normal one, as the error is known
+        npt.assert_allclose(half, 1.959964 * found.std / found.value, rtol=1e-6)
         # the scatter takes the place of the stated error, and all else is the same
         unstated.append(stated[-1] * 0.01 / fit.scatter)
         if k < 5:
@@ -73,10 +77,32 @@ def test_standard_deviations_cover_the_law(law):
             assert abs(np.mean(np.abs(pulls) < width) - share) < bound
 
 
+def test_intervals_hold_the_law_with_few_points():
+    """Five points of Vogel's law, 2 degrees of freedom: 1.96 std hold 81 %, Student's factor 95 %.
+
+    The bounds are three standard deviations of a binomial share of 200.
+    """
+    rng, few = np.random.default_rng(11), slice(1, 6)
+    true = vogel_viscosity(303.0, a=6e-5, b=950.0, c=178.0)
+    held, narrow = [], []
+    for _ in range(200):
+        noisy = law_of("vogel")[few] * np.exp(0.01 * rng.normal(size=5))
+        fit = fit_viscosity(T[few], viscosities=noisy)
+        lower, upper = fit.interval(303.0)
+        held.append(lower < true < upper)
+        value, std = fit.viscosity(303.0)
+        narrow.append(abs(np.log(value / true)) < 1.96 * std / value)
+    assert fit.degrees_of_freedom == 2
+    # Student's distribution of 2 degrees of freedom in closed form: x / sqrt(2 + x^2)
+    for hits, share in ((held, 0.95), (narrow, 1.96 / np.sqrt(2 + 1.96**2))):
+        assert abs(np.mean(hits) - share) < 3 * np.sqrt(share * (1 - share) / len(hits))
+
+
 def test_fitted_law_keeps_the_coordinates():
     fit = fit_viscosity(T, viscosities=law_of("vogel"), relative_std=0.01)
     warm = xr.DataArray([300.0, 350.0], dims="trigger", coords={"trigger": [3, 4]})
     assert fit.viscosity(warm).std.dims == ("trigger",)
+    assert fit.interval(warm).upper.dims == ("trigger",)
 
 
 @pytest.mark.parametrize(
@@ -124,6 +150,10 @@ def test_grades_of_iso():
         (lambda: fit_viscosity(T, viscosities=law_of("vogel"), relative_std=np.nan), "without NaN"),
         (lambda: sae_oil(35), "SAE grade of 10, 20"),
         (lambda: iso_vg_viscosity(33), "ISO VG grade of 2, 3"),
+        (
+            lambda: fit_viscosity(T, viscosities=law_of("vogel")).interval(303.0, probability=95),
+            "probability must lie between 0 and 1, got 95",
+        ),
         (
             lambda: fit_viscosity(T, viscosities=law_of("vogel")).viscosity(150.0),
             "above the Vogel constant c",
