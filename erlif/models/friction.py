@@ -8,6 +8,7 @@ tests of Farzaneh (2002), chapter 4, with the rank test of Mann and Whitney (194
 Arguments that are off by orders of magnitude raise `erlif.core.errors.UnitWarning`.
 """
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -588,7 +589,7 @@ def analyse_endurance(
     """Find the load stages of an endurance test and the onset of galling.
 
     The tests are those of Farzaneh (2002), chapter 4: the load rises in stages until the friction
-    jumps. This is the simple analysis, kept for compatibility: it takes samples as independent and
+    jumps. This is the simple analysis, kept for one release: it takes samples as independent and
     compares levels alone, so that drift, running-in or correlated noise can count as galling. Use
     `erlif.analyse_endurance` for the log of a test.
 
@@ -625,6 +626,11 @@ def analyse_endurance(
         Columns of different length, values that are missing or infinite, time that does not rise,
         or no stage at all.
 
+    Warns
+    -----
+    DeprecationWarning
+        Always: `erlif.analyse_endurance` takes its place.
+
     Notes
     -----
     Galling shows as a sudden rise of friction. The jump is placed where two constant levels leave
@@ -641,19 +647,27 @@ def analyse_endurance(
     >>> load = np.where(time < 600, 36e3, 54e3)
     >>> scatter = np.random.default_rng(1).normal(0.0, 0.01, time.size)
     >>> torque = (np.where(time < 900, 0.15, 0.27) + scatter) * load * 0.03336
-    >>> test = analyse_endurance(
-    ...     time,
-    ...     load=load,
-    ...     torque=torque,
-    ...     temperature=np.full(time.size, 300.0),
-    ...     radius=0.03336,
-    ...     load_step=18e3,
-    ... )
+    >>> with warnings.catch_warnings(action="ignore"):
+    ...     test = analyse_endurance(
+    ...         time,
+    ...         load=load,
+    ...         torque=torque,
+    ...         temperature=np.full(time.size, 300.0),
+    ...         radius=0.03336,
+    ...         load_step=18e3,
+    ...     )
     >>> [stage.load for stage in test.stages]
     [36000.0, 54000.0]
     >>> test.galling.stage, test.galling.time
     (2, 900.0)
     """
+    warnings.warn(
+        "erlif.models.friction.analyse_endurance takes drift, running-in and correlated noise for "
+        "galling and ends with the next release; use erlif.analyse_endurance, which takes the log "
+        "of erlif.read_endurance_log.",
+        DeprecationWarning,
+        stacklevel=2,
+    )
     columns = _checked_columns(time=time, load=load, torque=torque, temperature=temperature)
     t, force, moment, heat = columns
     _require_options(

@@ -31,6 +31,9 @@ from erlif.models.friction import (
     uniform_torque_ratio,
 )
 
+# its own test below; the function stays for one release
+pytestmark = pytest.mark.filterwarnings("ignore:.*use erlif.analyse_endurance:DeprecationWarning")
+
 LBF = 4.4482216152605
 
 DISTRIBUTIONS = {
@@ -267,6 +270,13 @@ def test_unusable_logs_are_refused(change, named):
     log = {**endurance_log(np.random.default_rng(7), end=1200.0), **change}
     with pytest.raises(ModelError, match=named):
         analyse_endurance(**OPTIONS | log)
+
+
+def test_the_simple_analysis_names_its_successor():
+    log = endurance_log(np.random.default_rng(8), end=700.0)
+    with pytest.warns(DeprecationWarning, match=r"use erlif\.analyse_endurance") as caught:
+        analyse_endurance(**log, **OPTIONS)
+    assert caught[0].filename == __file__
 
 
 def test_temperature_log_in_degrees_celsius_warns():
