@@ -102,18 +102,29 @@ def test_lobes_take_the_pressure_off_the_ends(straight):
 
 
 def test_a_lobe_has_the_pressure_of_hertz():
-    """1.6 mm along the axis and 14 mm round the bore, an arc over which Hertz is a few % low."""
-    lobed = replace(SHORT, length=0.08, pin_length=0.08)
+    """14 mm round the bore, an arc over which Hertz is a few % low, and 1.6 mm along the axis.
+
+    Farzaneh (2002), section 3.3.3: 756 MPa by elements of 4 mm under 10,000 lbf, which is Hertz's
+    751 MPa if these act on the quarter that is meshed.
+    """
+    crest, height = 0.03359, 237.5e-6
+    lobed = Joint(0.03336, crest + height, 0.0533, length=0.08, pin_length=0.08)
     elastic = prepare_joint(
         lobed, smallest_cell=0.3e-3, refine=[0.02], growth=1.5, largest_cell=0.01,
         load_span=(0.0, 0.04), harmonics=[0, 1, 2, 5, 14, 40, 110],
     )  # fmt: skip
-    found = solve_joint(elastic, load=TEN_THOUSAND_POUNDS, lobes=[0.02], lobe_height=37.5e-6)
-    radius = conformal_radius(0.03336, bushing_radius=0.03359 - 37.5e-6)
-    hertz = hertz_ellipse(
-        TEN_THOUSAND_POUNDS / 2, radius=radius, radius_across=0.2, contact_modulus=109.89e9
-    )
-    assert 1.0 < float(found.peak_pressure) / hertz.pressure < 1.06
+    radius = conformal_radius(0.03336, bushing_radius=crest)
+    for load, printed, high in (
+        (TEN_THOUSAND_POUNDS, 475e6, 1.06),
+        (4 * TEN_THOUSAND_POUNDS, 756e6, 1.08),
+    ):
+        found = solve_joint(elastic, load=load, lobes=[0.02], lobe_height=height)
+        hertz = hertz_ellipse(
+            load / 2, radius=radius, radius_across=0.2, contact_modulus=109.89e9
+        ).pressure
+        npt.assert_allclose(hertz, printed, rtol=0.01)
+        assert 1.0 < float(found.peak_pressure) / hertz < high
+    npt.assert_allclose(found.patch_pressure, 756e6, rtol=0.03)
 
 
 def test_a_load_beside_the_middle_tilts_the_pin(short):
