@@ -128,6 +128,9 @@ def design(source: Path | str | DesignSettings, *, folder: Path | None = None) -
         series=settings.sizing.series,
         settings=to_toml(sized_settings(settings, sized)),
         materials=tuple(_materials(settings, folder).values()),
+        assumed=tuple(
+            part for part in ("seat", "housing") if part not in settings.model_fields_set
+        ),
     )
 
 

@@ -34,6 +34,7 @@ _MOST = 1.3  # share of what is allowed at which bars end
 _ABOVE = 1.4  # free share above the curves, for the legend
 _NEAR = 2.5  # times the highest pressure up to which the allowed one is drawn
 _FLAT = math.radians(60.0)  # half contact angle beyond which a flat arc has no meaning
+_ALIKE = 0.9  # mean over largest load from which one point stands for both
 _DECADE = 10.0 ** (1 / 2)  # room on either side of the points of the pv diagram
 _FRICTIONS = (0.1, 0.8)  # range of the guide, section 2.1.14
 
@@ -181,7 +182,8 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
     Returns
     -------
     list of Artist
-        The points of the joint at its largest and its mean load; empty without motion.
+        The points of the joint at its largest and its mean load, one where they are alike; empty
+        without motion.
 
     Examples
     --------
@@ -225,18 +227,22 @@ def design_pv(design: BearingDesign, *, ax: Axes | None = None) -> list[Artist]:
         x = np.array(across)
         ax.plot(x, ring.pv / 1e6 / x * 1e3, color=RETURN, linestyle="--", label="pv limit")
 
+    # loads that are alike would hide each other
+    alike = mean > _ALIKE * largest
+    name = "largest and mean load" if alike else "largest load"
     points: list[Artist] = list(
-        ax.plot(largest, speed, marker="o", linestyle="", color=OUTWARD, label="largest load")
+        ax.plot(largest, speed, marker="o", linestyle="", color=OUTWARD, label=name)
     )
-    points += ax.plot(
-        mean,
-        speed,
-        marker="s",
-        linestyle="",
-        color=MEAN,
-        markerfacecolor="white",
-        label="mean load",
-    )
+    if not alike:
+        points += ax.plot(
+            mean,
+            speed,
+            marker="s",
+            linestyle="",
+            color=MEAN,
+            markerfacecolor="white",
+            label="mean load",
+        )
     ax.set(xscale="log", yscale="log", xlim=across, ylim=up)
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -288,8 +294,11 @@ def design_temperature(design: BearingDesign, *, ax: Axes | None = None) -> list
     ax.axhline(limit, color="black", linewidth=0.8, label="limit")
     ax.axhline(outside, color=MUTED, linewidth=0.6, linestyle=":", label="outside")
     low, high = sorted((outside, max(limit, outside + slope * friction[1])))
-    ax.set(xlim=friction, ylim=(low - 0.1 * (high - low), low + _ABOVE * (high - low) + 1.0))
-    frame_legend(ax, loc="upper left", ncols=2, columnspacing=1.0)
+    ax.set(xlim=friction, ylim=(low - 0.1 * (high - low), high + 0.1 * (high - low) + 1.0))
+    # above the axes, where it covers neither the curve nor the shading
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, columnspacing=0.8, handlelength=1.5
+    )
     return lines
 
 

@@ -40,7 +40,8 @@ def summarise_design(design: BearingDesign) -> str:
     """
     blocks = [
         [f"Joint: {design.name}", *verdict(design)],
-        _dimension_lines(design),
+        [f"Note: {note}" for note in design.notes],
+        [*_dimension_lines(design), materials_line(design)],
         _step_lines(design),
         _missing_lines(design),
         _assumed_lines(design),
@@ -85,6 +86,97 @@ def verdict(design: BearingDesign) -> list[str]:
         named = ", ".join(step.title for step in walk.unusual)
         lines.append(f"Outside of what is recommended: {named}.")
     return lines
+
+
+def materials_line(design: BearingDesign) -> str:
+    """Return the materials of the parts in a line.
+
+    Parameters
+    ----------
+    design : BearingDesign
+
+    Returns
+    -------
+    str
+        Those that were not given are marked.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> materials_line(example_design())
+    'Materials: pin 42CrMo4 hardened, bushing CuAl10Ni5Fe4, seat S355, housing S355'
+    """
+    parts = []
+    for part in ("pin", "bushing", "seat", "housing"):
+        name = getattr(design.joint, part).name
+        parts.append(f"{part} {name}" + " (assumed)" * (part in design.assumed))
+    return f"Materials: {', '.join(parts)}"
+
+
+def plain(value: float) -> str:
+    """Write a number with four digits, without an exponent where it is neither small nor large.
+
+    Parameters
+    ----------
+    value : float
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> plain(10000.0), plain(123456.0), plain(0.0003997), plain(2e-9)
+    ('10000', '123500', '0.0003997', '2e-09')
+    """
+    if value and not 1e-4 <= abs(value) < 1e7:
+        return f"{value:.4g}"
+    return f"{float(f'{value:.4g}'):.10g}"
+
+
+def present(step: Step) -> str:
+    """Write the value of a step with its unit.
+
+    Parameters
+    ----------
+    step : Step
+
+    Returns
+    -------
+    str
+        Without a number where nothing is left that carries the load.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> present(example_design().walk.step("friction"))
+    '15 kN'
+    """
+    if math.isinf(step.present):
+        return "no section left"
+    return f"{plain(step.present)} {'' if step.unit == '1' else step.unit}".strip()
+
+
+def outcome(step: Step) -> str:
+    """Write the state of a step.
+
+    Parameters
+    ----------
+    step : Step
+
+    Returns
+    -------
+    str
+        "doubtful" for a step outside of the validity of its equation.
+
+    Examples
+    --------
+    >>> from erlif.pipeline.design import example_design
+    >>> outcome(example_design().walk.step("pin_shear"))
+    'holds'
+    """
+    state, _, doubt = step.state.partition(", ")
+    return f"{state} (doubtful)" if doubt else state
 
 
 def margin(value: float) -> str:
@@ -169,7 +261,8 @@ def dimensions(design: BearingDesign) -> list[tuple[str, str, str]]:
     rows = []
     for name, title in _NAMES.items():
         value = float(getattr(joint, name))
-        text = f"{value * 1e6:.4g} um" if name == "play" else f"{value * 1e3:.5g} mm"
+        digits = 5 if value >= 1e-3 else 3
+        text = f"{value * 1e6:.4g} um" if name == "play" else f"{value * 1e3:.{digits}g} mm"
         rows.append((title, text, "chosen" if name in design.chosen else "given"))
     return rows
 
@@ -207,20 +300,21 @@ def _step_lines(design: BearingDesign) -> list[str]:
     for step in design.walk.steps:
         if step.missing:
             continue
-        unit = "" if step.unit == "1" else step.unit
-        present = f"{step.present:.4g} {unit}".strip()
         source = step.equation.replace("section ", "")
         lines.append(
-            f"{step.title:<34} {source:<15} {present:>19} {within(step):>15} "
-            f"{margin(step.margin):>10}  {step.state}"
+            f"{step.title:<34} {source:<15} {present(step):>19} {within(step):>15} "
+            f"{margin(step.margin):>10}{'*' if step.basis else ' '} {outcome(step)}"
         )
     return [*lines, *_basis_lines(design)]
 
 
 def _basis_lines(design: BearingDesign) -> list[str]:
     """What margins refer to that are not those of the value beside them."""
-    others = [f"  {step.title}: {step.basis}" for step in design.walk.steps if step.basis]
-    return ["Margins of another number than the one shown:", *others] if others else []
+    shown = [step for step in design.walk.steps if not step.missing]
+    lines = [f"* {step.title}: margin of the {step.basis}" for step in shown if step.basis]
+    if any("doubtful" in outcome(step) for step in shown):
+        lines.append("(doubtful): outside of the validity of the equation")
+    return lines
 
 
 def _missing_lines(design: BearingDesign) -> list[str]:

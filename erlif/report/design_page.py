@@ -17,7 +17,16 @@ from erlif.core.version import __version__
 from erlif.files import refuse_existing, replacing
 from erlif.plots.design import design_figure, design_margins_figure
 from erlif.report.captions import Caption
-from erlif.report.design import dimension_title, dimensions, margin, verdict, within
+from erlif.report.design import (
+    dimension_title,
+    dimensions,
+    margin,
+    outcome,
+    plain,
+    present,
+    verdict,
+    within,
+)
 from erlif.report.download import download_link, file_name
 from erlif.report.layout import PageFigure, arrange_figures, compose_page, embed_figure
 from erlif.report.tables import make_table, print_text
@@ -124,6 +133,7 @@ def _result(design: BearingDesign) -> str:
     if failed:
         lines.append(f"<ul>{''.join(f'<li>{_signs(line)}</li>' for line in failed)}</ul>")
     lines += [f"<p>{_signs(line)}</p>" for line in rest if not line.startswith("  ")]
+    lines += [f"<p>Note: {_signs(escape(note))}</p>" for note in design.notes]
 
     joint = design.joint
     load = [("Largest load", f"{joint.force / 1e3:.4g} kN")]
@@ -134,9 +144,12 @@ def _result(design: BearingDesign) -> str:
         swing = f"± {math.degrees(joint.half_swing):.3g}° every {joint.period:.4g} s"
         load.append(("Swing", swing))
     if joint.life is not None:
-        load.append(("Life in motion", f"{joint.life / 3600:.4g} h"))
+        load.append(("Life in motion", f"{plain(joint.life / 3600)} h"))
     load += [
-        (part.capitalize(), escape(getattr(joint, part).name))
+        (
+            part.capitalize(),
+            escape(getattr(joint, part).name) + " (assumed)" * (part in design.assumed),
+        )
         for part in ("pin", "bushing", "seat", "housing")
     ]
     rows = [(escape(title), _signs(value), source) for title, value, source in dimensions(design)]
@@ -152,13 +165,11 @@ def _step_table(design: BearingDesign) -> str:
             cells = [escape(step.title), "", "not computed", "", "", step.equation]
             cells.append(escape(f"give {step.missing}"))
         else:
-            unit = "" if step.unit == "1" else f" {step.unit}"
-            present = f"{step.present:.4g}{unit}"
             cells = [
                 f'<a href="#step-{step.key}">{escape(step.title)}</a>',
                 _signs(margin(step.margin)),
                 _state(step),
-                _signs(present),
+                _signs(present(step)),
                 _signs(within(step)),
                 step.equation,
                 escape(step.quantity),
@@ -172,7 +183,8 @@ def _step_table(design: BearingDesign) -> str:
     )
     note = (
         "Margin: allowed over present value less 1; 0 at the limit, negative where it is exceeded. "
-        "Strengths are divided by the safety factor. "
+        "Strengths are divided by the safety factor. Doubtful: outside of the validity of the "
+        "equation. "
         + "".join(
             f"The margin of the {escape(step.title)} is that of the {escape(step.basis)}. "
             for step in design.walk.steps
@@ -191,7 +203,7 @@ def _signs(text: str) -> str:
 
 def _state(step: Step) -> str:
     """The outcome; what needs attention is bold."""
-    text = escape(step.state)
+    text = escape(outcome(step))
     return (
         text if step.holds and (step.valid or step.kind != "limit") else f"<strong>{text}</strong>"
     )
@@ -242,9 +254,9 @@ def _reasons(design: BearingDesign) -> str:
             rows.append(("Alternatives", _signs("; ".join(step.alternatives))))
         lines.append(make_table(rows))
         limited = not math.isnan(step.margin)
-        outcome = f"{margin(step.margin)}, {step.state}" if limited else step.state
+        ending = f"{margin(step.margin)}, {outcome(step)}" if limited else outcome(step)
         shown = " open" if not step.holds else ""
-        title = f"{escape(step.title)} ({step.equation}): {_signs(outcome)}"
+        title = f"{escape(step.title)} ({step.equation}): {_signs(ending)}"
         parts.append(
             f'<details id="step-{step.key}"{shown}><summary>{title}</summary>'
             f"{''.join(lines)}</details>"
@@ -253,7 +265,7 @@ def _reasons(design: BearingDesign) -> str:
 
 
 def _number(name: str, value: float, unit: str) -> str:
-    text = "unlimited" if math.isinf(value) else f"{value:.4g}"
+    text = "unlimited" if math.isinf(value) else plain(value)
     return f"{name} {text}" if unit == "1" or math.isinf(value) else f"{name} {text} {unit}"
 
 

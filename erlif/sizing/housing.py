@@ -52,6 +52,15 @@ def _eye(joint: Joint) -> Step:
         if math.isfinite(least)
         else f"no outer diameter is enough; the eye must be wider than {width * 1e3:.4g} mm"
     )
+    if math.isfinite(stress):
+        strong = f"yield stress of at least {stress * joint.safety / 1e6:.4g} MPa"
+        alternatives = (others, strong)
+    else:
+        alternatives = (
+            f"the bushing of {bore * 1e3:.4g} mm does not fit into a housing of "
+            f"{outer * 1e3:.4g} mm",
+            others,
+        )
     return make_step(
         key,
         title,
@@ -63,7 +72,7 @@ def _eye(joint: Joint) -> Step:
         most=allowed / 1e6,
         validity="an eye as wide as the bushing, larger than its bore",
         reason="The load pulls the two sides of the eye apart; the bore concentrates the stress.",
-        alternatives=(others, f"yield stress of at least {stress * joint.safety / 1e6:.4g} MPa"),
+        alternatives=alternatives,
         numbers=(("least outer diameter", least * 1e3, "mm"),),
     )
 

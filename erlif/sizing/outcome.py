@@ -7,11 +7,12 @@ from functools import cached_property
 
 from erlif.sizing.joint import Joint
 from erlif.sizing.materials import Material
+from erlif.sizing.practice import practice_notes
 from erlif.sizing.sensitivity import Sensitivity, Substitute, sensitivities, substitutes
 from erlif.sizing.walk import Walk
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BearingDesign:
     """A designed joint.
 
@@ -29,6 +30,8 @@ class BearingDesign:
         The joint with all its dimensions, TOML.
     materials : tuple[Material, ...]
         The table of materials.
+    assumed : tuple[str, ...]
+        Parts whose material was not given and is the default.
     """
 
     name: str
@@ -37,6 +40,19 @@ class BearingDesign:
     series: str
     settings: str
     materials: tuple[Material, ...]
+    assumed: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        joint, weakest = self.joint, self.walk.weakest
+        sizes = (
+            f"pin {_millimetres(joint.pin_diameter)}, bushing {_millimetres(joint.bushing_width)}"
+        )
+        found = "no limit known"
+        if weakest is not None:
+            failed = len(self.walk.failed)
+            verdict = "all limits hold" if self.sound else f"limits exceeded: {failed}"
+            found = f"{verdict}; weakest {weakest.title}, margin {100 * weakest.margin:+.3g} %"
+        return f"<BearingDesign {self.name!r}: {sizes}; {found}>"
 
     @property
     def joint(self) -> Joint:
@@ -48,6 +64,11 @@ class BearingDesign:
         """Whether all limits hold."""
         return self.walk.sound
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the guide does not check, and sizes that are unusual in practice."""
+        return practice_notes(self.joint, chosen=self.chosen)
+
     @cached_property
     def sensitivities(self) -> tuple[Sensitivity, ...]:
         """What the weakest margin depends on, the largest first."""
@@ -57,3 +78,7 @@ class BearingDesign:
     def substitutes(self) -> tuple[Substitute, ...]:
         """Other bushings of the table at the same dimensions."""
         return substitutes(self.joint, self.materials)
+
+
+def _millimetres(length: float | None) -> str:
+    return "unknown" if length is None else f"{length * 1e3:.4g} mm"

@@ -145,15 +145,20 @@ def _bending(joint: Joint) -> Step:
     least = _with_hole(float(unweakened), joint.hole_diameter)
 
     slender, in_fit = d <= free, ratio <= LARGEST_HOLE_RATIO
-    limits = [f"pin diameter up to its free length ({d * 1e3:.4g} of {free * 1e3:.4g} mm)"]
+    limits = [
+        f"pin diameter up to its free length ({d * 1e3:.4g} of {free * 1e3:.4g} mm)",
+        "clamped in its seats; a pin that they only support has twice the stress",
+    ]
     if hole:
         limits.append(
             f"hole up to {LARGEST_HOLE_RATIO:g} of the pin ({ratio:.3g}); beyond it the stress "
             f"concentration is taken as {LARGEST_CONCENTRATION:g}"
         )
-    others = [
-        f"pin diameter of at least {least * 1e3:.4g} mm",
-        f"yield stress of the pin of at least {stress * joint.safety / 1e6:.4g} MPa",
+    others = [f"pin diameter of at least {least * 1e3:.4g} mm"]
+    if math.isfinite(stress):
+        needed = stress * joint.safety / 1e6
+        others.append(f"yield stress of the pin of at least {needed:.4g} MPa")
+    others += [
         "a narrower bushing or less lateral play",
     ]
     if hole:
@@ -236,7 +241,7 @@ def _slenderness(joint: Joint) -> Step:
 
 
 def _lateral(joint: Joint) -> Step:
-    key, title, equation = "lateral_force", "slope of the bent pin", "eqs. 21 and 22"
+    key, title, equation = "lateral_force", "bent pin: slope, 1 where it folds", "eqs. 21 and 22"
     modulus = joint.pin.youngs_modulus
     if modulus is None:
         return missing_step(key, title, equation, "result", "youngs_modulus of [pin]")
@@ -254,7 +259,7 @@ def _lateral(joint: Joint) -> Step:
         title,
         equation,
         "limit",
-        "slope of the bent pin",
+        "sine of the slope of the bent pin",
         "1",
         slope,
         most=1.0,

@@ -55,7 +55,7 @@ _ORDER = (
 """Steps in the order of the guide."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Walk:
     """The steps of a joint, in the order of the guide.
 
@@ -68,6 +68,9 @@ class Walk:
 
     joint: Joint
     steps: tuple[Step, ...]
+
+    def __repr__(self) -> str:
+        return f"<Walk: {len(self.steps)} steps, {len(self.failed)} limits exceeded>"
 
     def step(self, key: str) -> Step:
         """The step of a name.

@@ -21,7 +21,8 @@ def test_a_sound_design_names_its_weakest_margin():
     assert "All limits hold; the weakest is:" in text
     assert "rounded up to R20" in text
     assert "pressure limit of the bushing (section 2.1.13): give largest_pressure" in text
-    assert "  temperature of the surface: rise over the outside" in text
+    assert "* temperature of the surface: margin of the rise over the outside" in text
+    assert "Note: Fatigue is not checked at 2.2e+06 swings" in text
     assert max(len(line) for line in text.splitlines()) <= 120
 
 
@@ -29,6 +30,30 @@ def test_an_unsound_design_names_what_to_change():
     text = summarise_design(changed(('# diameter = "80 mm"', 'diameter = "20 mm"')))
     assert "limits are exceeded; the worst is:" in text
     assert "pin diameter of at least" in text
+
+
+def test_numbers_are_written_as_a_reader_expects():
+    comment = "# Name in the table of materials. Default: none, all values are given here.\n"
+    text = summarise_design(
+        changed(
+            ('interference = "60 um"', 'interference = "0 um"'),
+            ('period = "8 s"', 'period = "1 s"'),
+            (f'[seat]\n\n{comment}material = "S355"\n', ""),
+        )
+    )
+    assert "-0 um" not in text
+    assert "holds (doubtful)" in text
+    assert "(doubtful): outside of the validity" in text
+    assert "seat S355 (assumed), housing S355" in text
+    assert "bent pin: slope, 1 where it folds" in text
+    assert "friction moment" in text
+
+
+def test_a_housing_that_is_too_small_has_no_infinite_stress():
+    text = summarise_design(changed(('# diameter = "200 mm"', 'diameter = "20 mm"')))
+    assert "does not fit into a housing of 20 mm" in text
+    assert "no section left" in text
+    assert "inf " not in text
 
 
 def test_a_design_without_motion_lists_what_is_missing():

@@ -33,5 +33,8 @@ def test_a_load_that_no_eye_carries_is_reported():
 
 def test_an_eye_smaller_than_its_bore_is_reported():
     walk = walk_guide(replace(example_joint(), housing_diameter=0.09))
-    assert walk.step("housing_eye").margin == -1.0
+    eye = walk.step("housing_eye")
+    assert eye.margin == -1.0
+    assert eye.alternatives[0] == "the bushing of 100 mm does not fit into a housing of 90 mm"
+    assert "inf" not in "".join(eye.alternatives)
     assert walk.step("press_fit").missing == "a housing larger than the bushing"
