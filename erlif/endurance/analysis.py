@@ -42,6 +42,8 @@ class EnduranceResult:
         Sensors that are no witnesses, by name, with the reason.
     notes : tuple[Note, ...]
         What is doubtful about stages and friction.
+    calibration : float
+        Relative standard deviation of the calibration of the load cells. [1]
     """
 
     name: str
@@ -52,6 +54,7 @@ class EnduranceResult:
     witnesses: tuple[Witness, ...] = ()
     silent: dict[str, str] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
+    calibration: float = 0.005
 
     @property
     def onset(self) -> Onset | None:
@@ -128,6 +131,13 @@ def analyse_endurance(
     time, friction = test["time"].values, test["friction"].values
     stages = find_stages(time, test["load"].values, test["torque"].values, idle_load=idle_load)
     loaded = [stage for stage in stages if not stage.is_idle]
+    if not loaded and "period" in test.attrs:
+        raise EnduranceError(
+            f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; the "
+            f"torque reverses with a period of {test.attrs['period']:.3g} s, and friction is one "
+            f"value for two periods: {test.sizes['time']} values are too few for stages. Take "
+            "erlif friction for a motion that reverses now and then, or log the size of the torque."
+        )
     if not loaded:
         raise EnduranceError(
             f"Expected a stage of constant load in {name or log.attrs.get('file', 'the log')}; "
@@ -168,4 +178,5 @@ def analyse_endurance(
         witnesses=witnesses,
         silent=find_silent(test, whole, search.onset),
         notes=tuple(note_level_rises(rises, [stage.number for stage in whole])),
+        calibration=calibration,
     )

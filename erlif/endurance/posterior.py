@@ -26,7 +26,7 @@ COLLINEAR = 1e-6
 _FINE = 8  # places of the posterior in a sample interval
 _MOST_PLACES = 240  # of the posterior, where it is wide
 _FAR = 15.0  # logarithm of a density beyond which it is nothing
-_BEFORE = 15  # blocks before the onset whose median is the friction there
+_FEWEST = 3  # blocks before the onset to which the background is fitted
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Onset:
     stage : int
         Place of its stage among those that were given, from 0.
     friction_before : float
-        Friction coefficient just before. [1]
+        Friction coefficient just before, with its running-in and drift fitted. [1]
     rise : float
         Rise of friction up to the end of the stage. [1]
     rise_std : float
@@ -122,19 +122,34 @@ def locate_onset(
     earliest, middle, latest, pause = clock.hold_gaps(*clock.real(quantiles).tolist())
     rise = float((joint * size).sum())
     spread_of_rise = float((joint * (error**2 + (size - rise) ** 2)).sum())
-    before = record.friction[record.time <= earliest][-_BEFORE:]
     return Onset(
         time=middle,
         earliest=earliest,
         latest=latest,
         stage=stage,
-        friction_before=float(np.median(before if before.size else record.friction[:3])),
+        friction_before=_level_before(record, factor, deviation, earliest),
         rise=rise,
         rise_std=float(np.sqrt(spread_of_rise)),
         places=clock.real(places),
         weights=weights,
         pause=pause,
     )
+
+
+def _level_before(record: Record, factor: Array, deviation: float, earliest: float) -> float:
+    """Friction at the last block before the onset: the background, fitted to all before it.
+
+    A median of these would hold the running-in, which an early onset has not left behind.
+    """
+    n = int(np.searchsorted(record.time, earliest, side="right"))
+    if n < _FEWEST:
+        return float(np.median(record.friction[:_FEWEST]))
+
+    # the factor of the first blocks is the first block of the factor
+    fixed = np.column_stack([record.background, record.friction])[:n]
+    rows = np.vstack([whiten(factor[:n, :n], fixed), record.usual_rows(deviation)])
+    background, *_ = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)
+    return float(record.background[n - 1] @ background)
 
 
 def _log_density(

@@ -124,6 +124,11 @@ def describe_test(found: EnduranceResult) -> list[str]:
         f"load at failure: {failure.load / 1e3:.2f} ± {failure.std / 1e3:.2f} kN; "
         f"{failure.survived / 1e3:.1f} kN were survived"
     )
+    share = found.calibration * failure.load / 1e3
+    lines.append(
+        f"  of this, {share:.2f} kN is the calibration of the cells, "
+        f"{100 * found.calibration:.2g} % of the load (load_error of the settings)"
+    )
     return lines
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from erlif.core.errors import EnduranceError
 from erlif.endurance import analyse_endurance
@@ -30,3 +31,13 @@ def test_the_name_of_a_test_is_that_of_its_file(simulated, rig):
     for file in ("run_1", "run_1.csv"):
         short = log.isel(time=slice(0, 300)).assign_attrs(file=file)
         assert analyse_endurance(short, pin_radius=rig.pin_radius, arm=rig.arm).name == "run_1"
+
+
+def test_a_torque_that_reverses_too_slowly_for_stages_is_named():
+    """20 then 40 kN for 5 min each, a reversal every 60 s."""
+    time = np.arange(0.0, 600.0, 2.0)
+    cells = np.where(time < 300, 20e3, 40e3)
+    torque = 0.15 * 0.03 * cells * np.where(time % 120 < 60, 1.0, -1.0)
+    log = xr.Dataset({"cells": (("cell", "time"), [cells]), "torque": ("time", torque)})
+    with pytest.raises(EnduranceError, match=r"reverses with a period of 120 s.*erlif friction"):
+        analyse_endurance(log.assign_coords(time=time), pin_radius=0.03)

@@ -45,3 +45,14 @@ def test_an_interval_that_reaches_into_a_gap_holds_all_of_it():
     assert onset.earliest <= 130
     assert onset.latest >= 632
     assert onset.pause == (130, 632)
+
+
+def test_the_friction_before_an_early_onset_is_that_at_its_end_of_the_running_in():
+    """0.15 + 0.05 exp(-t / 30 s) at the onset; over the 30 s before it is 0.163 on average."""
+    time = np.arange(0.0, 200.0, 2.0)
+    true = 0.15 + 0.05 * np.exp(-time / 30)
+    noise = 0.001 * np.random.default_rng(8).standard_normal(100)
+    record = Record.of(StageFriction(time, true + noise + 0.06 * (time > 61)), 200.0)
+    onset = locate_onset(record, WHITE, UNKNOWN, 0.001, 0)
+    assert onset.earliest < 61 < onset.latest
+    assert onset.friction_before == pytest.approx(0.15 + 0.05 * np.exp(-61 / 30), abs=0.0015)

@@ -12,6 +12,7 @@ def test_a_failure_is_described_with_its_interval():
     assert "6 stages and 6 idle runs" in text
     assert "galling in stage 6" in text
     assert "±" in text
+    assert "kN is the calibration of the cells, 0.5 % of the load (load_error" in text
 
 
 def test_a_survivor_has_no_onset():
