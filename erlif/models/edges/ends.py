@@ -1,7 +1,6 @@
 """Ends of contacting bodies: the singularity at a sharp edge, the free face, the crowned roller."""
 
 import numpy as np
-import scipy.optimize
 
 from erlif.core.errors import ModelError
 from erlif.models.arguments import (
@@ -14,11 +13,12 @@ from erlif.models.arguments import (
     require_finite,
     require_not_negative,
     require_positive,
-    require_single,
 )
+from erlif.models.contact.roots import find_roots, like
 
 
-def edge_exponent(angle: float, *, modulus_ratio: float = 1.0) -> float:
+@broadcasting
+def edge_exponent(angle: Values, *, modulus_ratio: Values = 1.0) -> Values:
     """Compute the exponent of the pressure at the sharp edge of a body on a flat, frictionless.
 
     The pressure at the distance r from the edge grows as r^-n. Williams (1952), Dundurs and Lee
@@ -29,15 +29,15 @@ def edge_exponent(angle: float, *, modulus_ratio: float = 1.0) -> float:
 
     Parameters
     ----------
-    angle : float
-        Angle within the material of the edge, from 0 to pi. [rad]
-    modulus_ratio : float
+    angle : float or array
+        Angle within the material of the edge, from 0.001 to pi. [rad]
+    modulus_ratio : float or array
         E1* of the body with the edge over E2* of the flat, in plane strain; `inf` for a rigid
         edge. [1]
 
     Returns
     -------
-    float
+    float or array
         n, from 0 (no singularity) to 1/2. [1]
 
     Raises
@@ -54,54 +54,34 @@ def edge_exponent(angle: float, *, modulus_ratio: float = 1.0) -> float:
     >>> print(f"{edge_exponent(np.pi / 2):.3f}")
     0.226
     """
-    require_single(angle=angle, modulus_ratio=modulus_ratio)
     require_between(1e-3, np.pi, angle=angle)
-    if not modulus_ratio > 0:
-        raise ModelError(f"modulus_ratio must be positive, got {modulus_ratio}.")
+    if np.any(np.less_equal(modulus_ratio, 0)):
+        raise ModelError(f"modulus_ratio must be positive, got {float(np.nanmin(modulus_ratio))}.")
 
-    def misfit(power: float) -> float:
-        edge = _surface_slope(power, angle) / modulus_ratio
-        return edge + _surface_slope(power, np.pi)
-
-    # the flat alone closes at 1/2; a compliant edge weakens the singularity
-    powers = np.linspace(0.5, 1 - 1e-9, 400)
-    values = np.array([misfit(power) for power in powers])
-    (crossings,) = np.nonzero((values[:-1] <= 0) != (values[1:] <= 0))
-    if abs(values[0]) < 1e-12:
-        return 0.5
-    for k in crossings:
-        root = float(scipy.optimize.brentq(misfit, powers[k], powers[k + 1], xtol=1e-14))
-        if abs(misfit(root)) < 1.0:  # a root, not a pole
-            return 1 - root
-    return 0.0
+    # the flat alone closes at 1/2; a compliant edge weakens the singularity, up to none
+    softness = 1 / modulus_ratio
+    angles = angle + 0 * softness
+    both = np.asarray(angles, float), np.asarray(0 * angle + softness, float)
+    exponent = find_roots(_edge_misfit, _WEAKEST, 0.5, *both)
+    exponent = np.where(_edge_misfit(_WEAKEST, *both) >= 0, 0.0, exponent)
+    exponent = np.where(np.abs(_edge_misfit(0.5, *both)) < _ROUNDING, 0.5, exponent)
+    return like(angles, exponent)
 
 
-def _surface_slope(power: float, angle: float) -> float:
-    """D of a wedge from its face in contact (theta = 0) to its free face, under unit stress.
+_WEAKEST = 1e-7  # exponents below it count as none
+_ROUNDING = 1e-12
 
-    F = A cos((m + 1) t) + B sin((m + 1) t) + C cos((m - 1) t) + D sin((m - 1) t), with F(0) = 1,
-    F'(0) = 0, F(angle) = F'(angle) = 0.
+
+def _edge_misfit(exponent: Values, angle: Values, softness: Values) -> Values:
+    """Misfit of the displacements of edge and flat, positive at 1/2, with one root below at most.
+
+    A wedge has D = (m + 1) (m sin 2a + sin 2ma) / (4 (m^2 sin^2 a - sin^2 ma)). The sum for edge
+    and flat is multiplied by both denominators, and divided by n, as m = 1 solves it for any edge.
     """
-    plus, minus = power + 1, power - 1
-    rows = np.array(
-        [
-            [1, 0, 1, 0],
-            [0, plus, 0, minus],
-            [
-                np.cos(plus * angle),
-                np.sin(plus * angle),
-                np.cos(minus * angle),
-                np.sin(minus * angle),
-            ],
-            [
-                -plus * np.sin(plus * angle),
-                plus * np.cos(plus * angle),
-                -minus * np.sin(minus * angle),
-                minus * np.cos(minus * angle),
-            ],
-        ]
-    )
-    return float(np.linalg.solve(rows, np.array([1.0, 0, 0, 0]))[3])
+    m = 1 - exponent
+    edge = (m * np.sin(2 * angle) + np.sin(2 * m * angle)) * np.sin(np.pi * m)
+    flat = (m * np.sin(angle)) ** 2 - np.sin(m * angle) ** 2
+    return (softness * edge - 2 * np.cos(np.pi * m) * flat) / exponent
 
 
 @broadcasting
