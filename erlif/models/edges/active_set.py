@@ -81,7 +81,8 @@ def solve_active_set(
     Returns
     -------
     Contact
-        Pressure, deflection and motion.
+        Pressure, deflection and motion; without pressure where a given motion leaves a gap
+        everywhere.
 
     Raises
     ------
@@ -98,69 +99,53 @@ def solve_active_set(
     >>> contact.pressure, contact.motion
     (array([1., 0.]), array([1.]))
     """
-    weight = np.broadcast_to(np.asarray(area, float), gap.shape)
-    own = np.broadcast_to(np.asarray(diagonal, float), gap.shape)
+    cells = _Cells(
+        np.broadcast_to(np.asarray(area, float), gap.shape),
+        np.broadcast_to(np.asarray(diagonal, float), gap.shape),
+        modes,
+    )
     free = targets is not None
     aims = np.asarray(targets if free else [], dtype=float)
-    fixed = np.tensordot(np.asarray(motion, float), modes, 1) if not free else np.zeros(gap.shape)
-
-    def rigid(values: Array, touching: Mask) -> Array:
-        """Modes that leave a rest of the gap whose pressures, over `own`, carry no load."""
-        inside = modes[:, touching] * (weight / own)[touching]
-        matrix = inside @ modes[:, touching].T
-        found: Array = np.linalg.lstsq(matrix, inside @ values[touching], rcond=1e-14)[0]
-        return found
-
-    def carry(pressure: Array) -> Array:
-        """Factor, one and the tilts, by which the pressure carries the loads."""
-        touching = pressure > 0
-        loaded = modes[:, touching] * (weight[touching] * pressure[touching])
-        if len(modes) == 1:
-            return np.asarray(aims[0] / loaded.sum())
-        tilts = modes[:, touching] / modes[0, touching]
-        factor = np.zeros(gap.shape)
-        factor[touching] = np.linalg.lstsq(loaded @ tilts.T, aims, rcond=1e-14)[0] @ tilts
-        return factor
+    amplitudes = np.asarray([0.0] * len(modes) if free else motion, float)
 
     pressure = np.maximum(start, 0.0) if start is not None else np.full(gap.shape, float(free))
     if free:
-        pressure = np.maximum(pressure * carry(pressure), 0.0)
+        pressure = np.maximum(pressure * cells.load_factor(pressure, aims), 0.0)
     direction, deflection = np.zeros(gap.shape), np.zeros(gap.shape)
     last_square, keep, known, shrunk = 1.0, False, False, False
 
     for step in range(most_iterations + 1):
+        # the gap that the pressure leaves, less the motion of the body: given, or the best one
         touching = pressure > 0
         if not known:
             deflection = deflect(pressure)
-        residual = gap + deflection - fixed
+        residual = gap + deflection
         if free:
-            amplitudes = rigid(residual, touching)
-            residual -= np.tensordot(amplitudes, modes, 1)
+            amplitudes = cells.fit_motion(residual, touching)
+        residual -= np.tensordot(amplitudes, modes, 1)
 
-        # a closed gap where cells touch, an open one elsewhere
-        wrong = np.where(touching, np.abs(residual), np.maximum(-residual, 0.0)) / own
-        peak = float(pressure.max())
-        error = float(wrong.max()) / peak if peak > 0 else float(wrong.max() > 0) * np.inf
+        error = cells.largest_error(residual, pressure)
         if error <= tolerance and known:
             known, keep = False, False  # the deflection was updated; compute it once more
             continue
         if error <= tolerance:
-            found = amplitudes if free else np.asarray(motion, float)
-            return Contact(pressure, deflection, found, step, error)
-        if peak == 0:  # a given motion starts from the cells that overlap
-            pressure = np.maximum(-residual, 0.0) / own
+            return Contact(pressure, deflection, amplitudes, step, error)
+        if not touching.any():  # a given motion starts from the cells that overlap
+            pressure = np.maximum(-residual, 0.0) / cells.own
             continue
 
-        # conjugate direction within the contact, and the step that minimises along it
-        missing = residual / own
-        square = float(np.sum((weight * residual * missing)[touching]))
+        # conjugate direction within the contact
+        missing = residual / cells.own
+        square = float(np.sum((cells.area * residual * missing)[touching]))
         turn = square / last_square if keep else 0.0
         direction = np.where(touching, missing + turn * direction, 0.0)
         if free and turn and shrunk:  # cells that left took a part of the load with them
-            lost = np.tensordot(rigid(direction * own, touching), modes, 1) / own
-            direction = np.where(touching, direction - lost, 0.0)
+            lost = np.tensordot(cells.fit_motion(direction * cells.own, touching), modes, 1)
+            direction = np.where(touching, direction - lost / cells.own, 0.0)
+
+        # the step that minimises the energy along it; what would pull leaves the contact
         raw = deflect(direction)
-        along = float(np.sum((weight * direction * raw)[touching]))
+        along = float(np.sum((cells.area * direction * raw)[touching]))
         if free and np.count_nonzero(touching) <= len(modes):
             # so few cells follow any motion; others have to join them
             direction, length = np.zeros(gap.shape), 1.0
@@ -170,7 +155,7 @@ def solve_active_set(
                 "check that gap, loads and cells are in SI units."
             )
         else:
-            length = float(np.sum((weight * residual * direction)[touching])) / along
+            length = float(np.sum((cells.area * residual * direction)[touching])) / along
         pressure = pressure - length * direction
         leaving = pressure < 0
         pressure[leaving] = 0.0
@@ -186,10 +171,45 @@ def solve_active_set(
         if known:
             deflection = deflection - length * raw
         if free:
-            factor = carry(pressure)
+            factor = cells.load_factor(pressure, aims)
             pressure = np.maximum(pressure * factor, 0.0)
             deflection = deflection * factor
     raise ModelError(
         f"The contact has not settled after {most_iterations} iterations (residual {error:.1e}, "
         f"asked for {tolerance:.1e}); use fewer cells or a larger tolerance."
     )
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Cells of a contact: areas, deflections under their own unit pressure, rigid modes."""
+
+    area: Array
+    own: Array
+    modes: Array
+
+    def fit_motion(self, values: Array, touching: Mask) -> Array:
+        """Modes that leave a rest of the gap whose pressures, over `own`, carry no load."""
+        inside = self.modes[:, touching] * (self.area / self.own)[touching]
+        matrix = inside @ self.modes[:, touching].T
+        found: Array = np.linalg.lstsq(matrix, inside @ values[touching], rcond=1e-14)[0]
+        return found
+
+    def load_factor(self, pressure: Array, aims: Array) -> Array:
+        """Factor, one and the tilts, by which the pressure carries the loads."""
+        touching = pressure > 0
+        loaded = self.modes[:, touching] * (self.area[touching] * pressure[touching])
+        if len(self.modes) == 1:
+            return np.asarray(aims[0] / loaded.sum())
+        tilts = self.modes[:, touching] / self.modes[0, touching]
+        factor = np.zeros(pressure.shape)
+        factor[touching] = np.linalg.lstsq(loaded @ tilts.T, aims, rcond=1e-14)[0] @ tilts
+        return factor
+
+    def largest_error(self, residual: Array, pressure: Array) -> float:
+        """Gap where cells touch, overlap elsewhere, in units of the largest pressure."""
+        size = np.where(pressure > 0, np.abs(residual), np.maximum(-residual, 0.0))
+        wrong, peak = float((size / self.own).max()), float(pressure.max())
+        if peak == 0:  # bodies apart from each other have no error, others have yet to touch
+            return np.inf if wrong > 0 else 0.0
+        return wrong / peak

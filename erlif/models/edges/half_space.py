@@ -56,7 +56,8 @@ def solve_contact(
     load : float, optional
         Load. [N, or N/m for a plane contact]
     approach : float, optional
-        Approach of the bodies from the given gap, in place of a load. [m]
+        Approach of the bodies from the given gap, in place of a load; without pressure where it is
+        less than the gap. [m]
     free_tilt : bool
         Whether the bodies turn about x and z until the load is at its position; otherwise they
         stay parallel.

@@ -16,6 +16,13 @@ def middles(count, extent):
     return (np.arange(count) - (count - 1) / 2) * extent / count
 
 
+def test_an_approach_within_the_gap_leaves_it_open():
+    gap = 1e-6 + middles(16, 2e-3)[:, None] ** 2 / 0.02 + np.zeros(8)
+    found = solve_contact(gap, spacing=1e-4, contact_modulus=STEEL, approach=0.4e-6)
+    assert float(found.force) == float(found.peak_pressure) == float(found.area) == 0
+    npt.assert_allclose(found.gap, gap - 0.4e-6)
+
+
 def test_point_contact_is_that_of_hertz():
     hertz = hertz_ellipse(50.0, radius=0.01, radius_across=0.004, contact_modulus=STEEL)
     widths = 2.3 * np.array([hertz.a, hertz.b])
