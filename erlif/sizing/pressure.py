@@ -15,6 +15,7 @@ from erlif.models.contact import (
     closed_contact_pressure,
     contact_modulus,
     hertz_line,
+    persson_half_angle,
     persson_peak_group,
     persson_pressure,
 )
@@ -121,45 +122,6 @@ def combined_modulus(joint: Joint) -> float | None:
     return None if one is None or two is None else 2 / (1 / one + 1 / two)
 
 
-def half_contact_angle(group: float) -> float:
-    """Return the half contact angle of one joint.
-
-    As `erlif.models.contact.persson_half_angle`, which solves for arrays and takes fifty times as
-    long for one number.
-
-    Parameters
-    ----------
-    group : float
-        E Delta / 2q, above -2/pi.
-
-    Returns
-    -------
-    float
-        [rad]
-
-    Examples
-    --------
-    >>> print(f"{math.degrees(half_contact_angle(0.0)):.1f} deg")
-    84.8 deg
-    """
-    wanted = math.log(group - FULL_CONTACT)
-    log_b = -wanted / 2
-    for _ in range(_NEWTON_STEPS):
-        # ln(E Delta / 2q + 2/pi), which falls almost linearly along ln b
-        b2 = math.exp(2 * log_b)
-        shape = 2 - math.log1p(b2) + 2 * b2
-        distance = math.log(shape / (math.pi * (1 + b2))) - 2 * log_b - wanted
-        slope = 2 * b2 * ((2 - 1 / (1 + b2)) / shape - 1 / (1 + b2)) - 2
-        log_b -= distance / slope
-        if abs(distance) < _CONVERGED:
-            break
-    return 2 * math.atan(math.exp(min(log_b, _LARGEST_LOG_B)))
-
-
-_NEWTON_STEPS, _CONVERGED = 50, 1e-14
-_LARGEST_LOG_B = 20.0  # beyond it the contact is closed to the last digit
-
-
 @lru_cache(maxsize=64)
 def contact_of(joint: Joint) -> Contact | None:
     """Solve the contact of pin and bushing with the assembled play.
@@ -193,7 +155,7 @@ def contact_of(joint: Joint) -> Contact | None:
             load, interference=-play, pin_diameter=size.pin, youngs_modulus=modulus
         )
     else:
-        half_angle = half_contact_angle(modulus * play / (2 * load))
+        half_angle = persson_half_angle(modulus * play / (2 * load))
         peak = persson_peak_group(half_angle) * 2 * load / size.pin
 
     flat = flat_angle = math.nan

@@ -20,7 +20,12 @@ from erlif.models.bearing import (
     RECOMMENDED_WIDTH,
     least_eyebar_diameter,
 )
-from erlif.models.contact import FULL_CONTACT
+from erlif.models.contact import (
+    FULL_CONTACT,
+    persson_group,
+    persson_half_angle,
+    persson_peak_group,
+)
 from erlif.sizing.fit import growth_loss, least_play
 from erlif.sizing.heat import bushing_heat, temperature_limit
 from erlif.sizing.inputs import warn_of_units
@@ -326,26 +331,21 @@ def _width_for_peak(
         left = allowed + modulus * play / (2 * diameter)
         return max(width, 2 * force / (math.pi * diameter * left)) if left > 0 else math.inf
 
+    peak = persson_peak_group(persson_half_angle(group)) * 2 * force / (width * diameter)
+    if peak <= allowed:
+        return width
+
     from scipy.optimize import brentq  # rarely needed, and slow to load
 
     # E Delta / (d p) is the ratio of the two groups, which falls with the contact angle
     wanted = modulus * play / (diameter * allowed)
 
     def excess(log_b: float) -> float:
-        group, peak = _groups(math.exp(log_b))
-        return group / peak - wanted
+        half_angle = 2 * math.atan(math.exp(log_b))
+        return float(persson_group(half_angle) / persson_peak_group(half_angle)) - wanted
 
     if excess(_NARROWEST) < 0:
         return math.inf
-    group, _ = _groups(math.exp(brentq(excess, _NARROWEST, 0.0, xtol=1e-15, rtol=1e-14)))
+    log_b = brentq(excess, _NARROWEST, 0.0, xtol=1e-15, rtol=1e-14)
+    group = float(persson_group(2 * math.atan(math.exp(log_b))))
     return max(width, 2 * force * group / (modulus * play))
-
-
-def _groups(b: float) -> tuple[float, float]:
-    """E Delta / 2q and d p / 2q at b = tan(alpha / 2), eq. 9 of one number.
-
-    As `erlif.models.contact.persson_group` and `persson_peak_group`, in a tenth of the time.
-    """
-    spread = math.pi * b**2 * (1 + b**2)
-    group = (2 - math.log1p(b**2) - 2 * b**4) / spread
-    return group, 2 * b / (math.pi * math.sqrt(1 + b**2)) + math.asinh(b) / spread

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from erlif.models.contact import persson_half_angle
 from erlif.sizing import contact_of, example_joint, pressure_over_arc, walk_guide
-from erlif.sizing.pressure import half_contact_angle
 
 
 def joint_with(play, *, force=100e3, modulus=206e9):
@@ -18,12 +16,6 @@ def joint_with(play, *, force=100e3, modulus=206e9):
     alike = replace(joint.pin, youngs_modulus=modulus, poissons_ratio=0.3)
     ring = replace(joint.bushing, youngs_modulus=modulus, poissons_ratio=0.3)
     return replace(joint, pin=alike, bushing=ring, interference=0.0, play=play, force=force)
-
-
-def test_one_number_is_solved_as_arrays_are():
-    groups = np.concatenate([np.geomspace(1e-9, 1e6, 200) - 2 / math.pi, [0.0]])
-    one_by_one = [half_contact_angle(group) for group in groups]
-    np.testing.assert_allclose(one_by_one, persson_half_angle(groups), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
