@@ -15,7 +15,7 @@ from erlif.endurance.failure import FailureLoad, failure_load
 from erlif.endurance.levels import find_level_rises, first_doubtful, note_level_rises
 from erlif.endurance.onset import OnsetSearch, find_onset
 from erlif.endurance.posterior import Onset
-from erlif.endurance.stages import Stage, find_stages, join_stages
+from erlif.endurance.stages import Stage, find_stages, join_stages, note_stages
 from erlif.endurance.witness import Witness, find_silent, hear_witnesses
 from erlif.friction import measure_friction
 
@@ -177,6 +177,9 @@ def analyse_endurance(
         ),
         witnesses=witnesses,
         silent=find_silent(test, whole, search.onset),
-        notes=tuple(note_level_rises(rises, [stage.number for stage in whole])),
+        notes=(
+            *note_stages(time, test["load"].values, stages, idle_load=idle_load),
+            *note_level_rises(rises, [stage.number for stage in whole]),
+        ),
         calibration=calibration,
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from erlif.core.arrays import AnyArray, Array
+from erlif.core.notes import Level, Note
 from erlif.endurance.pauses import find_pauses
 
 SAME_LOAD = 0.03
@@ -21,6 +22,12 @@ _MEMORY = 20.0  # s: bolts relax more slowly, loads are changed faster
 _MEDIAN = 5  # samples of the running median, against single bad readings
 _UNLOADED = 0.25  # of the second load: a lower first one is idle where nothing else shows it
 _BRIEF = 1 / 3  # of the duration of the second stretch, likewise
+_ZERO = 0.02  # of the highest load: below it nothing is loaded
+_AVERAGE = 10.0  # s: mean of a load that scatters, but at least the samples of the median
+_CLEAR = 4.0  # standard deviations: few of some thousand samples exceed them
+_MOST_TOLERANCE = 0.1  # of a load: steps of the load are larger
+_DRIFT = 0.06  # of a load, within a stage; bolts lose less
+_TENTH = 0.1  # of a stage at its ends, between which its drift is measured
 _AT_REST = 0.2  # of the median torque of a stage: below it the machine stands
 
 
@@ -109,7 +116,8 @@ def find_stages(
     >>> [(stage.number, stage.load) for stage in find_stages(time, load)]
     [(0, 9000.0), (1, 36000.0), (0, 9000.0), (2, 54000.0)]
     """
-    floor = _FLOOR * float(np.max(load, initial=0.0))
+    highest = float(np.max(load, initial=0.0))
+    floor = _FLOOR * highest
     pauses = find_pauses(time)
     spans = [
         (first, last)
@@ -120,6 +128,8 @@ def find_stages(
     loads = [float(np.median(np.concatenate([load[a : b + 1] for a, b in run]))) for run in runs]
     durations = [float(sum(time[b] - time[a] for a, b in run)) for run in runs]
     idle = _find_idle(loads, durations, same_load, floor, idle_load)
+    if idle_load is None:
+        idle = [one or load <= _ZERO * highest for one, load in zip(idle, loads, strict=True)]
 
     stages: list[Stage] = []
     number = 0
@@ -171,6 +181,65 @@ def join_stages(stages: Sequence[Stage]) -> tuple[Stage, ...]:
     return tuple(joined)
 
 
+def note_stages(
+    time: Array, load: Array, stages: Sequence[Stage], *, idle_load: float | None = None
+) -> list[Note]:
+    """Describe what is doubtful about stages.
+
+    Parameters
+    ----------
+    time, load, idle_load
+        As for `find_stages`.
+    stages : sequence of Stage
+        From `find_stages`.
+
+    Returns
+    -------
+    list of Note
+        A load that scatters, a load that changes within a stage, and a first stretch that is idle
+        only as it is short or light.
+    """
+    notes = []
+    pauses = find_pauses(time)
+    width = _average_samples(time)
+    raw = _scatter(np.split(load, pauses), width)
+    scatter = _scatter([_running_median(part) for part in np.split(load, pauses)], width)
+    if _CLEAR * scatter > SAME_LOAD:
+        notes.append(
+            Note(
+                Level.NOTE,
+                "",
+                f"the load scatters by {100 * raw:.1f} % (standard deviation); stages are found "
+                f"from its mean over {width} samples",
+            )
+        )
+
+    first = stages[0] if stages else None
+    others = any(stage.is_idle for stage in stages[1:])
+    highest = float(np.max(load, initial=0.0))
+    alone = first is not None and first.is_idle and not others and len(stages) > 1
+    if first and alone and idle_load is None and first.load > _ZERO * highest:
+        text = (
+            f"the stretch of {first.load / 1e3:.1f} kN from {first.start:.0f} to "
+            f"{first.end:.0f} s is taken for an idle run, as it is shorter than a third of the "
+            "next or below a quarter of its load; if it is a stage, give --idle-load"
+        )
+        notes.append(Note(Level.WARNING, "", text))
+
+    for stage in join_stages([stage for stage in stages if not stage.is_idle]):
+        inside = load[stage.samples]
+        tenth = max(round(_TENTH * inside.size), 1)
+        start, end = float(np.median(inside[:tenth])), float(np.median(inside[-tenth:]))
+        chance = _CLEAR * raw * np.sqrt(2 / tenth)
+        if abs(end - start) > (_DRIFT + chance) * stage.load:
+            text = (
+                f"the load changes from {start / 1e3:.1f} to {end / 1e3:.1f} kN; it is a ramp, and "
+                f"its median of {stage.load / 1e3:.1f} kN counts as the load of the stage"
+            )
+            notes.append(Note(Level.WARNING, f"stage {stage.number}", text))
+    return notes
+
+
 def _join_parts(
     spans: Sequence[tuple[int, int]], load: Array, pauses: AnyArray, same_load: float, floor: float
 ) -> list[list[tuple[int, int]]]:
@@ -199,9 +268,21 @@ def _steady_spans(
     time: Array, load: Array, pauses: AnyArray, same_load: float, floor: float
 ) -> list[tuple[int, int]]:
     """First and last sample of each stretch whose load follows its own recent mean."""
+    parts = [
+        (int(start), int(end))
+        for start, end in zip([0, *pauses], [*pauses, time.size], strict=True)
+    ]
+    smooth = [_running_median(load[start:end]) for start, end in parts]
+
+    # a load that scatters by more than the tolerance would be shattered
+    width = _average_samples(time)
+    if _CLEAR * _scatter(smooth, width) > same_load:
+        smooth = [_running_mean(part, width) for part in smooth]
+        same_load = max(same_load, min(_CLEAR * _scatter(smooth, width), _MOST_TOLERANCE))
+
     spans: list[tuple[int, int]] = []
-    for start, end in zip([0, *pauses], [*pauses, time.size], strict=True):
-        steady = _running_median(load[start:end]).tolist()
+    for (start, end), values in zip(parts, smooth, strict=True):
+        steady = values.tolist()
         first, mean = start, float("nan")
         for n, (now, value) in enumerate(zip(time[start:end].tolist(), steady, strict=True), start):
             if abs(value - mean) <= max(same_load * abs(mean), floor):
@@ -213,8 +294,41 @@ def _steady_spans(
                     spans.append((first, n - 1))
                 first, mean = n, value
         if end > start:
-            spans.append((first, int(end) - 1))
+            spans.append((first, end - 1))
     return spans
+
+
+def _average_samples(time: Array) -> int:
+    """Samples of the mean of a load that scatters."""
+    if time.size < _MEDIAN:
+        return _MEDIAN
+    return max(_MEDIAN, round(_AVERAGE / float(np.median(np.diff(time)))))
+
+
+def _running_mean(values: Array, width: int) -> Array:
+    if values.size < width:
+        return np.full_like(values, values.mean()) if values.size else values
+    padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
+    total = np.append(0.0, np.cumsum(padded))
+    return np.asarray((total[width:] - total[:-width]) / width)
+
+
+def _scatter(parts: Sequence[Array], width: int) -> float:
+    """Standard deviation of a load as a share of it, from its differences up to a width apart."""
+    highest = max((float(part.max(initial=0.0)) for part in parts), default=0.0)
+    largest, lag = 0.0, 1
+    while lag <= width:
+        shares = [
+            (part[lag:] - part[:-lag])[part[:-lag] > _UNLOADED * highest]
+            / part[:-lag][part[:-lag] > _UNLOADED * highest]
+            for part in parts
+        ]
+        differences = np.concatenate(shares) if shares else np.zeros(0)
+        if differences.size:
+            off = np.abs(differences - np.median(differences))
+            largest = max(largest, 1.4826 * float(np.median(off)) / np.sqrt(2))
+        lag *= 2
+    return largest
 
 
 def _find_idle(

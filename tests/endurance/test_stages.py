@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from erlif.endurance import find_stages, join_stages
+from erlif.endurance.stages import note_stages
 
 TIME = np.arange(0.0, 2000.0, 2.0)
 
@@ -100,3 +101,47 @@ def test_a_short_part_before_a_pause_is_no_idle_run():
     load = load_of((60, 36e3), (600, 36e3))
     time = TIME[: load.size] + np.where(TIME[: load.size] >= 60, 300.0, 0.0)
     assert [(one.number, one.part) for one in find_stages(time, load)] == [(1, 1), (1, 2)]
+
+
+THREE = ((40, 1e3), (300, 36e3), (40, 1e3), (300, 54e3), (40, 1e3), (300, 72e3))
+
+
+@pytest.mark.parametrize("form", ["noise", "ripple"])
+def test_a_load_that_scatters_does_not_shatter_the_stages(form):
+    """Noise of 3 % of each reading, and a ripple of 3 % in 8 s, sampled each second."""
+    load = np.repeat(load_of(*THREE), 2)
+    time = np.arange(float(load.size))
+    noise = np.random.default_rng(2).standard_normal(load.size)
+    ripple = np.sin(2 * np.pi * time / 8)
+    load *= 1 + 0.03 * (noise if form == "noise" else ripple)
+    stages = find_stages(time, load)
+    assert [stage.number for stage in stages] == [0, 1, 0, 2, 0, 3]
+    loads = [stage.load for stage in stages if not stage.is_idle]
+    assert loads == pytest.approx([36e3, 54e3, 72e3], rel=0.01)
+    (note,) = note_stages(time, load, stages)
+    assert "the load scatters by" in str(note)
+
+
+def test_a_run_without_load_is_no_stage():
+    assert {stage.number for stage in find_stages(TIME[:300], np.zeros(300))} == {0}
+    load = np.where(TIME[:300] < 590, 50.0, 36e3)  # raised, and switched off
+    assert {stage.number for stage in find_stages(TIME[:300], load)} == {0}
+
+
+def test_a_first_stretch_that_is_idle_as_it_is_short_is_noted():
+    load = load_of((150, 36e3), (600, 54e3))
+    time = TIME[: load.size]
+    (note,) = note_stages(time, load, find_stages(time, load))
+    assert "36.0 kN" in str(note) or "35.8 kN" in str(note)
+    assert "--idle-load" in str(note)
+    stages = find_stages(time, load, idle_load=1e3)
+    assert note_stages(time, load, stages, idle_load=1e3) == []
+
+
+def test_a_ramp_is_noted_and_the_loss_of_bolts_is_not():
+    ramp = np.linspace(36e3, 54e3, 450)
+    (note,) = note_stages(TIME[:450], ramp, find_stages(TIME[:450], ramp))
+    assert str(note).startswith("stage 1: the load changes from 36.9 to 53.1 kN")
+    load = load_of(*THREE)
+    time = TIME[: load.size]
+    assert note_stages(time, load, find_stages(time, load)) == []
