@@ -55,7 +55,7 @@ OUT_OF_REACH = {
     "The loads and places of Figs. 3-5 to 3-10 are not stated: [Edges](theory/edges.md) computes "
     "2340, 756 and 543 MPa and the trends for each reading. The section and hole behind the "
     "stresses of 37 and 60 MPa in the links are not printed; what would give them is in the table.",
-    "S": "papers B to G and Figs. 20 and 24 to 38: measured surfaces, finite elements and tests "
+    "S": "papers A to G and Figs. 20 and 24 to 38: measured surfaces, finite elements and tests "
     "without data.",
     "M": "the measured masses and depths of Tables 4 and 5, which are tests. The curves of "
     "Figs. 6, 8 and 13 to 15 have no numbers to compare with; "
