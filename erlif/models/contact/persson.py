@@ -20,7 +20,7 @@ FULL_CONTACT = -2 / np.pi
 """E Delta / 2q at which Persson's contact closes around the pin. [1]"""
 
 _NEWTON_STEPS = 5
-"""Steps to the last digit of any half contact angle from 1e-65 to pi - 1e-8; the last is a reserve."""
+"""Steps to the last digit of any half contact angle from 1e-65 to pi - 1e-8, one in reserve."""
 
 
 @broadcasting
