@@ -108,6 +108,8 @@ def measure_friction(
         torque_ratio=torque_ratio,
     )
     units = {"load": "N", "torque": "N m", "temperature": "degree_Celsius", "vibration": "1"}
+    if "vibration" in log:
+        units["vibration"] = log["vibration"].attrs.get("units", "1")
     found = xr.Dataset(
         {name: ("time", values, {"units": units[name]}) for name, values in columns.items()},
         {"time": ("time", time, {"units": "s"})},

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from erlif.core.units import count_of
 from erlif.endurance import DesignComparison, FailureLoad
 from erlif.plots.endurance import DESIGNS
 from erlif.plots.style import (
@@ -26,7 +28,7 @@ from erlif.plots.style import (
     styled,
 )
 
-_LINES = 5.5  # of the table
+_LINE = 0.19  # inch, height of a row of the table
 _RUN = 0.16  # inch, height of a run
 
 
@@ -140,16 +142,17 @@ def designs_figure(
     >>> len(designs_figure(compare_designs(runs, runs), runs, runs).axes)
     2
     """
-    runs = len(first) + len(second)
-    height = _RUN * (runs + 6)
+    rows = table_of_designs(compared)
+    height, lines = _RUN * (len(first) + len(second) + 6), _LINE * len(rows)
     if figure is None:
-        figure = new_figure(ONE_COLUMN, height, text=1.4 * _LINES)
+        figure = new_figure(ONE_COLUMN, height + lines, text=lines)
     figure.suptitle(f"{compared.second} against {compared.first}")
-    panels = figure.subplots(2, 1, height_ratios=(height, 0.17 * _LINES))
+    panels = figure.subplots(2, 1, height_ratios=(height - 4 * _LINE, pt(lines)))
     loads_of_designs(compared, first, second, ax=panels[0])
     panels[1].axis("off")
-    table = panels[1].table(table_of_designs(compared), bbox=(0, 0, 1, 1), cellLoc="left")
+    table = panels[1].table(rows, bbox=(0, 0, 1, 1), cellLoc="left")
     table.auto_set_font_size(False)
+    table.set_fontsize(rcParams["font.size"])
     for cell in table.get_celld().values():
         cell.set_linewidth(pt(0.3))
     return figure
@@ -175,7 +178,7 @@ def table_of_designs(compared: DesignComparison) -> list[list[str]]:
     ['first', '3 runs, 3 failures']
     """
     rows = [
-        [name, f"{runs} runs, {failures} failures"]
+        [name, f"{count_of(runs, 'run')}, {count_of(failures, 'failure')}"]
         for name, runs, failures in zip(
             (compared.first, compared.second), compared.runs, compared.failures, strict=True
         )

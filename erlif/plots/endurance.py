@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
@@ -19,18 +20,22 @@ from erlif.plots.style import (
     AnyFigure,
     given_or_new,
     in_style,
+    legend_of_figure,
     letter,
     new_figure,
     pt,
     rows_or_columns,
     save_figure,
     styled,
+    swatch,
 )
 
 _MINUTE = 60.0
 _ROW = 1.15  # inch, height of a panel
 _MARGIN = 0.02  # of the time axis
+_NOTHING = 0.02  # of the highest load: a reading below zero by less is noise
 _BEFORE = 90.0  # s that are drawn before the onset
+_EDGE = 0.08  # of the range of friction, above and below
 _LOADS = "#F0F0F0"  # behind the stages
 
 DESIGNS = "designs.png"
@@ -71,6 +76,8 @@ def load_profile(result: EnduranceResult, *, ax: Axes | None = None) -> list[Art
             ha="center",
         )
     ax.margins(y=0.15)
+    if np.nanmin(result.test["load"].values) > -_NOTHING * np.nanmax(result.test["load"].values):
+        ax.set_ylim(bottom=0.0)
     return artists
 
 
@@ -161,9 +168,12 @@ def vibration_over_test(result: EnduranceResult, *, ax: Axes | None = None) -> l
     >>> from erlif.endurance.example import example_test
     >>> line, *_ = vibration_over_test(example_test())
     >>> line.axes.get_ylabel()
-    'vibration'
+    'vibration [g]'
     """
-    return _draw(result, result.test["vibration"].values, ax, "vibration")
+    vibration = result.test["vibration"]
+    unit = vibration.attrs.get("units", "1")
+    label = "vibration" if unit == "1" else f"vibration [{unit}]"
+    return _draw(result, vibration.values, ax, label)
 
 
 _PANELS = {
@@ -198,7 +208,9 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
     5
     """
     names = [name for name in _PANELS if name in result.test]
-    figure = new_figure(TWO_COLUMNS, _ROW * len(names), text=0.4) if figure is None else figure
+    figure = (
+        new_figure(TWO_COLUMNS, _ROW * len(names) + 0.2, text=0.6) if figure is None else figure
+    )
     figure.suptitle(result.name)
     panels = rows_or_columns(figure, len(names), sharex=True)
     for ax, name, mark in zip(panels, names, "abcde", strict=False):
@@ -206,6 +218,7 @@ def endurance_figure(result: EnduranceResult, *, figure: AnyFigure | None = None
         letter(ax, mark)
         if ax is not panels[-1]:
             ax.set_xlabel("")
+    legend_of_figure(figure, _keys(result))
     return figure
 
 
@@ -386,10 +399,43 @@ def write_endurance_figures(
 
 @styled
 def _one_panel(result: EnduranceResult, kind: str) -> AnyFigure:
-    figure = new_figure()
-    _FIGURES[kind](result, ax=figure.add_subplot())
+    """A quantity over the time of the test; friction twice, so that its running-in is seen."""
+    twice = kind == "friction" and result.onset is not None
+    figure = new_figure(height=_ROW * 3.2, text=0.4) if twice else new_figure()
+    panels = rows_or_columns(figure, 1 + twice, sharex=True)
+    for ax in panels:
+        _FIGURES[kind](result, ax=ax)
+    if twice:
+        panels[0].set_xlabel("")
+        _limit_to_before(result, panels[1])
     figure.suptitle(result.name)
+    legend_of_figure(figure, _keys(result))
     return figure
+
+
+def _limit_to_before(result: EnduranceResult, ax: Axes) -> None:
+    """Limits of friction before the onset."""
+    onset = result.onset
+    before = result.test["time"].values < (np.inf if onset is None else onset.earliest)
+    friction = _in_stages(result, "friction")[before]
+    low, high = np.nanmin(friction), np.nanmax(friction)
+    margin = _EDGE * (high - low)
+    ax.set_ylim(low - margin, high + margin)
+    ax.set_title("limits of the friction before galling", loc="right")
+
+
+def _keys(result: EnduranceResult) -> list[Artist]:
+    """Keys of the marks: stages, and the onset in both units of time."""
+    keys: list[Artist] = [swatch(_LOADS, "stage under load")]
+    onset = result.onset
+    if onset is not None:
+        when = (
+            "in a pause of the log"
+            if onset.pause
+            else f"at {onset.time / _MINUTE:.2f} min = {onset.time:.1f} s"
+        )
+        keys.append(Line2D([], [], color=RETURN, label=f"galling {when}, with its 95 % interval"))
+    return keys
 
 
 def _in_stages(result: EnduranceResult, name: str) -> Array:

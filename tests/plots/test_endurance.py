@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scenes.pictures import picture, without_texts
 
+import erlif.plots.endurance
 from erlif.core.errors import EnduranceError
 from erlif.endurance.example import example_test
 from erlif.plots import (
@@ -15,6 +16,8 @@ from erlif.plots import (
     load_profile,
     name_figures,
     name_overviews,
+    torque_over_test,
+    write_endurance_figures,
 )
 
 
@@ -43,7 +46,7 @@ def test_panels_are_those_of_the_log():
         "torque [N m]",
         "friction coefficient",
         "temperature [°C]",
-        "vibration",
+        "vibration [g]",
     ]
 
 
@@ -70,15 +73,40 @@ def test_no_overview_has_the_name_of_another_figure():
     assert overviews["run"] == "run.png"
 
 
-def test_axes_of_large_loads_have_no_offset():
-    """Loads that differ little were labelled by their difference from 1e3."""
+def test_axes_of_large_torques_have_no_offset():
+    """Torques that differ little were labelled by their difference from 1e3."""
     result = example_test()
     test = result.test.copy(deep=True)
-    test["load"][:] = 1.234e6 + 10 * np.arange(test.sizes["time"])
-    ax = load_profile(replace(result, test=test))[0].axes
+    test["torque"][:] = 1234.0 + 0.01 * np.arange(test.sizes["time"])
+    ax = torque_over_test(replace(result, test=test))[0].axes
     ax.figure.canvas.draw()
     assert ax.yaxis.get_offset_text().get_text() == ""
     assert ax.yaxis.get_ticklabels()[1].get_text().startswith("1")
+
+
+def test_marks_have_keys_and_the_onset_both_units_of_time():
+    result = example_test()
+    (legend,) = endurance_figure(result).legends
+    stage, onset = [text.get_text() for text in legend.get_texts()]
+    assert stage == "stage under load"
+    seconds = result.onset.time
+    assert f"{seconds / 60:.2f} min = {seconds:.1f} s" in onset
+
+
+def test_the_load_begins_at_zero():
+    assert load_profile(example_test())[0].axes.get_ylim()[0] == 0
+
+
+def test_friction_is_drawn_a_second_time_without_the_jump(tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        erlif.plots.endurance, "save_figure", lambda figure, path: drawn.update({path.name: figure})
+    )
+    result = example_test()
+    write_endurance_figures(result, tmp_path)
+    whole, before = drawn["example_friction.png"].axes
+    after = result.onset.friction_before + result.onset.rise
+    assert before.get_ylim()[1] < after < whole.get_ylim()[1]
 
 
 @picture
