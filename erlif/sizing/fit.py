@@ -242,14 +242,21 @@ def _pressed(
     )
 
 
-_UNKNOWN_FIT = "; without what the press fit takes, which is not known"
+def _doubt_about_fit(joint: Joint) -> str:
+    """Why the play that the press fit takes may be another one; empty where there is no reason."""
+    if bore_displacement(joint) is None:
+        return "; without what the press fit takes, which is not known"
+    if joint.interference <= 0:
+        return ""
+    stresses = (_pressed_bushing(joint), _pressed_housing(joint))
+    return "" if all(step.holds for step in stresses) else "; elastic, though the press fit yields"
 
 
 def _relative_play(joint: Joint) -> Step:
     size, play = dimensions_of(joint), assembled_play(joint)
     low, high = RECOMMENDED_PLAY
     wanted = low * 1e-3 * size.pin - 2 * (bore_displacement(joint) or 0.0)
-    known = bore_displacement(joint) is not None
+    doubt = _doubt_about_fit(joint)
     return make_step(
         "relative_play",
         "play over diameter",
@@ -260,9 +267,8 @@ def _relative_play(joint: Joint) -> Step:
         1e3 * play / size.pin,
         least=low,
         most=high,
-        valid=known,
-        validity="heavily loaded grease-lubricated joints with metal bushings"
-        + ("" if known else _UNKNOWN_FIT),
+        valid=not doubt,
+        validity=f"heavily loaded grease-lubricated joints with metal bushings{doubt}",
         reason="Slow oscillating joints have as little play as possible: it raises the peak "
         "pressure and leaves less for wear.",
         alternatives=(
@@ -315,7 +321,7 @@ def _warm_play(joint: Joint) -> Step:
     loss, play, size = growth_loss(joint), assembled_play(joint), dimensions_of(joint)
     # a joint at rest may be tight
     kind: Kind = "limit" if joint.speed(size.pin) else "recommendation"
-    doubts = [] if bore_displacement(joint) is not None else [_UNKNOWN_FIT]
+    doubts = [doubt] if (doubt := _doubt_about_fit(joint)) else []
     if loss is None:
         if kind == "recommendation" or play >= 0:
             missing = "[motion], and expansion and conductivity of the materials"

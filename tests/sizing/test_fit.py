@@ -121,3 +121,7 @@ def test_a_bushing_that_yields_in_its_housing_is_reported():
     most = float(step.alternatives[0].split()[-2])
     least = walk_guide(replace(joint, interference=most * 1e-6)).step("press_bushing")
     assert least.margin == pytest.approx(0, abs=1e-3)
+    # a fit that flows takes another play than an elastic one
+    for key in ("relative_play", "warm_play"):
+        assert not walk_guide(joint).step(key).valid
+        assert walk_guide(replace(joint, interference=60e-6)).step(key).valid
