@@ -332,7 +332,14 @@ def _explain(fault: ErrorDetails, kind: type[Settings]) -> str:
         case "string_pattern_mismatch":
             return f"{where}: expected text without control characters, got {got!r}"
         case _:
-            return f"{where}: {fault['msg'].replace('Input should', 'it should')}; got {got!r}"
+            limit = fault["msg"].replace("Input should", "it should")
+            if fault["type"] in _BOUNDS and (known := _find_key(location, kind)) and known.unit:
+                limit += f" {known.unit.removeprefix('delta_')}"
+            return f"{where}: {limit}; got {got!r}"
+
+
+_BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+"""Faults of a number, whose limit is in the unit in which the key is kept."""
 
 
 def _suggest(key: str, kind: type[Settings], location: tuple[int | str, ...]) -> str:

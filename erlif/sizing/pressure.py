@@ -85,9 +85,9 @@ class Contact:
     modulus : float
         Combined modulus of pin and bushing for eq. 9. [Pa]
     hertz_peak : float
-        Largest pressure of a flat arc; NaN without play. [Pa]
+        Largest pressure of a flat arc; NaN without play or a Poisson's ratio. [Pa]
     hertz_half_angle : float
-        Its half contact angle; NaN without play. [rad]
+        Its half contact angle; NaN where the pressure is. [rad]
     moduli : tuple[float, float]
         Young's moduli of pin and bushing. [Pa]
     """
@@ -159,13 +159,14 @@ def contact_of(joint: Joint) -> Contact | None:
         peak = persson_peak_group(half_angle) * 2 * load / size.pin
 
     flat = flat_angle = math.nan
-    if play > 0:
+    ratios = one.poissons_ratio, two.poissons_ratio
+    if play > 0 and None not in ratios:
         radius = size.pin * (size.pin + play) / (2 * play)
         both = contact_modulus(
             one.youngs_modulus,
-            poisson_1=one.poissons_ratio or 0.0,
+            poisson_1=ratios[0],
             youngs_2=two.youngs_modulus,
-            poisson_2=two.poissons_ratio or 0.0,
+            poisson_2=ratios[1],
         )
         line = hertz_line(load, radius=radius, contact_modulus=both)
         flat = float(line.pressure)
@@ -304,8 +305,14 @@ def _cosine(joint: Joint, contact: Contact | None) -> Step:
 
 def _hertz(joint: Joint, contact: Contact | None) -> Step:
     key, title, equation = "pressure_hertz", "pressure of a flat arc (Hertz)", "eq. 8"
-    if contact is None or math.isnan(contact.hertz_peak):
-        missing = "youngs_modulus of [pin] and [bushing]" if contact is None else "a play above 0"
+    missing = ""
+    if contact is None:
+        missing = "youngs_modulus of [pin] and [bushing]"
+    elif None in (joint.pin.poissons_ratio, joint.bushing.poissons_ratio):
+        missing = "poissons_ratio of [pin] and [bushing]"
+    elif math.isnan(contact.hertz_peak):
+        missing = "a play above 0"
+    if contact is None or missing:
         return missing_step(key, title, equation, "comparison", missing)
     return _against_hardness(
         joint,

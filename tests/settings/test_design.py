@@ -76,9 +76,13 @@ def test_other_units(table, key, text, value):
     ("old", "new", "named"),
     [
         ("safety = 2.0", "safety = 0.5", "safety: it should be greater than or equal to 1"),
-        ('"10 tonne_force"', '"-1 kN"', "force: it should be greater than or equal to 0.001"),
+        (
+            '"10 tonne_force"',
+            '"-1 kN"',
+            "force: it should be greater than or equal to 0.001 N; got",
+        ),
         ('"10 tonne_force"', "100", "without one"),
-        ('"10 tonne_force"', '"1e300 N"', "less than or equal to 10000000000"),
+        ('"10 tonne_force"', '"1e300 N"', "less than or equal to 10000000000 N"),
         ('"C45 QT"', '"C45 QT"\ndiamter = "3 mm"', "did you mean 'diameter'"),
         ('"C45 QT"', '"C45 QT"\ndiameter = "0 mm"', "greater than or equal"),
         ('"C45 QT"', '"C45 QT"\ndiameter = "9 mm"\nhole = "9 mm"', "a hole smaller than the pin"),

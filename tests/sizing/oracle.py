@@ -124,8 +124,8 @@ def margins(j):
     if H is not None and E1 is not None and E2 is not None:
         E1, E2 = E1 / 1e6, E2 / 1e6
         out["pressure_peak"] = below(persson(2 / (1 / E1 + 1 / E2), play, q, d)[1], H / eta)
-        if play > 0:
-            n1, n2 = j.pin.poissons_ratio or 0, j.bushing.poissons_ratio or 0
+        n1, n2 = j.pin.poissons_ratio, j.bushing.poissons_ratio
+        if play > 0 and n1 is not None and n2 is not None:
             E = 1 / ((1 - n1**2) / E1 + (1 - n2**2) / E2)
             R = 1 / (2 / d - 2 / (d + play))
             out["pressure_hertz"] = below(math.sqrt(q * E / (math.pi * R)), H / eta)

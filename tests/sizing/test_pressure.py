@@ -65,6 +65,13 @@ def test_validity_of_the_simple_pressures():
     assert not walk_guide(replace(slow, period=None)).step("seizure").valid
 
 
+def test_hertz_needs_the_ratios_of_poisson():
+    joint = joint_with(1e-4)
+    found = walk_guide(replace(joint, bushing=replace(joint.bushing, poissons_ratio=None)))
+    assert found.step("pressure_hertz").missing == "poissons_ratio of [pin] and [bushing]"
+    assert found.step("pressure_peak").state == "holds"  # plane stress needs none
+
+
 def test_unlike_moduli_are_marked():
     joint = example_joint()
     polymer = replace(joint.bushing, youngs_modulus=2.8e9)

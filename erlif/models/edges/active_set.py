@@ -192,8 +192,9 @@ class _Cells:
         """Modes that leave a rest of the gap whose pressures, over `own`, carry no load."""
         inside = self.modes[:, touching] * (self.area / self.own)[touching]
         matrix = inside @ self.modes[:, touching].T
-        found: Array = np.linalg.lstsq(matrix, inside @ values[touching], rcond=1e-14)[0]
-        return found
+        return np.asarray(
+            np.linalg.lstsq(matrix, inside @ values[touching], rcond=1e-14)[0], dtype=float
+        )
 
     def load_factor(self, pressure: Array, aims: Array) -> Array:
         """Factor, one and the tilts, by which the pressure carries the loads."""
