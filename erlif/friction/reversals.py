@@ -13,9 +13,12 @@ from erlif.core.arrays import Array
 from erlif.core.errors import EnduranceError
 from erlif.files import replacing
 from erlif.friction.plausible import doubt_friction
+from erlif.friction.scatter import spread_of_line
 from erlif.friction.stretches import Stretch, find_stretches
 from erlif.models.arguments import require_not_negative, require_positive
 from erlif.models.friction import friction_coefficient
+
+_NORMAL = 1.959964  # standard deviations of 95 %, for the errors that all pairs share
 
 
 @dataclass(frozen=True)
@@ -31,13 +34,18 @@ class ReversalSeries:
     friction : float
         Mean over the pairs. [1]
     friction_std : float
-        Its standard deviation from all causes. [1]
+        Its standard deviation from all causes, half the width of the interval of 68 %. [1]
     budget : dict[str, float]
         Standard deviation by cause: scatter, torque, load, shaft radius. [1]
     trend : float
         Change of the coefficient from the first to the last pair by a straight line. [1]
     trend_std : float
         Standard deviation of `trend`, from the scatter of the pairs about the line. [1]
+    friction_interval : tuple[float, float]
+        Interval of 95 % of `friction`, wider than 1.96 standard deviations where few pairs are
+        independent. [1]
+    trend_interval : tuple[float, float]
+        Interval of 95 % of `trend`. [1]
     """
 
     pairs: xr.Dataset
@@ -46,6 +54,8 @@ class ReversalSeries:
     budget: dict[str, float]
     trend: float
     trend_std: float
+    friction_interval: tuple[float, float]
+    trend_interval: tuple[float, float]
 
 
 def analyse_friction(
@@ -62,7 +72,9 @@ def analyse_friction(
     """Compute the apparent friction coefficient of a log whose motion reverses.
 
     Half the difference of the torques of two neighbouring stretches of opposite direction is free
-    of an offset of the cell (Colbert et al. 2009, section 2); each stretch belongs to one pair.
+    of an offset of the cell (Colbert et al. 2009, section 2); each stretch belongs to one pair. An
+    offset that drifts would change all pairs alike: its slope between the neighbouring pairs is
+    taken off, so that a linear drift cancels.
 
     Parameters
     ----------
@@ -99,8 +111,8 @@ def analyse_friction(
     -----
     The coefficient is torque over load and radius, mu'. The true one is smaller by the torque
     ratio of the contact, see `erlif.models.friction` and `erlif.models.running_in`. The standard
-    deviation of a mean counts the scatter of the pairs, which includes slow noise, not that of the
-    samples.
+    deviation of a mean counts the scatter of the pairs about a straight line and its correlation
+    over several pairs, not that of the samples.
 
     Examples
     --------
@@ -137,20 +149,25 @@ def analyse_friction(
 
     values = pairs["friction"].values
     mean = float(values.mean())
+    of_mean, of_trend = spread_of_line(pairs["time"].values, values)
     budget = {
-        "scatter": float(values.std(ddof=1) / np.sqrt(values.size)),
+        "scatter": of_mean.std,
         "torque": mean * torque_std,
         "load": mean * load_std,
         "shaft radius": mean * radius_std,
     }
-    trend, trend_std = _trend(pairs["time"].values, values)
+    shared = mean * float(np.linalg.norm([torque_std, load_std, radius_std]))
+    wide = float(np.hypot(of_mean.wide, _NORMAL * shared))
+    trend = _trend(pairs["time"].values, values)
     return ReversalSeries(
         pairs,
-        mean,
-        float(np.sqrt(sum(one**2 for one in budget.values()))),
-        budget,
-        trend,
-        trend_std,
+        friction=mean,
+        friction_std=float(np.hypot(of_mean.std, shared)),
+        budget=budget,
+        trend=trend,
+        trend_std=of_trend.std,
+        friction_interval=(mean - wide, mean + wide),
+        trend_interval=(trend - of_trend.wide, trend + of_trend.wide),
     )
 
 
@@ -192,6 +209,10 @@ def _pairs(time: Array, torque: Array, load: Array, radius: float) -> xr.Dataset
     at = np.array([0.5 * (a.time + b.time) for a, b in found])
     carried = np.array([0.5 * (a.load + b.load) for a, b in found])
     rested = np.array([a.dwell + b.dwell for a, b in found])
+
+    # a drift of the offset within a pair adds to one direction what it takes from the other
+    apart = np.array([(a.time - b.time) * (1 if a.forward else -1) for a, b in found])
+    half -= 0.5 * apart * np.gradient(middle, at)
     return xr.Dataset(
         {
             "friction": ("time", half, {"units": "1"}),
@@ -247,15 +268,12 @@ def _std_of_mean(values: Array) -> float:
     return float(np.sqrt(max(variance, 0.0) / size))
 
 
-def _trend(time: Array, values: Array) -> tuple[float, float]:
+def _trend(time: Array, values: Array) -> float:
+    """Change from the first to the last value, by a straight line."""
     if values.size < 3:
-        return float("nan"), float("nan")
-    span = time[-1] - time[0]
+        return float("nan")
     away = time - time.mean()
-    slope = float(away @ values / (away @ away))
-    left = values - values.mean() - slope * away
-    std = np.sqrt(float(left @ left) / (values.size - 2) / float(away @ away))
-    return slope * span, float(std * span)
+    return float(away @ values / (away @ away) * (time[-1] - time[0]))
 
 
 def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> list[str]:
@@ -286,7 +304,8 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
     """
     lines = [
         f"apparent friction coefficient: {found.friction:.4f} ± {found.friction_std:.4f} "
-        f"({found.pairs.sizes['time']} pairs of stretches)"
+        f"({found.pairs.sizes['time']} pairs of stretches)",
+        "  interval of 95 %: {:.4f} to {:.4f}".format(*found.friction_interval),
     ]
     known = found.pairs.attrs
     lines += doubt_friction(found.friction, radius=known.get("shaft_radius"), arm=known.get("arm"))
@@ -308,7 +327,10 @@ def describe_friction(found: ReversalSeries, *, torque_ratio: float = 1.0) -> li
     if dwell > 0:
         lines.append(f"dwell left out: {dwell:.3g} s of each stretch")
     if np.isfinite(found.trend):
-        lines.append(f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g}")
+        lines.append(
+            f"change over the log: {found.trend:+.2g} ± {found.trend_std:.2g} "
+            "(95 %: {:+.2g} to {:+.2g})".format(*found.trend_interval)
+        )
     if torque_ratio > 1:
         lines.append(
             f"true friction coefficient, at a torque ratio of {torque_ratio:.4g}: "

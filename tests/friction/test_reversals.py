@@ -13,17 +13,33 @@ RADIUS, LOAD = 0.005, 400.0
 
 
 def make_log(
-    rng, *, friction=0.12, drift=0.0, offset=0.04, noise=0.01, slow=0.0, gain=1.0, interval=0.1
+    rng,
+    *,
+    friction=0.12,
+    drift=0.0,
+    offset=0.04,
+    offset_drift=0.0,
+    noise=0.01,
+    slow=0.0,
+    correlation=30.0,
+    gain=1.0,
+    interval=0.1,
+    length=600.0,
 ):
-    """600 s with a reversal each 10 s, a ramp of 0.3 s at each, white and slow noise."""
-    time = np.arange(0.0, 600.0, interval)
+    """A reversal each 10 s, a ramp of 0.3 s at each, white noise, and friction that wanders."""
+    time = np.arange(0.0, length, interval)
     phase = (time % 20.0) / 10.0
     sense = np.clip(np.minimum(phase, 1 - phase) * 33, 0, 1) * (phase < 1)
     back = phase - 1
     sense -= np.clip(np.minimum(back, 1 - back) * 33, 0, 1) * (phase >= 1)
     true = friction + drift * (time / time[-1] - 0.5)
-    wander = np.repeat(slow * rng.normal(size=30), time.size // 30)  # each 20 s another
-    ratio = sense * (true + wander) + offset + noise * rng.normal(size=time.size)
+    if slow > 0:
+        kept = np.exp(-interval / correlation)
+        start = rng.normal()
+        steps = np.sqrt(1 - kept**2) * rng.normal(size=time.size)
+        true = true + slow * lfilter([1], [1, -kept], steps, zi=[kept * start])[0]
+    ratio = sense * true + offset + offset_drift * (time / time[-1] - 0.5)
+    ratio = ratio + noise * rng.normal(size=time.size)
     cells = np.array([np.full(time.size, 0.6 * LOAD), np.full(time.size, 0.8 * LOAD)])
     return xr.Dataset(
         {"cells": (("cell", "time"), cells), "torque": ("time", gain * ratio * LOAD * RADIUS)},
@@ -42,19 +58,32 @@ def test_friction_and_offset_are_found():
     npt.assert_allclose(found.pairs.sliding_distance[0], 0.1, rtol=0.02)
 
 
-def test_standard_deviations_cover():
-    """Gain of the torque 1 % and friction that wanders; bounds of a binomial share of 150 logs."""
+def test_intervals_cover_friction_that_wanders_over_several_pairs():
+    """Mean and trend of 30 logs, gain of the torque 1 %; bounds of a binomial share."""
     rng = np.random.default_rng(5)
-    pulls, drifts = [], []
-    for _ in range(150):
-        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal(), interval=0.4)
+    size, inside = 30, []
+    for _ in range(size):
+        log = make_log(rng, slow=0.004, drift=0.01, gain=1 + 0.01 * rng.normal(), interval=1.0)
         found = analyse_friction(log, shaft_radius=RADIUS, vector=True, torque_std=0.01)
-        pulls.append((found.friction - 0.12) / found.friction_std)
-        drifts.append((found.trend - 0.01 * 29 / 30) / found.trend_std)
-    for values in (pulls, drifts):
-        for width, share in ((1.0, 0.683), (1.96, 0.95)):
-            bound = 3 * np.sqrt(share * (1 - share) / len(values))
-            assert abs(np.mean(np.abs(values) < width) - share) < bound
+        mean, trend = abs(found.friction - 0.12), abs(found.trend - 0.01 * 29 / 30)
+        inside.append(
+            [
+                mean < found.friction_std,
+                trend < found.trend_std,
+                mean < found.friction_interval[1] - found.friction,
+                trend < found.trend_interval[1] - found.trend,
+            ]
+        )
+    for share, held in zip((0.683, 0.683, 0.95, 0.95), np.mean(inside, axis=0), strict=True):
+        assert abs(held - share) < 3 * np.sqrt(share * (1 - share) / size)
+
+
+@pytest.mark.parametrize("change", [-0.04, 0.04])
+def test_an_offset_that_drifts_cancels(change):
+    log = make_log(np.random.default_rng(0), noise=0.0, offset_drift=change, drift=0.01)
+    found = analyse_friction(log, shaft_radius=RADIUS, vector=True)
+    npt.assert_allclose(found.friction, 0.12, rtol=1e-4)
+    npt.assert_allclose(found.trend, 0.01 * 29 / 30, rtol=2e-3)
 
 
 def test_error_of_a_pair_is_that_of_its_noise():

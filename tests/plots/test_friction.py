@@ -13,7 +13,7 @@ from erlif.plots import friction_over_reversals
 @pytest.fixture(scope="module")
 def log():
     time = np.arange(0.0, 80.0, 0.1)
-    torque = 0.6 * np.where(time % 10 < 5, 1, -1) + np.where(time < 40, 0, 0.02) * (time % 10 < 5)
+    torque = np.where(time < 40, 0.6, 0.61) * np.where(time % 10 < 5, 1, -1)
     return xr.Dataset(
         {"cells": (("cell", "time"), [np.full(time.size, 400.0)]), "torque": ("time", torque)},
         {"time": time},
