@@ -125,7 +125,7 @@ def test_a_key_left_out_has_the_documented_default(lab):
             ['expected "free", "guided" or a stiff'],
         ),
         ("[run]", '[prediction]\nsideways = "-5 N/m"\n[run]', ["[prediction] sideways", "above 0"]),
-        ("[run]", '[prediction]\nstart_film = "5"\n[run]', ["[prediction] start_film", '"5 m"']),
+        ("[run]", '[prediction]\nstart_film = "5"\n[run]', ["[prediction] start_film", '"5 mm"']),
         (
             "[run]",
             '[prediction]\ncavitation_pressure = "20 kPa"\n[run]',
