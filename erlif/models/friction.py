@@ -647,6 +647,7 @@ def analyse_endurance(
     >>> load = np.where(time < 600, 36e3, 54e3)
     >>> scatter = np.random.default_rng(1).normal(0.0, 0.01, time.size)
     >>> torque = (np.where(time < 900, 0.15, 0.27) + scatter) * load * 0.03336
+    >>> import warnings
     >>> with warnings.catch_warnings(action="ignore"):
     ...     test = analyse_endurance(
     ...         time,

@@ -161,6 +161,7 @@ class ViscosityFit:
         --------
         Five points without a stated error leave 2 degrees of freedom, a factor of 4.30:
 
+        >>> from erlif.models.oil_fit import fit_viscosity
         >>> fit = fit_viscosity(
         ...     [298.15, 313.15, 333.15, 353.15, 373.15],
         ...     viscosities=[0.300, 0.120, 0.0461, 0.0227, 0.0133],

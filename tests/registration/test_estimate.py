@@ -478,7 +478,7 @@ _SCENES = {
 
 @pytest.mark.slow
 @settings(
-    max_examples=100, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+    max_examples=70, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 @given(
     st.sampled_from(sorted(_SCENES)),
